@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+# The functions every folder uses, so that each CMakeLists.txt is a list of names.
+
+set(CYCLORAMA_SANITIZE "" CACHE STRING "address;undefined or thread")
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "" FORCE)
+endif()
+
+# What the compilers of both Debians share, so that a second build is quick.
+find_program(CYCLORAMA_CCACHE ccache)
+if(CYCLORAMA_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CYCLORAMA_CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${CYCLORAMA_CCACHE})
+endif()
+
+# cyclorama_options: language level, warnings, sanitizers. PRIVATE to our own targets.
+add_library(cyclorama_options INTERFACE)
+target_compile_features(cyclorama_options INTERFACE cxx_std_20)
+target_include_directories(cyclorama_options INTERFACE "${PROJECT_SOURCE_DIR}")
+target_compile_definitions(cyclorama_options INTERFACE CYCLORAMA_VERSION="${PROJECT_VERSION}")
+target_compile_options(cyclorama_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wformat=2 -Wundef
+  # gcc only; -Wnull-dereference is left out: under -O2 gcc 12 sees it in std::variant and in gtest.
+  $<$<CXX_COMPILER_ID:GNU>:-Wduplicated-cond;-Wlogical-op;-Wuseless-cast>)
+if(CYCLORAMA_WERROR)
+  target_compile_options(cyclorama_options INTERFACE -Werror)
+endif()
+if(CYCLORAMA_SANITIZE)
+  list(JOIN CYCLORAMA_SANITIZE "," _san)
+  target_compile_options(cyclorama_options INTERFACE -fsanitize=${_san} -fno-omit-frame-pointer -fno-sanitize-recover=all
+    # gcc 12 warns about Eigen and std internals once the sanitizers have rewritten them.
+    -Wno-error=maybe-uninitialized)
+  target_link_options(cyclorama_options INTERFACE -fsanitize=${_san})
+endif()
+if(CYCLORAMA_FUZZ)
+  target_compile_options(cyclorama_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer)
+  target_link_options(cyclorama_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+# Which top folder may link which. The include rule is checked by tests/lint/check_layers.py.
+set(CYCLORAMA_MAY_USE_common      common)
+set(CYCLORAMA_MAY_USE_drivers     common drivers)
+set(CYCLORAMA_MAY_USE_renderfarm  common renderfarm)
+set(CYCLORAMA_MAY_USE_appliance   common drivers appliance)
+set(CYCLORAMA_MAY_USE_kiosk       common kiosk renderfarm/client)
+
+function(_cyclorama_check_layer name deps)
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE here)
+  string(REGEX REPLACE "/.*" "" top "${here}")
+  foreach(dep IN LISTS deps)
+    if(NOT dep MATCHES "^cyclorama::")
+      continue()
+    endif()
+    get_target_property(aliased ${dep} ALIASED_TARGET)
+    get_target_property(dir ${aliased} CYCLORAMA_FOLDER)
+    set(ok FALSE)
+    foreach(allowed IN LISTS CYCLORAMA_MAY_USE_${top})
+      if("${dir}/" MATCHES "^${allowed}/")
+        set(ok TRUE)
+      endif()
+    endforeach()
+    if(NOT ok)
+      message(FATAL_ERROR "${name} (in ${here}/) may not depend on ${dep} (in ${dir}/). See docs/architecture.md#layers.")
+    endif()
+  endforeach()
+endfunction()
+
+# project_library(NAME warp SOURCES ... PUBLIC cyclorama::geometry PRIVATE ...)
+function(project_library)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME" "SOURCES;PUBLIC;PRIVATE")
+  set(target cyclorama_${arg_NAME})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(cyclorama::${arg_NAME} ALIAS ${target})
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE here)
+  set_target_properties(${target} PROPERTIES CYCLORAMA_FOLDER "${here}" POSITION_INDEPENDENT_CODE ON LINKER_LANGUAGE CXX)
+  target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE cyclorama_options ${arg_PRIVATE})
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  _cyclorama_check_layer(${arg_NAME} "${arg_PUBLIC};${arg_PRIVATE}")
+endfunction()
+
+# project_program(NAME cyclorama-tour COMPONENT museum MAIN tour_main.cpp LINK cyclorama::tour)
+# Installs the program and, where help2man is present, a man page made from its --help.
+function(project_program)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;COMPONENT;MAIN;ABOUT" "LINK")
+  add_executable(${arg_NAME} ${arg_MAIN})
+  target_link_libraries(${arg_NAME} PRIVATE cyclorama_options ${arg_LINK})
+  _cyclorama_check_layer(${arg_NAME} "${arg_LINK}")
+  install(TARGETS ${arg_NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${arg_COMPONENT})
+  set_property(GLOBAL APPEND PROPERTY CYCLORAMA_PROGRAMS ${arg_NAME})
+  set_property(GLOBAL PROPERTY CYCLORAMA_COMPONENT_${arg_NAME} ${arg_COMPONENT})
+endfunction()
+
+# project_test(unit/common/base/result_test LINK cyclorama::base [LABELS unit])
+function(project_test path)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "LINK;LABELS")
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 60)
+  endif()
+  string(REPLACE "/" "." name "${path}")
+  add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}.cpp")
+  target_link_libraries(${name} PRIVATE cyclorama_options ${arg_LINK} GTest::gmock GTest::gtest_main)
+  add_test(NAME ${path} COMMAND ${name})
+  set_tests_properties(${path} PROPERTIES LABELS "${arg_LABELS}" SKIP_RETURN_CODE 77 TIMEOUT ${arg_TIMEOUT}
+    ENVIRONMENT "CYCLORAMA_SHARED=${PROJECT_SOURCE_DIR}/../shared")
+endfunction()
+
+# project_fuzz(fuzz/ply_fuzz LINK cyclorama::scene): a libFuzzer target; tests/fuzz/run starts them.
+function(project_fuzz path)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "LINK")
+  string(REPLACE "/" "." name "${path}")
+  add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}.cpp")
+  target_link_libraries(${name} PRIVATE cyclorama_options ${arg_LINK})
+  target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+endfunction()

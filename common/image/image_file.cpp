@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/image/image_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "common/base/file.h"
+#include "common/image/jpeg.h"
+#include "common/image/png.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::size_t kFileLimitBytes = std::size_t{512} << 20;
+
+bool begins_with(std::span<const std::byte> bytes, std::string_view magic, std::size_t offset = 0) {
+  if (bytes.size() < offset + magic.size()) return false;
+  return std::equal(magic.begin(), magic.end(), bytes.begin() + static_cast<std::ptrdiff_t>(offset),
+                    [](char a, std::byte b) { return static_cast<std::byte>(a) == b; });
+}
+
+Error unsupported(std::span<const std::byte> bytes) {
+  const char* name = "neither PNG nor JPEG";
+  if (bytes.empty()) name = "an empty file";
+  if (begins_with(bytes, "\x76\x2f\x31\x01")) name = "an OpenEXR picture";
+  if (begins_with(bytes, "#?RADIANCE") || begins_with(bytes, "#?RGBE")) name = "a Radiance HDR picture";
+  if (begins_with(bytes, "RIFF") && begins_with(bytes, "WEBP", 8)) name = "a WebP picture";
+  if (begins_with(bytes, "\xabKTX")) name = "a KTX texture";
+  if (begins_with(bytes, "GIF8")) name = "a GIF picture";
+  return Error(ErrorCode::kBadData, fmt::format("this is {}; convert it to PNG or JPEG", name));
+}
+
+}  // namespace
+
+Result<RgbaImage> decode_image(std::span<const std::byte> bytes, std::size_t limit_px) {
+  if (begins_with(bytes, "\x89PNG")) return decode_png(bytes, limit_px);
+  if (!begins_with(bytes, "\xff\xd8")) return unsupported(bytes);
+  JpegDecoder decoder;
+  TRY_ASSIGN(const RgbImage rgb, decoder.decode(bytes, limit_px));
+  RgbaImage rgba(rgb.width(), rgb.height(), 255);
+  for (std::size_t from = 0, to = 0; from < rgb.data().size(); from += 3, to += 4) {
+    std::copy_n(rgb.data().begin() + static_cast<std::ptrdiff_t>(from), 3,
+                rgba.data().begin() + static_cast<std::ptrdiff_t>(to));
+  }
+  return rgba;
+}
+
+Result<RgbaImage> read_image(const std::filesystem::path& path, std::size_t limit_px) {
+  TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kFileLimitBytes));
+  auto image = decode_image(bytes, limit_px);
+  if (!image) return std::move(image).error().while_doing(fmt::format("reading picture '{}'", path.string()));
+  return image;
+}
+
+Result<GreyImage> read_grey_image(const std::filesystem::path& path, std::size_t limit_px) {
+  TRY_ASSIGN(const RgbaImage rgba, read_image(path, limit_px));
+  GreyImage grey(rgba.width(), rgba.height());
+  for (std::size_t i = 0; i < grey.data().size(); ++i) {
+    const auto px = rgba.data().subspan(4 * i, 4);
+    grey.data()[i] = static_cast<std::uint8_t>((299 * px[0] + 587 * px[1] + 114 * px[2] + 500) / 1000);
+  }
+  return grey;
+}
+
+}  // namespace cyclorama

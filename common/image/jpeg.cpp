@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/image/jpeg.h"
+
+#include <fmt/format.h>
+#include <turbojpeg.h>
+
+#include <limits>
+
+namespace cyclorama {
+namespace {
+constexpr int kLargestSidePx = 65500;  // libjpeg's own limit.
+}
+
+struct JpegEncoder::Handle {
+  tjhandle tj = tjInitCompress();
+  unsigned char* buffer = nullptr;  // TurboJPEG's, grown by it, reused.
+  unsigned long capacity = 0;
+  Handle() { CHECK(tj != nullptr); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    tjFree(buffer);
+    tjDestroy(tj);
+  }
+};
+
+JpegEncoder::JpegEncoder() : handle_(std::make_unique<Handle>()) {}
+JpegEncoder::~JpegEncoder() = default;
+JpegEncoder::JpegEncoder(JpegEncoder&&) noexcept = default;
+JpegEncoder& JpegEncoder::operator=(JpegEncoder&&) noexcept = default;
+
+Result<std::vector<std::byte>> JpegEncoder::encode(const std::uint8_t* rgb, int width, int height,
+                                                   std::size_t row_bytes, const JpegOptions& options) {
+  if (width < 1 || height < 1 || width > kLargestSidePx || height > kLargestSidePx ||
+      row_bytes > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    return Error(ErrorCode::kInvalidArgument, fmt::format("a JPEG of {}x{} pixels cannot be written", width, height));
+  }
+  unsigned long size = handle_->capacity;
+  if (tjCompress2(handle_->tj, rgb, width, static_cast<int>(row_bytes), height, TJPF_RGB, &handle_->buffer, &size,
+                  options.subsample_chroma ? TJSAMP_420 : TJSAMP_444, options.quality, 0) != 0) {
+    return Error(ErrorCode::kInvalidArgument, fmt::format("encoding JPEG: {}", tjGetErrorStr2(handle_->tj)));
+  }
+  handle_->capacity = std::max(handle_->capacity, size);
+  const auto* const begin = reinterpret_cast<const std::byte*>(handle_->buffer);
+  return std::vector<std::byte>(begin, begin + size);
+}
+
+Result<std::vector<std::byte>> JpegEncoder::encode(const RgbImage& image, const JpegOptions& options) {
+  return encode(image.data().data(), image.width(), image.height(), image.row_values(), options);
+}
+
+struct JpegDecoder::Handle {
+  tjhandle tj = tjInitDecompress();
+  Handle() { CHECK(tj != nullptr); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() { tjDestroy(tj); }
+
+  Error bad(const char* doing) const {
+    return Error(ErrorCode::kBadData, fmt::format("{}: {}", doing, tjGetErrorStr2(tj)));
+  }
+  Status decode(std::span<const std::byte> jpeg, unsigned char* pixels, int width, int height, std::size_t row_bytes,
+                int format) {
+    // A scan limit: progressive files can otherwise ask for hours of work in a few kilobytes.
+    const int flags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
+    if (tjDecompress2(tj, reinterpret_cast<const unsigned char*>(jpeg.data()), jpeg.size(), pixels, width,
+                      static_cast<int>(row_bytes), height, format, flags) != 0) {
+      return bad("decoding JPEG");
+    }
+    return Done{};
+  }
+};
+
+JpegDecoder::JpegDecoder() : handle_(std::make_unique<Handle>()) {}
+JpegDecoder::~JpegDecoder() = default;
+JpegDecoder::JpegDecoder(JpegDecoder&&) noexcept = default;
+JpegDecoder& JpegDecoder::operator=(JpegDecoder&&) noexcept = default;
+
+Result<JpegSize> JpegDecoder::size_of(std::span<const std::byte> jpeg) {
+  JpegSize size;
+  int subsampling = 0;
+  int colourspace = 0;
+  if (tjDecompressHeader3(handle_->tj, reinterpret_cast<const unsigned char*>(jpeg.data()), jpeg.size(), &size.width,
+                          &size.height, &subsampling, &colourspace) != 0) {
+    return handle_->bad("reading the JPEG header");
+  }
+  if (size.width < 1 || size.height < 1) return Error(ErrorCode::kBadData, "the JPEG header gives no size");
+  return size;
+}
+
+namespace {
+Status check_limit(JpegSize size, std::size_t limit_px) {
+  if (static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) <= limit_px) return Done{};
+  return Error(ErrorCode::kBadData, fmt::format("the JPEG has {}x{} pixels; at most {} pixels are accepted here",
+                                                size.width, size.height, limit_px));
+}
+}  // namespace
+
+Result<RgbImage> JpegDecoder::decode(std::span<const std::byte> jpeg, std::size_t limit_px) {
+  TRY_ASSIGN(const JpegSize size, size_of(jpeg));
+  TRY(check_limit(size, limit_px));
+  RgbImage image(size.width, size.height);
+  TRY(handle_->decode(jpeg, image.data().data(), size.width, size.height, image.row_values(), TJPF_RGB));
+  return image;
+}
+
+Result<GreyImage> JpegDecoder::decode_grey(std::span<const std::byte> jpeg, std::size_t limit_px) {
+  TRY_ASSIGN(const JpegSize size, size_of(jpeg));
+  TRY(check_limit(size, limit_px));
+  GreyImage image(size.width, size.height);
+  TRY(handle_->decode(jpeg, image.data().data(), size.width, size.height, image.row_values(), TJPF_GRAY));
+  return image;
+}
+
+Status JpegDecoder::decode_into(std::span<const std::byte> jpeg, std::uint8_t* rgb, int width, int height,
+                                std::size_t row_bytes) {
+  TRY_ASSIGN(const JpegSize size, size_of(jpeg));
+  if (size.width != width || size.height != height) {
+    return Error(ErrorCode::kBadData, fmt::format("the JPEG has {}x{} pixels where {}x{} were announced", size.width,
+                                                  size.height, width, height));
+  }
+  return handle_->decode(jpeg, rgb, width, height, row_bytes, TJPF_RGB);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One line per event, for an operator. Only mains and the services that give up log; libraries return errors.
+#pragma once
+
+#include <string_view>
+
+namespace cyclorama {
+
+/// syslog's levels; under systemd the journal sees them (sd-daemon(3) prefixes), on a terminal people see words.
+enum class LogLevel { kError = 3, kWarning = 4, kNotice = 5, kInfo = 6, kDebug = 7 };
+
+/// Writes one line to standard error. Control bytes are made printable. Thread-safe.
+void log(LogLevel level, std::string_view message);
+
+/// Drops what is less urgent than `least`; kInfo at the start. Thread-safe.
+void set_log_level(LogLevel least);
+
+}  // namespace cyclorama

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/wire/channel.h"
+
+#include <fmt/format.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server_builder.h>
+
+#include <array>
+#include <utility>
+
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::array<std::pair<ErrorCode, grpc::StatusCode>, 7> kCodes{{
+    {ErrorCode::kInvalidArgument, grpc::StatusCode::INVALID_ARGUMENT},
+    {ErrorCode::kNotFound, grpc::StatusCode::NOT_FOUND},
+    {ErrorCode::kBusy, grpc::StatusCode::RESOURCE_EXHAUSTED},
+    {ErrorCode::kUnavailable, grpc::StatusCode::UNAVAILABLE},
+    {ErrorCode::kTimedOut, grpc::StatusCode::DEADLINE_EXCEEDED},
+    {ErrorCode::kBadData, grpc::StatusCode::DATA_LOSS},
+    {ErrorCode::kSystem, grpc::StatusCode::INTERNAL},
+}};
+
+/// HOST:PORT, with IPv6 addresses in brackets.
+Status check_address(const std::string& address) {
+  const std::size_t colon = address.rfind(':');
+  const bool has_port = colon != std::string::npos && colon > 0;
+  const auto port = has_port ? parse_integer(std::string_view(address).substr(colon + 1)) : std::nullopt;
+  const std::string host = has_port ? address.substr(0, colon) : "";
+  const bool bare_ipv6 = host.find(':') != std::string::npos && (host.front() != '[' || host.back() != ']');
+  if (!port || *port < 0 || *port > 65535 || bare_ipv6) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("'{}' is not an address; write HOST:PORT, such as [::1]:7401", printable(address)));
+  }
+  return Done{};
+}
+
+}  // namespace
+
+grpc::Status to_grpc(const Error& error) {
+  for (const auto& [ours, theirs] : kCodes) {
+    if (ours == error.code()) return {theirs, error.message()};
+  }
+  return {grpc::StatusCode::UNKNOWN, error.message()};
+}
+
+Error from_grpc(const grpc::Status& status, std::string_view doing) {
+  CHECK(!status.ok());
+  ErrorCode code = ErrorCode::kUnavailable;  // CANCELLED and UNKNOWN: the peer went away.
+  for (const auto& [ours, theirs] : kCodes) {
+    if (theirs == status.error_code()) code = ours;
+  }
+  const std::string reason = status.error_message().empty() ? "the peer gave no reason" : status.error_message();
+  return Error(code, fmt::format("{}: {}", doing, reason));
+}
+
+Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address) {
+  TRY(check_address(address));
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMessageLimitBytes);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // A connection of its own, so that one slow stream delays no other.
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address,
+                                                      const std::vector<grpc::Service*>& services) {
+  TRY(check_address(address));
+  grpc::ServerBuilder builder;
+  int port = 0;
+  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
+  builder.SetMaxReceiveMessageSize(kMessageLimitBytes);
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // Two heads on one port would share the visitors at random.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 2000);
+  for (grpc::Service* const service : services) builder.RegisterService(service);
+  std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
+  if (server == nullptr || port == 0) {
+    return Error(ErrorCode::kBusy, fmt::format("cannot listen on {}: the port is taken, or the address is not of this "
+                                               "machine; stop the other program or choose another", address));
+  }
+  return std::unique_ptr<WireServer>(new WireServer(std::move(server), port));
+}
+
+WireServer::~WireServer() { stop(Duration::zero()); }
+
+void WireServer::stop(Duration grace) {
+  // gRPC's deadlines are on the system clock.
+  server_->Shutdown(std::chrono::system_clock::now() +
+                    std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
+}
+
+}  // namespace cyclorama

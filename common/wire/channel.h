@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// gRPC as this house uses it: addresses, limits, keep-alive, and errors that survive the crossing.
+#pragma once
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+#include <grpcpp/server.h>
+#include <grpcpp/support/status.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// No message is larger: a whole 16k-wide frame's tile at full quality fits many times over.
+inline constexpr int kMessageLimitBytes = 16 << 20;
+
+/// ErrorCode and gRPC status, one to one; the message crosses unchanged.
+[[nodiscard]] grpc::Status to_grpc(const Error& error);
+/// Precondition: !status.ok(). `doing` is what this side was doing: "opening the visit".
+[[nodiscard]] Error from_grpc(const grpc::Status& status, std::string_view doing);
+
+/// A channel to "[::1]:7401" (or a name and port). It dials when it is used, keeps alive every 5 s and dials again with a
+/// back-off of 0.1 to 2 s. Thread-safe once made.
+/// kInvalidArgument  not HOST:PORT; an IPv6 address needs its brackets.
+Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address);
+
+/// A listening server. Destroy or stop() it before its services. Thread-safe.
+class WireServer {
+ public:
+  /// Starts to serve on `address`; port 0 takes a free one. The services are borrowed until stop().
+  /// kInvalidArgument  as make_channel().     kBusy  the port is taken.
+  static Result<std::unique_ptr<WireServer>> start(const std::string& address,
+                                                   const std::vector<grpc::Service*>& services);
+  ~WireServer();
+  WireServer(const WireServer&) = delete;
+  WireServer& operator=(const WireServer&) = delete;
+
+  [[nodiscard]] int port() const { return port_; }
+  /// Gives calls until `grace` has passed to end by themselves, then cancels them. Blocks; may be called twice.
+  void stop(Duration grace);
+
+ private:
+  WireServer(std::unique_ptr<grpc::Server> server, int port) : server_(std::move(server)), port_(port) {}
+  std::unique_ptr<grpc::Server> server_;
+  int port_;
+};
+
+}  // namespace cyclorama

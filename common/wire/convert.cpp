@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/wire/convert.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+constexpr std::uint32_t kCutPx = 16;
+constexpr std::uint32_t kMostSamples = 4096;
+
+Error refuse(const char* field, const std::string& what) {
+  return Error(ErrorCode::kInvalidArgument, fmt::format("view.{} {}", field, what));
+}
+
+}  // namespace
+
+Eigen::Vector3d from_wire(const wire::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+void to_wire(const Eigen::Vector3d& v, wire::Vector3* ret_v) {
+  ret_v->set_x(v.x());
+  ret_v->set_y(v.y());
+  ret_v->set_z(v.z());
+}
+
+Result<Panorama> from_wire(const wire::Panorama& p) {
+  Panorama panorama;
+  // A count beyond int becomes negative or large, and validate() refuses both.
+  panorama.width_px = static_cast<int>(p.width_px());
+  panorama.height_px = static_cast<int>(p.height_px());
+  panorama.azimuth_span_rad = p.azimuth_span_rad();
+  panorama.tan_elevation_top = p.tan_elevation_top();
+  panorama.tan_elevation_bottom = p.tan_elevation_bottom();
+  TRY(panorama.validate());
+  return panorama;
+}
+
+void to_wire(const Panorama& p, wire::Panorama* ret_p) {
+  ret_p->set_width_px(static_cast<std::uint32_t>(p.width_px));
+  ret_p->set_height_px(static_cast<std::uint32_t>(p.height_px));
+  ret_p->set_azimuth_span_rad(p.azimuth_span_rad);
+  ret_p->set_tan_elevation_top(p.tan_elevation_top);
+  ret_p->set_tan_elevation_bottom(p.tan_elevation_bottom);
+}
+
+Status validate(const wire::View& view) {
+  if (view.number() == 0) return refuse("number", "is 0; views count from 1");
+  if (!from_wire(view.eye_m()).allFinite()) return refuse("eye_m", "is not finite");
+  if (!std::isfinite(view.heading_rad())) return refuse("heading_rad", "is not finite");
+  if (view.samples() < 1 || view.samples() > kMostSamples) {
+    return refuse("samples", fmt::format("is {}; it must be 1 to {}", view.samples(), kMostSamples));
+  }
+  if (view.jpeg_quality() < 1 || view.jpeg_quality() > 100) {
+    return refuse("jpeg_quality", fmt::format("is {}; it must be 1 to 100", view.jpeg_quality()));
+  }
+  TRY(from_wire(view.panorama()));
+  return Done{};
+}
+
+Status validate(const wire::Tile& tile, const Panorama& picture) {
+  const std::uint64_t right = std::uint64_t{tile.x_px()} + tile.width_px();
+  const std::uint64_t bottom = std::uint64_t{tile.y_px()} + tile.height_px();
+  if (tile.width_px() == 0 || tile.height_px() == 0 || tile.x_px() % kCutPx != 0 || tile.y_px() % kCutPx != 0 ||
+      right > static_cast<std::uint64_t>(picture.width_px) || bottom > static_cast<std::uint64_t>(picture.height_px)) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("tile {}x{} at ({}, {}) does not fit a picture of {}x{}", tile.width_px(), tile.height_px(),
+                             tile.x_px(), tile.y_px(), picture.width_px, picture.height_px));
+  }
+  return Done{};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Between wire messages and the house's types; what comes from the wire is checked here, once.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/base/result.h"
+#include "common/geometry/panorama.h"
+#include "common/wire/view.pb.h"
+
+namespace cyclorama {
+
+[[nodiscard]] Eigen::Vector3d from_wire(const wire::Vector3& v);
+void to_wire(const Eigen::Vector3d& v, wire::Vector3* ret_v);
+
+/// kInvalidArgument  as Panorama::validate().
+Result<Panorama> from_wire(const wire::Panorama& p);
+void to_wire(const Panorama& p, wire::Panorama* ret_p);
+
+/// Everything in a view that a node or a display relies on. kInvalidArgument names the field.
+Status validate(const wire::View& view);
+/// That a tile lies inside its picture and starts on a 16-pixel cut. kInvalidArgument.
+Status validate(const wire::Tile& tile, const Panorama& picture);
+
+}  // namespace cyclorama

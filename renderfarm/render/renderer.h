@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Panorama pixels out of a scene. The node and the tools stand on this; Embree is behind it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "common/base/result.h"
+#include "common/geometry/panorama.h"
+#include "common/image/image.h"
+
+namespace cyclorama {
+
+struct Scene;
+
+/// A picture to be made: where the eye is, where it looks, how finely. Scene frame.
+struct PanoramaView {
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();
+  double heading_rad = 0.0;
+  Panorama panorama;
+  int samples = 1;         ///< Per pixel.
+  std::uint64_t seed = 0;  ///< With pixel and sample it decides every random number: tiling changes nothing.
+};
+
+struct PixelRect {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
+struct RenderCost {
+  double cpu_seconds = 0.0;  ///< Thread time, summed over the threads.
+  double wall_seconds = 0.0;
+  std::uint64_t rays = 0;
+};
+
+/// One scene, committed for tracing. Thread-safe once built: several threads may call render() with their own pictures.
+class Renderer {
+ public:
+  /// Takes the scene and builds the BVH with `threads` threads (0: all of them). `progress` may be null.
+  /// kInvalidArgument  the scene has no triangles.     kSystem  out of memory, said before the machine swaps.
+  static Result<std::unique_ptr<Renderer>> build(Scene scene, int threads, const std::function<void(double)>& progress);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// Renders `rect` of the view into `ret_pixels`, resized to the rect, tone mapped, sRGB. Stops early, leaving pixels
+  /// black, when `cancelled` (may be null) returns true; it is asked once per 16x16 cell, from any thread.
+  RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                    const std::function<bool()>& cancelled) const;
+  /// The same before tone mapping: linear radiance times exposure.
+  RenderCost render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
+                             const std::function<bool()>& cancelled) const;
+
+  [[nodiscard]] const Scene& scene() const;
+  [[nodiscard]] double build_seconds() const;
+  [[nodiscard]] std::size_t bvh_bytes() const;
+
+ private:
+  struct State;
+  explicit Renderer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cyclorama

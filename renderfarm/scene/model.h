@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What an importer reads from one file, in that file's own axes and units.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/image/image.h"
+
+namespace cyclorama {
+
+enum class WrapMode : std::uint8_t { kRepeat, kMirror, kClamp };
+
+/// 8-bit RGBA as stored in the file; whether RGB is sRGB-coded follows from what it is used for.
+struct Texture {
+  RgbaImage pixels;
+  WrapMode wrap_u = WrapMode::kRepeat;
+  WrapMode wrap_v = WrapMode::kRepeat;
+  bool nearest = false;  ///< Sample the nearest texel instead of interpolating.
+};
+
+/// A texture as a material uses it. (u, v)' = transform * (u, v, 1); v counts down from the first row.
+struct TextureUse {
+  int texture = -1;  ///< Index into Model::textures; -1 is none.
+  int texcoord = 0;  ///< Which of the mesh's sets, 0 or 1.
+  Eigen::Matrix<float, 2, 3> transform = (Eigen::Matrix<float, 2, 3>() << 1, 0, 0, 0, 1, 0).finished();
+};
+
+enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
+
+/// glTF 2.0's metallic-roughness material; factors are linear. Source: glTF 2.0, section 3.9.
+struct Material {
+  std::string name;
+  Eigen::Vector4f base_colour = Eigen::Vector4f::Ones();
+  TextureUse base_colour_texture;  ///< sRGB.
+  float metallic = 1.0f;
+  float roughness = 1.0f;
+  TextureUse metallic_roughness_texture;  ///< Linear; roughness in G, metallic in B.
+  TextureUse normal_texture;              ///< Linear; tangent space.
+  float normal_scale = 1.0f;
+  Eigen::Vector3f emissive = Eigen::Vector3f::Zero();  ///< Radiance; strength included.
+  TextureUse emissive_texture;                         ///< sRGB.
+  AlphaMode alpha_mode = AlphaMode::kOpaque;
+  float alpha_cutoff = 0.5f;
+  bool double_sided = false;
+};
+
+/// Indexed triangles with one material. All vectors but positions may be empty; else they have one entry per vertex.
+struct Mesh {
+  std::string name;
+  /// Added in double to every position: files with large coordinates keep their precision.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  std::vector<std::array<float, 3>> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::array<float, 3>> normals;                   ///< Unit length. Empty: flat, from the triangle.
+  std::array<std::vector<std::array<float, 2>>, 2> texcoords;
+  std::vector<std::array<float, 4>> tangents;                  ///< As glTF: w is the handedness. May be empty.
+  std::vector<std::array<std::uint8_t, 4>> colours;            ///< sRGB-coded RGB, linear alpha; multiplies base_colour.
+  int material = 0;                                            ///< Index into Model::materials.
+};
+
+/// A mesh placed in the model: p_model = T_model_mesh * (origin + position).
+struct Instance {
+  int mesh = 0;
+  Eigen::Affine3d T_model_mesh = Eigen::Affine3d::Identity();
+};
+
+enum class LightKind : std::uint8_t { kPoint, kSpot, kDirectional };
+
+/// KHR_lights_punctual, with a size for soft shadows.
+struct Light {
+  std::string name;
+  LightKind kind = LightKind::kPoint;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction = -Eigen::Vector3d::UnitY();  ///< Where it shines; unit length. Spot and directional.
+  /// Linear colour times candela (point, spot) or lux (directional).
+  Eigen::Vector3f intensity = Eigen::Vector3f::Ones();
+  double radius_m = 0.0;          ///< Of the shining sphere; for directional lights, tangent of its angular radius.
+  double range_m = 0.0;           ///< Fades to nothing there; 0 is without end.
+  double inner_cone_rad = 0.0;    ///< Spot: full intensity inside, none outside the outer cone.
+  double outer_cone_rad = 0.7853981633974483;
+};
+
+/// A value. Invariants, kept by every importer: all indices are inside their vectors, all numbers are finite, there is
+/// at least one material.
+struct Model {
+  std::vector<Texture> textures;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<Light> lights;
+  /// What the file asked for and did not get, one sentence each: "KHR_materials_sheen is not supported: ignored".
+  std::vector<std::string> notes;
+};
+
+/// What one import may cost; a file that asks for more is refused before memory is taken.
+struct ImportLimits {
+  std::size_t memory_bytes = std::size_t{16} << 30;
+  std::size_t texture_px = std::size_t{16384} * 16384;  ///< Of one texture.
+};
+
+// Importers. Each returns kNotFound, kSystem (the file cannot be read) or kBadData: one sentence with file, place and
+// remedy. Reentrant. Triangles whose corners are not finite are dropped and counted in a note.
+
+/// glTF 2.0, text or binary.
+Result<Model> import_gltf(const std::filesystem::path& path, const ImportLimits& limits);
+/// PLY, ASCII or binary of either byte order.
+Result<Model> import_ply(const std::filesystem::path& path, const ImportLimits& limits);
+/// Wavefront OBJ with its MTL files.
+Result<Model> import_obj(const std::filesystem::path& path, const ImportLimits& limits);
+
+}  // namespace cyclorama

@@ -9,6 +9,7 @@
 #include <set>
 
 #define TOML_EXCEPTIONS 0
+#define TOML_HEADER_ONLY 1
 #include <toml++/toml.h>
 
 #include "common/base/file.h"

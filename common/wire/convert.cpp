@@ -71,4 +71,27 @@ Status validate(const wire::Tile& tile, const Panorama& picture) {
   return Done{};
 }
 
+Status validate(const wire::SceneDescription& scene) {
+  const auto refuse_scene = [](const std::string& what) { return Error(ErrorCode::kInvalidArgument, "scene." + what); };
+  const auto is_pose = [](const wire::Vector3& eye, double heading) {
+    return from_wire(eye).allFinite() && std::isfinite(heading);
+  };
+  if (scene.name().empty()) return refuse_scene("name is empty");
+  if (!is_pose(scene.start_eye_m(), scene.start_heading_rad())) return refuse_scene("start is not finite");
+  if (!std::isfinite(scene.eye_height_m())) return refuse_scene("eye_height_m is not finite");
+  if (!std::isfinite(scene.walking_scale()) || scene.walking_scale() <= 0.0) {
+    return refuse_scene(fmt::format("walking_scale is {}; it must be above 0", scene.walking_scale()));
+  }
+  if (scene.walkable_size() < 3) {
+    return refuse_scene(fmt::format("walkable has {} corners; it must have at least 3", scene.walkable_size()));
+  }
+  for (const wire::GroundPoint& corner : scene.walkable()) {
+    if (!std::isfinite(corner.x_m()) || !std::isfinite(corner.z_m())) return refuse_scene("walkable is not finite");
+  }
+  for (const wire::TourStop& stop : scene.stops()) {
+    if (!is_pose(stop.eye_m(), stop.heading_rad())) return refuse_scene("stops: '" + stop.title() + "' is not finite");
+  }
+  return Done{};
+}
+
 }  // namespace cyclorama

@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "common/geometry/panorama.h"
+#include "common/wire/farm.pb.h"
 #include "common/wire/view.pb.h"
 
 namespace cyclorama {
@@ -21,5 +22,7 @@ void to_wire(const Panorama& p, wire::Panorama* ret_p);
 Status validate(const wire::View& view);
 /// That a tile lies inside its picture and starts on a 16-pixel cut. kInvalidArgument.
 Status validate(const wire::Tile& tile, const Panorama& picture);
+/// That a scene can be walked in: finite poses, three corners or more, a positive scale. kInvalidArgument names the field.
+Status validate(const wire::SceneDescription& scene);
 
 }  // namespace cyclorama

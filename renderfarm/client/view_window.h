@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Which views are on their way to the farm, and whether what comes back follows farm.proto's order.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "common/base/result.h"
+#include "common/wire/view.pb.h"
+
+namespace cyclorama {
+
+/// More would only make pictures older: one is rendered while the other crosses the network.
+inline constexpr std::size_t kFramesInFlight = 2;
+
+/// One slot for the view that waits, and the views that were sent and not yet answered. Pure; thread-bound.
+///
+///   put() ──► waiting (one, newest wins) ──take_sendable()──► in flight (at most two) ──end() or skipped──► forgotten
+///                 ▲                                                │
+///                 └──────────────── lose(): the newest ────────────┘
+///
+/// Invariant: at most one frame is open (begun and not ended), and it is in flight.
+class ViewWindow {
+ public:
+  /// True if a view that waited was dropped for this one. Precondition: numbers grow.
+  bool put(wire::View view);
+  /// The waiting view, when fewer than kFramesInFlight are in flight; it is in flight from now on.
+  std::optional<wire::View> take_sendable();
+
+  /// What the farm answers, in the order in which it comes. Each is kBadData when it breaks farm.proto: another frame
+  /// is open, a number that was not asked for, a tile twice or outside, a "complete" frame with holes.
+  Status begin(const wire::View& view);
+  Status accept(const wire::Tile& tile);
+  Status end(const wire::FrameEnd& end);
+
+  /// The farm is gone. The newest unanswered view waits again, unless a newer one waits already.
+  /// Returns the number of the frame that was open, if one was.
+  std::optional<std::uint64_t> lose();
+
+  [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }
+  [[nodiscard]] bool is_sendable() const { return waiting_ && in_flight_.size() < kFramesInFlight; }
+
+ private:
+  std::uint64_t newest_ = 0;
+  std::optional<wire::View> waiting_;
+  std::deque<wire::View> in_flight_;  ///< Growing numbers; while a frame is open, it is the front.
+  bool open_ = false;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> corners_;  ///< Of the open frame's tiles.
+  std::uint64_t covered_px_ = 0;
+};
+
+}  // namespace cyclorama

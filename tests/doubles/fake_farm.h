@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A render farm without one: a head on [::1] that answers every view with tiles of one plain colour, as it is told to.
+#pragma once
+
+#include <grpcpp/server_context.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/image/jpeg.h"
+#include "common/wire/channel.h"
+#include "common/wire/farm.grpc.pb.h"
+
+namespace cyclorama {
+
+/// A scene with a square of 20 m to walk in.
+inline wire::SceneDescription fake_scene(const std::string& name) {
+  wire::SceneDescription scene;
+  scene.set_name(name);
+  scene.set_title("A plain room");
+  scene.set_triangles_seen(12);
+  scene.set_triangles_stored(12);
+  scene.mutable_start_eye_m()->set_y(1.6);
+  scene.set_eye_height_m(1.6);
+  scene.set_walking_scale(1.0);
+  for (const auto& [x, z] : {std::pair{-10.0, -10.0}, {10.0, -10.0}, {10.0, 10.0}, {-10.0, 10.0}}) {
+    wire::GroundPoint* const corner = scene.add_walkable();
+    corner->set_x_m(x);
+    corner->set_z_m(z);
+  }
+  return scene;
+}
+
+/// Listens from construction on, on a free port, or on the one given (so that a test can restart it). Thread-safe.
+class FakeFarm final : public wire::Farm::Service {
+ public:
+  explicit FakeFarm(wire::SceneDescription scene = fake_scene("plain"), int port = 0) : scene_(std::move(scene)) {
+    auto server = WireServer::start("[::1]:" + std::to_string(port), {this});
+    CHECK(server);
+    server_ = *std::move(server);
+    port_ = server_->port();
+  }
+  ~FakeFarm() override { stop(); }
+  FakeFarm(const FakeFarm&) = delete;
+  FakeFarm& operator=(const FakeFarm&) = delete;
+
+  [[nodiscard]] int port() const { return port_; }
+  [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(port_); }
+
+  // The script, to be changed at any time.
+
+  /// Frames are answered only while open; closed, views are received and wait.
+  void set_gate(bool open) {
+    change([&] { gate_open_ = open; });
+  }
+  /// The next visits are refused with this; OK ends that.
+  void refuse_visits(grpc::Status status) {
+    change([&] { refusal_ = std::move(status); });
+  }
+  /// The next frame gets its `begin`, this many tiles, and then the stream breaks.
+  void break_next_frame_after(int tiles) {
+    change([&] { break_after_ = tiles; });
+  }
+  /// Cancels every visit and listens no more.
+  void stop() {
+    change([&] { stopping_ = true; });
+    server_->stop(Duration::zero());
+  }
+
+  // What happened.
+
+  [[nodiscard]] std::vector<wire::View> views() const {
+    const std::lock_guard lock(mutex_);
+    return views_;
+  }
+  [[nodiscard]] int visits() const {
+    const std::lock_guard lock(mutex_);
+    return visits_;
+  }
+  [[nodiscard]] wire::OpenVisit last_open() const {
+    const std::lock_guard lock(mutex_);
+    return last_open_;
+  }
+  /// Waits until that many views have come, in all visits together; false at the deadline.
+  bool wait_for_views(std::size_t count, Duration limit = std::chrono::seconds(10)) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, limit, [&] { return views_.size() >= count; });
+  }
+
+  /// The colour of frame `number`: sRGB, R G B.
+  static void colour_of(std::uint64_t number, std::uint8_t (&ret_rgb)[3]) {
+    for (unsigned i = 0; i < 3; ++i) ret_rgb[i] = static_cast<std::uint8_t>(40 + (number * (37 + 20 * i)) % 200);
+  }
+
+ private:
+  using Stream = grpc::ServerReaderWriter<wire::VisitReply, wire::VisitRequest>;
+  struct Inbox {
+    std::vector<wire::View> waiting;
+    bool closed = false;
+  };
+
+  template <typename Change>
+  void change(Change&& make) {
+    {
+      const std::lock_guard lock(mutex_);
+      make();
+    }
+    changed_.notify_all();
+  }
+
+  grpc::Status ListScenes(grpc::ServerContext*, const wire::ListScenesRequest*, wire::ListScenesReply* reply) override {
+    reply->add_scenes()->set_name(scene_.name());
+    reply->mutable_scenes(0)->set_title(scene_.title());
+    return grpc::Status::OK;
+  }
+
+  grpc::Status Visit(grpc::ServerContext* context, Stream* stream) override {
+    wire::VisitRequest first;
+    if (!stream->Read(&first) || !first.has_open()) return {grpc::StatusCode::INVALID_ARGUMENT, "open comes first"};
+    {
+      const std::lock_guard lock(mutex_);
+      ++visits_;
+      last_open_ = first.open();
+      if (!refusal_.ok()) return refusal_;
+    }
+    changed_.notify_all();
+    wire::VisitReply opened;
+    *opened.mutable_opened() = scene_;
+    stream->Write(opened);
+    Inbox inbox;
+    std::thread reader([&] { read_views(*stream, &inbox); });
+    const grpc::Status status = answer(*stream, &inbox);
+    context->TryCancel();
+    reader.join();
+    return status;
+  }
+
+  void read_views(Stream& stream, Inbox* inbox) {
+    wire::VisitRequest request;
+    while (stream.Read(&request)) {
+      change([&] {
+        views_.push_back(request.view());
+        inbox->waiting.push_back(request.view());
+      });
+    }
+    change([&] { inbox->closed = true; });
+  }
+
+  grpc::Status answer(Stream& stream, Inbox* inbox) {
+    for (;;) {
+      wire::View view;
+      int tiles = -1;
+      {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return stopping_ || inbox->closed || (gate_open_ && !inbox->waiting.empty()); });
+        if (stopping_ || inbox->closed) return grpc::Status::OK;
+        view = inbox->waiting.front();
+        inbox->waiting.erase(inbox->waiting.begin());
+        tiles = std::exchange(break_after_, -1);
+      }
+      if (!send_frame(stream, view, tiles)) return {grpc::StatusCode::UNAVAILABLE, "the script broke the stream"};
+    }
+  }
+
+  static bool send_frame(Stream& stream, const wire::View& view, int break_after) {
+    constexpr std::uint32_t kTilePx = 256;
+    wire::VisitReply reply;
+    *reply.mutable_begin() = view;
+    bool sent = stream.Write(reply);
+    std::uint32_t tiles = 0;
+    for (std::uint32_t y = 0; y < view.panorama().height_px(); y += kTilePx) {
+      for (std::uint32_t x = 0; x < view.panorama().width_px(); x += kTilePx) {
+        if (break_after >= 0 && static_cast<int>(tiles) >= break_after) return false;
+        wire::Tile* const tile = reply.mutable_tile();
+        tile->set_view_number(view.number());
+        tile->set_x_px(x);
+        tile->set_y_px(y);
+        tile->set_width_px(std::min(kTilePx, view.panorama().width_px() - x));
+        tile->set_height_px(std::min(kTilePx, view.panorama().height_px() - y));
+        tile->set_jpeg(plain_jpeg(view, static_cast<int>(tile->width_px()), static_cast<int>(tile->height_px())));
+        sent = sent && stream.Write(reply);
+        ++tiles;
+      }
+    }
+    wire::FrameEnd* const end = reply.mutable_end();
+    end->set_view_number(view.number());
+    end->set_tiles(tiles);
+    end->set_complete(true);
+    end->set_nodes(1);
+    end->set_balance_efficiency(1.0);
+    for (const char* const name : {"plan", "render", "encode", "farm"}) {
+      wire::StageTime* const stage = end->add_stages();
+      stage->set_name(name);
+      stage->set_seconds(1e-3);
+    }
+    return sent && stream.Write(reply);
+  }
+
+  static std::string plain_jpeg(const wire::View& view, int width, int height) {
+    RgbImage image(width, height);
+    std::uint8_t rgb[3];
+    colour_of(view.number(), rgb);
+    for (std::size_t i = 0; i < image.data().size(); ++i) image.data()[i] = rgb[i % 3];
+    const auto jpeg = JpegEncoder().encode(image, {static_cast<int>(view.jpeg_quality()), view.subsample_chroma()});
+    CHECK(jpeg);
+    return std::string(reinterpret_cast<const char*>(jpeg->data()), jpeg->size());
+  }
+
+  const wire::SceneDescription scene_;
+  int port_ = 0;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool gate_open_ = true;
+  bool stopping_ = false;
+  int break_after_ = -1;
+  grpc::Status refusal_;
+  std::vector<wire::View> views_;
+  int visits_ = 0;
+  wire::OpenVisit last_open_;
+
+  std::unique_ptr<WireServer> server_;
+};
+
+}  // namespace cyclorama

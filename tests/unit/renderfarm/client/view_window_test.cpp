@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/client/view_window.h"
+
+#include <gtest/gtest.h>
+
+namespace cyclorama {
+namespace {
+
+wire::View view_of(std::uint64_t number, std::uint32_t width = 64, std::uint32_t height = 32) {
+  wire::View view;
+  view.set_number(number);
+  view.set_samples(1);
+  view.set_jpeg_quality(80);
+  view.mutable_panorama()->set_width_px(width);
+  view.mutable_panorama()->set_height_px(height);
+  view.mutable_panorama()->set_azimuth_span_rad(1.0);
+  view.mutable_panorama()->set_tan_elevation_top(0.5);
+  view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
+  return view;
+}
+
+wire::Tile tile_of(std::uint64_t number, std::uint32_t x, std::uint32_t width) {
+  wire::Tile tile;
+  tile.set_view_number(number);
+  tile.set_x_px(x);
+  tile.set_width_px(width);
+  tile.set_height_px(32);
+  return tile;
+}
+
+wire::FrameEnd end_of(std::uint64_t number, std::uint32_t tiles, bool complete = true) {
+  wire::FrameEnd end;
+  end.set_view_number(number);
+  end.set_tiles(tiles);
+  end.set_complete(complete);
+  return end;
+}
+
+TEST(ViewWindow, lets_two_out_and_keeps_only_the_newest_of_the_rest) {
+  ViewWindow window;
+  EXPECT_FALSE(window.put(view_of(1)));
+  EXPECT_EQ(window.take_sendable()->number(), 1u);
+  EXPECT_FALSE(window.put(view_of(2)));
+  EXPECT_EQ(window.take_sendable()->number(), 2u);
+  EXPECT_FALSE(window.put(view_of(3)));
+  EXPECT_FALSE(window.take_sendable());
+  EXPECT_TRUE(window.put(view_of(4)));
+  EXPECT_TRUE(window.begin(view_of(1)));
+  EXPECT_FALSE(window.take_sendable());
+  EXPECT_TRUE(window.end(end_of(1, 0, false)));
+  EXPECT_EQ(window.take_sendable()->number(), 4u);
+  EXPECT_EQ(window.in_flight(), 2u);
+}
+
+TEST(ViewWindow, forgets_the_numbers_that_the_farm_skips) {
+  ViewWindow window;
+  for (std::uint64_t n : {1u, 2u}) {
+    window.put(view_of(n));
+    ASSERT_TRUE(window.take_sendable());
+  }
+  EXPECT_TRUE(window.begin(view_of(2)));
+  EXPECT_EQ(window.in_flight(), 1u);
+  EXPECT_FALSE(window.end(end_of(1, 0, false)));
+}
+
+TEST(ViewWindow, takes_a_whole_frame_and_refuses_one_with_a_hole) {
+  ViewWindow window;
+  for (std::uint64_t n : {1u, 2u}) {
+    window.put(view_of(n));
+    ASSERT_TRUE(window.take_sendable());
+  }
+  ASSERT_TRUE(window.begin(view_of(1)));
+  EXPECT_TRUE(window.accept(tile_of(1, 0, 32)));
+  EXPECT_TRUE(window.accept(tile_of(1, 32, 32)));
+  EXPECT_TRUE(window.end(end_of(1, 2)));
+  ASSERT_TRUE(window.begin(view_of(2)));
+  EXPECT_TRUE(window.accept(tile_of(2, 0, 32)));
+  EXPECT_FALSE(window.end(end_of(2, 1)));
+}
+
+TEST(ViewWindow, refuses_what_breaks_the_order) {
+  ViewWindow window;
+  for (std::uint64_t n : {1u, 2u}) {
+    window.put(view_of(n));
+    ASSERT_TRUE(window.take_sendable());
+  }
+  EXPECT_FALSE(window.accept(tile_of(1, 0, 32)));
+  EXPECT_FALSE(window.end(end_of(1, 0)));
+  EXPECT_FALSE(window.begin(view_of(7)));
+  EXPECT_FALSE(window.begin(view_of(1, 128)));
+  ASSERT_TRUE(window.begin(view_of(1)));
+  EXPECT_FALSE(window.begin(view_of(2)));
+  EXPECT_FALSE(window.accept(tile_of(2, 0, 32)));
+  EXPECT_FALSE(window.accept(tile_of(1, 48, 32)));
+  EXPECT_FALSE(window.accept(tile_of(1, 8, 32)));
+  EXPECT_TRUE(window.accept(tile_of(1, 0, 32)));
+  EXPECT_EQ(window.accept(tile_of(1, 0, 32)).error().code(), ErrorCode::kBadData);
+}
+
+TEST(ViewWindow, asks_again_for_the_newest_view_after_a_loss) {
+  ViewWindow window;
+  for (std::uint64_t n : {1u, 2u}) {
+    window.put(view_of(n));
+    ASSERT_TRUE(window.take_sendable());
+  }
+  ASSERT_TRUE(window.begin(view_of(1)));
+  EXPECT_EQ(window.lose(), 1u);
+  EXPECT_EQ(window.take_sendable()->number(), 2u);
+  window.put(view_of(3));
+  EXPECT_EQ(window.lose(), std::nullopt);
+  EXPECT_EQ(window.take_sendable()->number(), 3u);
+  EXPECT_FALSE(window.take_sendable());
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,0 +1,114 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# One visit, end to end, on this machine: a farm with nodes ray traces a grotto, a museum shows it on a curved wall.
+#
+#   ./demo.sh                                    opens a page; Ctrl-C ends everything
+#   ./demo.sh --headless --seconds 30 --out DIR  leaves DIR/*.png and DIR/summary.json; fails if any part did not work
+#
+#   --scene FILE      a scene package, .glb, .gltf, .ply or .obj; without it a grotto is generated
+#   --triangles N     of the generated grotto (1000000)
+#   --seed S          of the generated grotto (1)
+#   --nodes N         render nodes (2)
+#   --size WxH        the panorama on the wall, in pixels (960x480)
+#   --samples N       rays per pixel (1)
+#   --camera SPEC     the tag camera: simulated (default), file:PHOTO, file:VIDEO
+#   --port N          of the page (8080)
+set -euo pipefail
+cd "$(dirname "$(readlink -f "$0")")"
+started=$(date +%s.%N)
+
+headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 size=960x480 samples=1 camera="" page_port=8080
+usage() { sed -n '3,15s/^# \{0,1\}//p' "$0"; }
+need() { [ $# -ge 2 ] || { echo "demo.sh: $1 needs a value; see --help" >&2; exit 2; }; }
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --headless) headless=1; shift ;;
+    --seconds) need "$@"; seconds=$2; shift 2 ;;
+    --out) need "$@"; out=$2; shift 2 ;;
+    --scene) need "$@"; scene=$2; shift 2 ;;
+    --triangles) need "$@"; triangles=$2; shift 2 ;;
+    --seed) need "$@"; seed=$2; shift 2 ;;
+    --nodes) need "$@"; nodes=$2; shift 2 ;;
+    --size) need "$@"; size=$2; shift 2 ;;
+    --samples) need "$@"; samples=$2; shift 2 ;;
+    --camera) need "$@"; camera=$2; shift 2 ;;
+    --port) need "$@"; page_port=$2; shift 2 ;;
+    -h|--help) usage; exit 0 ;;
+    *) echo "demo.sh: '$1' is not an option; see --help" >&2; exit 2 ;;
+  esac
+done
+for number in "seconds=$seconds" "triangles=$triangles" "seed=$seed" "nodes=$nodes" "samples=$samples" "port=$page_port"; do
+  [[ ${number#*=} =~ ^[0-9]+$ ]] || { echo "demo.sh: --${number%%=*} must be a whole number, not '${number#*=}'" >&2; exit 2; }
+done
+[[ $size =~ ^[0-9]+x[0-9]+$ ]] || { echo "demo.sh: --size must be WIDTHxHEIGHT, not '$size'" >&2; exit 2; }
+[ "$headless" = 0 ] || [ -n "$out" ] || { echo "demo.sh: --headless needs --out DIR" >&2; exit 2; }
+[ -z "$scene" ] || [ -e "$scene" ] || { echo "demo.sh: no such scene: $scene" >&2; exit 2; }
+
+scripts/install-packages build
+build=${CYCLORAMA_BUILD:-build/release}
+if [ -z "${CYCLORAMA_BUILD:-}" ]; then
+  tests=ON; dpkg-query -W -f='${db:Status-Status}' libgmock-dev 2>/dev/null | grep -q '^installed' || tests=OFF
+  cmake --preset release -DCYCLORAMA_TESTS=$tests >/dev/null
+  cmake --build --preset release --target programs
+fi
+program() { find "$build" -type f -name "$1" -perm -u+x | head -n 1; }
+
+run_dir=$(mktemp -d "${TMPDIR:-/tmp}/cyclorama-demo.XXXXXX")
+mkdir "$run_dir/log"
+declare -A pids
+stop_all() {
+  trap - EXIT INT TERM
+  for name in "${!pids[@]}"; do kill -TERM "${pids[$name]}" 2>/dev/null || true; done
+  for name in "${!pids[@]}"; do
+    for _ in $(seq 50); do kill -0 "${pids[$name]}" 2>/dev/null || break; sleep 0.1; done
+    if kill -KILL "${pids[$name]}" 2>/dev/null; then echo "demo.sh: $name did not stop within 5 s" >&2; failed=1; fi
+  done
+}
+failed=0
+finish() { local code=$?; stop_all; rm -rf "$run_dir"; [ $code -ne 0 ] || code=$failed; exit $code; }
+trap finish EXIT
+trap 'exit 0' INT TERM
+
+start() {  # NAME PROGRAM ARGUMENTS...
+  local name=$1 path; path=$(program "$2"); shift 2
+  [ -n "$path" ] || { echo "demo.sh: $name is not built" >&2; exit 1; }
+  "$path" "$@" >"$run_dir/log/$name.log" 2>&1 &
+  pids[$name]=$!
+}
+check_alive() {
+  for name in "${!pids[@]}"; do
+    kill -0 "${pids[$name]}" 2>/dev/null && continue
+    echo "demo.sh: $name ended; the end of its log:" >&2; tail -n 12 "$run_dir/log/$name.log" >&2
+    return 1
+  done
+}
+
+if [ -z "$scene" ]; then
+  scene=build/grottoes/$triangles-$seed
+  [ -f "$scene/scene.toml" ] || { mkdir -p build/grottoes; "$(program cyclorama-grotto)" --triangles "$triangles" --seed "$seed" --out "$scene"; }
+fi
+
+# A block of ports that nobody listens on, so that two demos do not meet.
+port=$((20000 + RANDOM % 20000))
+while grep -qiE ":($(for i in $(seq 0 7); do printf '%04X|' $((port + i)); done)FFFFF) " /proc/net/tcp6; do port=$((port + 8)); done
+at() { echo "[::1]:$((port + $1))"; }
+watch=(--watch "tour=$(at 2)" --watch "display=$(at 3)" --watch "tracker=$(at 4)" --watch "simulated-room=$(at 5)" --watch "head=$(at 6)")
+
+start head cyclorama-farm --scene "visit=$scene" --museums "$(at 0)" --nodes "$(at 1)" --inspect "$(at 6)"
+for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --head "$(at 1)" --threads 1 --name "node-$i"; done
+start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" --samples "$samples"
+start display cyclorama-display --installation demo/installation.toml --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --size "$size" --refresh-hz 20
+start simulated-room cyclorama-simulated-room --installation demo/installation.toml --run-dir "$run_dir" --listen "$(at 5)"
+start tracker cyclorama-tracker --camera "${camera:-simulated}" --tour "$(at 2)" --listen "$(at 4)"
+[ "$headless" = 1 ] || start operator cyclorama-operator --listen "[::1]:$page_port" "${watch[@]}"
+
+if [ "$headless" = 1 ]; then
+  mkdir -p "$out"
+  status=0
+  "$(program cyclorama)" record --seconds "$seconds" --out "$out" --started "$started" "${watch[@]}" || status=$?
+  check_alive || status=1
+  mkdir -p "$out/log" && cp "$run_dir"/log/*.log "$out/log/"
+  exit $status
+fi
+echo "The visit is on http://[::1]:$page_port/   (Ctrl-C ends it)"
+while sleep 1; do check_alive || exit 1; done

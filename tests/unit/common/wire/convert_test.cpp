@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/wire/convert.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace cyclorama {
+namespace {
+
+using ::testing::HasSubstr;
+
+wire::View good_view() {
+  wire::View view;
+  view.set_number(1);
+  to_wire(Eigen::Vector3d(1.0, 1.6, -2.0), view.mutable_eye_m());
+  to_wire(Panorama{640, 320, 2.0, 0.5, -0.5}, view.mutable_panorama());
+  view.set_samples(1);
+  view.set_jpeg_quality(85);
+  return view;
+}
+
+TEST(Convert, a_panorama_crosses_unchanged) {
+  const Panorama panorama{1920, 1088, 2.2, 0.41, -0.42};
+  wire::Panorama wire;
+  to_wire(panorama, &wire);
+  EXPECT_EQ(*from_wire(wire), panorama);
+}
+
+TEST(Convert, a_good_view_passes) { EXPECT_TRUE(validate(good_view()).has_value()); }
+
+TEST(Convert, each_wrong_field_of_a_view_is_named) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](auto&& damage) {
+    wire::View view = good_view();
+    damage(view);
+    const Status status = validate(view);
+    return status ? std::string("accepted") : status.error().message();
+  };
+  EXPECT_THAT(refused([](auto& v) { v.set_number(0); }), HasSubstr("number"));
+  EXPECT_THAT(refused([&](auto& v) { v.mutable_eye_m()->set_y(nan); }), HasSubstr("eye_m"));
+  EXPECT_THAT(refused([&](auto& v) { v.set_heading_rad(-1.0 / 0.0); }), HasSubstr("heading_rad"));
+  EXPECT_THAT(refused([](auto& v) { v.set_samples(5000); }), HasSubstr("samples"));
+  EXPECT_THAT(refused([](auto& v) { v.set_jpeg_quality(0); }), HasSubstr("jpeg_quality"));
+  EXPECT_THAT(refused([](auto& v) { v.mutable_panorama()->set_width_px(4294967295u); }), HasSubstr("width_px"));
+  EXPECT_THAT(refused([](auto& v) { v.mutable_panorama()->set_azimuth_span_rad(7.0); }), HasSubstr("azimuth_span"));
+  EXPECT_THAT(refused([](auto& v) { v.mutable_panorama()->set_tan_elevation_top(-0.5); }), HasSubstr("top"));
+}
+
+TEST(Convert, a_tile_must_lie_inside_the_picture_on_the_grid) {
+  const Panorama picture{100, 60, 2.0, 0.5, -0.5};
+  const auto fits = [&](std::uint32_t x, std::uint32_t y, std::uint32_t w, std::uint32_t h) {
+    wire::Tile tile;
+    tile.set_x_px(x);
+    tile.set_y_px(y);
+    tile.set_width_px(w);
+    tile.set_height_px(h);
+    return validate(tile, picture).has_value();
+  };
+  EXPECT_TRUE(fits(0, 0, 100, 60));
+  EXPECT_TRUE(fits(96, 48, 4, 12));
+  EXPECT_FALSE(fits(96, 48, 5, 12));
+  EXPECT_FALSE(fits(8, 0, 16, 16));
+  EXPECT_FALSE(fits(0, 0, 0, 16));
+  EXPECT_FALSE(fits(16, 0, 4294967295u, 16));
+}
+
+}  // namespace
+}  // namespace cyclorama

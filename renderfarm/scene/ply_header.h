@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The head of a PLY file: what the bytes after it mean. Source: G. Turk, "The PLY Polygon File Format", 1994, and the
+/// dialects of Blender, VCGLIB/MeshLab, CloudCompare and Assimp.
+///
+/// Why our own reader: Debian packages no PLY library but Assimp, which keeps positions in float, reads value by value
+/// through virtual calls, and takes many times the file's size in memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+enum class PlyType : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+enum class PlyEncoding : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
+
+[[nodiscard]] std::size_t size_of(PlyType type);
+[[nodiscard]] inline bool is_float(PlyType type) { return type == PlyType::kFloat32 || type == PlyType::kFloat64; }
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::kFloat32;   ///< Of the value, or of each value of a list.
+  std::optional<PlyType> count_type;  ///< Lists only.
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  /// The least that one row takes in the file, in bytes, when its lists are empty.
+  [[nodiscard]] std::size_t least_row_bytes(PlyEncoding encoding) const;
+};
+
+struct PlyHeader {
+  PlyEncoding encoding = PlyEncoding::kAscii;
+  std::vector<PlyElement> elements;  ///< In file order; each has a property.
+  std::string texture_file;          ///< MeshLab's "comment TextureFile"; may be empty.
+  std::size_t body_offset = 0;
+  std::size_t body_line = 1;  ///< Line number of the first line of an ASCII body.
+};
+
+/// kBadData, with the line, for anything but a PLY header, and for one that announces more rows than `file` can hold:
+/// after this, counts may be trusted for reserving memory. Reentrant.
+Result<PlyHeader> parse_ply_header(std::span<const std::byte> file);
+
+}  // namespace cyclorama

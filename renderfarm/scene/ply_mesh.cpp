@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/scene/ply_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "renderfarm/scene/mesh_repair.h"
+#include "renderfarm/scene/polygon.h"
+
+namespace cyclorama {
+namespace {
+
+struct RoleName {
+  std::string_view name;
+  PlyRole role;
+};
+constexpr RoleName kRoleNames[] = {{"x", kX},
+                                   {"y", kY},
+                                   {"z", kZ},
+                                   {"nx", kNx},
+                                   {"ny", kNy},
+                                   {"nz", kNz},
+                                   {"normal_x", kNx},
+                                   {"normal_y", kNy},
+                                   {"normal_z", kNz},
+                                   {"s", kU},
+                                   {"t", kV},
+                                   {"u", kU},
+                                   {"v", kV},
+                                   {"texture_u", kU},
+                                   {"texture_v", kV},
+                                   {"red", kRed},
+                                   {"green", kGreen},
+                                   {"blue", kBlue},
+                                   {"alpha", kAlpha},
+                                   {"r", kRed},
+                                   {"g", kGreen},
+                                   {"b", kBlue},
+                                   {"a", kAlpha},
+                                   {"diffuse_red", kRed},
+                                   {"diffuse_green", kGreen},
+                                   {"diffuse_blue", kBlue},
+                                   {"diffuse_alpha", kAlpha}};
+
+double scale_of_colour(PlyType type) {
+  if (is_float(type)) return 255.0;
+  if (type == PlyType::kUint16 || type == PlyType::kInt16) return 1.0 / 257.0;
+  return 1.0;
+}
+
+std::uint8_t to_byte(double value) {
+  return value > 0.0 ? static_cast<std::uint8_t>(std::min(value, 255.0) + 0.5) : std::uint8_t{0};  // NaN gives 0.
+}
+
+float finite_float(double value) { return std::abs(value) < kFarthest ? static_cast<float>(value) : 0.0f; }
+
+}  // namespace
+
+PlyVertexLayout::PlyVertexLayout(const PlyElement& vertex) {
+  for (const PlyProperty& property : vertex.properties) {
+    PlyRole role = kNoRole;
+    for (const RoleName& known : kRoleNames) {
+      if (!property.count_type && known.name == property.name) role = known.role;
+    }
+    if (role != kNoRole && has_[role]) role = kNoRole;  // The first of two wins.
+    roles_.push_back(role);
+    has_[role] = true;
+    colour_scale_[role] = scale_of_colour(property.type);
+    is_double_ = is_double_ || (role <= kZ && property.type == PlyType::kFloat64);
+  }
+}
+
+Status PlyMesh::check_memory(std::uint64_t triangles) const {
+  if (vertex_count_ * bytes_per_vertex_ + triangles * sizeof(mesh_.triangles[0]) <= limit_bytes_) return Done{};
+  return Error(ErrorCode::kBadData,
+               fmt::format("it needs more than the {} MiB that a scene may take; raise the limit or "
+                           "reduce the mesh",
+                           limit_bytes_ >> 20));
+}
+
+Status PlyMesh::begin(const PlyHeader& header) {
+  const PlyElement* vertex = nullptr;
+  for (const PlyElement& element : header.elements) {
+    if (element.name != "vertex") continue;
+    if (vertex != nullptr) return Error(ErrorCode::kBadData, "it has two elements 'vertex'; one is accepted");
+    vertex = &element;
+  }
+  if (vertex == nullptr) return Error(ErrorCode::kBadData, "it has no element 'vertex', and so no geometry");
+  const PlyVertexLayout layout(*vertex);
+  if (!layout.has(kX) || !layout.has(kY) || !layout.has(kZ)) {
+    return Error(ErrorCode::kBadData, "its vertices have no x, y and z");
+  }
+  if (vertex->count > std::numeric_limits<std::uint32_t>::max()) {
+    return Error(ErrorCode::kBadData, fmt::format("it has {} vertices; split it into several files", vertex->count));
+  }
+  vertex_count_ = vertex->count;
+  bytes_per_vertex_ =
+      12u + (layout.has_normal() ? 12u : 0u) + (layout.has_texcoord() ? 8u : 0u) + (layout.has_colour() ? 4u : 0u);
+  TRY(check_memory(0));
+  mesh_.positions.reserve(vertex_count_);
+  if (layout.has_normal()) mesh_.normals.reserve(vertex_count_);
+  if (layout.has_texcoord()) mesh_.texcoords[0].reserve(vertex_count_);
+  if (layout.has_colour()) mesh_.colours.reserve(vertex_count_);
+  return Done{};
+}
+
+void PlyMesh::add_vertex(const PlyVertexLayout& layout, const std::array<double, kNoRole + 1>& row) {
+  Eigen::Vector3d p(row[kX], row[kY], row[kZ]);
+  if (!is_usable(p)) {
+    is_unusable_.resize(vertex_count_, false);
+    is_unusable_[mesh_.positions.size()] = true;
+    p = mesh_.origin;
+  } else if (!has_origin_ && layout.is_double()) {
+    // Whole units, so that small models keep the numbers of their file.
+    mesh_.origin = p.array().floor();
+    has_origin_ = true;
+  }
+  const Eigen::Vector3f near_origin = (p - mesh_.origin).cast<float>();
+  mesh_.positions.push_back({near_origin.x(), near_origin.y(), near_origin.z()});
+  if (layout.has_normal()) {
+    mesh_.normals.push_back({finite_float(row[kNx]), finite_float(row[kNy]), finite_float(row[kNz])});
+  }
+  if (layout.has_texcoord()) {
+    mesh_.texcoords[0].push_back({finite_float(row[kU]), finite_float(1.0 - row[kV])});
+  }
+  if (layout.has_colour()) {
+    const auto byte_of = [&](PlyRole role) { return to_byte(row[role] * layout.colour_scale(role)); };
+    const std::uint8_t alpha = layout.has(kAlpha) ? byte_of(kAlpha) : std::uint8_t{255};
+    has_alpha_ = has_alpha_ || (alpha != 255 && alpha != 0);
+    mesh_.colours.push_back({byte_of(kRed), byte_of(kGreen), byte_of(kBlue), alpha});
+  }
+}
+
+Status PlyMesh::reserve_triangles(std::uint64_t count) {
+  TRY(check_memory(mesh_.triangles.size() + count));
+  mesh_.triangles.reserve(mesh_.triangles.size() + count);
+  return Done{};
+}
+
+Result<std::uint32_t> PlyMesh::index_of(double corner) const {
+  if (corner >= 0.0 && corner < static_cast<double>(vertex_count_) && corner == std::floor(corner)) {
+    return static_cast<std::uint32_t>(corner);
+  }
+  return Error(ErrorCode::kBadData,
+               fmt::format("refers to vertex {} of {} (from 0); export the file again", corner, vertex_count_));
+}
+
+Status PlyMesh::add_polygon(std::span<const double> corners) {
+  indices_.clear();
+  for (const double corner : corners) {
+    TRY_ASSIGN(const std::uint32_t index, index_of(corner));
+    indices_.push_back(index);
+  }
+  if (indices_.size() == 3) {
+    mesh_.triangles.push_back({indices_[0], indices_[1], indices_[2]});
+  } else if (indices_.size() < 3) {
+    ++polygons_without_area_;
+  } else {
+    corners_.clear();
+    for (const std::uint32_t index : indices_) {
+      // Faces before vertices: no shape is known yet, and equal corners make a fan.
+      const bool known = index < mesh_.positions.size();
+      const auto& p = known ? mesh_.positions[index] : std::array<float, 3>{};
+      corners_.push_back(Eigen::Vector3f(p[0], p[1], p[2]).cast<double>());
+    }
+    pieces_.clear();
+    triangulate(corners_, &pieces_);
+    for (const auto& piece : pieces_) {
+      mesh_.triangles.push_back({indices_[piece[0]], indices_[piece[1]], indices_[piece[2]]});
+    }
+  }
+  return check_memory(mesh_.triangles.size());
+}
+
+Status PlyMesh::add_strip(std::span<const double> corners) {
+  indices_.clear();
+  for (const double corner : corners) {
+    if (corner == -1.0) {
+      indices_.clear();
+      continue;
+    }
+    TRY_ASSIGN(const std::uint32_t index, index_of(corner));
+    indices_.push_back(index);
+    const std::size_t n = indices_.size();
+    if (n < 3) continue;
+    const bool odd = n % 2 == 0;
+    const std::uint32_t a = indices_[n - 3];
+    const std::uint32_t b = indices_[n - 2];
+    if (a == b || b == index || a == index) continue;  // How strips are joined.
+    mesh_.triangles.push_back({odd ? b : a, odd ? a : b, index});
+  }
+  return check_memory(mesh_.triangles.size());
+}
+
+Result<Model> PlyMesh::finish() && {
+  if (mesh_.triangles.empty()) {
+    return Error(ErrorCode::kBadData,
+                 "it holds points and no triangles, and points cannot be ray traced; make a mesh of "
+                 "them (Poisson reconstruction in MeshLab or CloudCompare)");
+  }
+  Model model;
+  if (!is_unusable_.empty()) {
+    const std::size_t before = mesh_.triangles.size();
+    std::erase_if(mesh_.triangles, [&](const std::array<std::uint32_t, 3>& t) {
+      return is_unusable_[t[0]] || is_unusable_[t[1]] || is_unusable_[t[2]];
+    });
+    if (mesh_.triangles.empty()) return Error(ErrorCode::kBadData, "none of its triangles has finite corners");
+    model.notes.push_back(
+        fmt::format("{} triangles have corners that are not finite: left out", before - mesh_.triangles.size()));
+  }
+  if (polygons_without_area_ > 0) {
+    model.notes.push_back(fmt::format("{} faces have fewer than three corners: left out", polygons_without_area_));
+  }
+  repair_normals(&mesh_);
+  Material material;
+  material.name = "scan";
+  material.metallic = 0.0f;
+  material.roughness = 0.9f;  // A file without a material is a scan: stone, clay, plaster, and often open at the back.
+  material.double_sided = true;
+  if (has_alpha_) material.alpha_mode = AlphaMode::kBlend;
+  model.materials.push_back(std::move(material));
+  model.meshes.push_back(std::move(mesh_));
+  model.instances.push_back({0, Eigen::Affine3d::Identity()});
+  return model;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A mesh that grows row by row as a PLY file is read, and keeps Model's invariants on the way.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/scene/model.h"
+#include "renderfarm/scene/ply_header.h"
+
+namespace cyclorama {
+
+/// What a vertex property is to us.
+enum PlyRole : std::size_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kRoleCount, kNoRole };
+
+/// Where each value of a vertex row goes.
+class PlyVertexLayout {
+ public:
+  explicit PlyVertexLayout(const PlyElement& vertex);
+  [[nodiscard]] PlyRole role(std::size_t property) const { return roles_[property]; }
+  [[nodiscard]] bool has(PlyRole role) const { return has_[role]; }
+  /// Colour values times this are 0 to 255.
+  [[nodiscard]] bool has_normal() const { return has_[kNx] && has_[kNy] && has_[kNz]; }
+  [[nodiscard]] bool has_texcoord() const { return has_[kU] && has_[kV]; }
+  [[nodiscard]] bool has_colour() const { return has_[kRed] && has_[kGreen] && has_[kBlue]; }
+  [[nodiscard]] double colour_scale(PlyRole role) const { return colour_scale_[role]; }
+  [[nodiscard]] bool is_double() const { return is_double_; }
+
+ private:
+  std::vector<PlyRole> roles_;
+  std::array<bool, kNoRole + 1> has_{};
+  std::array<double, kNoRole + 1> colour_scale_{};
+  bool is_double_ = false;
+};
+
+/// Thread-bound.
+class PlyMesh {
+ public:
+  /// The file may make at most `limit_bytes` of mesh.
+  explicit PlyMesh(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
+
+  /// First of all: how many vertices there will be, since faces may come before them. kBadData  not exactly one
+  /// element with positions, or more than the limit allows.
+  Status begin(const PlyHeader& header);
+  void add_vertex(const PlyVertexLayout& layout, const std::array<double, kNoRole + 1>& row);
+
+  /// kBadData  more than the limit allows.
+  Status reserve_triangles(std::uint64_t count);
+  /// Corners as the file gives them. kBadData  one is not the number of a vertex, or more than the limit allows.
+  Status add_polygon(std::span<const double> corners);
+  /// A strip, or several with -1 between them. Errors as add_polygon().
+  Status add_strip(std::span<const double> corners);
+
+  /// Takes what has been read. kBadData  no triangle is left.
+  Result<Model> finish() &&;
+
+ private:
+  Result<std::uint32_t> index_of(double corner) const;
+  Status check_memory(std::uint64_t triangles) const;
+
+  std::size_t limit_bytes_;
+  std::size_t bytes_per_vertex_ = 0;
+  std::uint64_t vertex_count_ = 0;
+  Mesh mesh_;
+  bool has_origin_ = false;
+  bool has_alpha_ = false;
+  std::vector<bool> is_unusable_;  ///< By vertex; empty while all are usable.
+  std::uint64_t polygons_without_area_ = 0;
+  std::vector<std::uint32_t> indices_;  // Scratch, kept from row to row.
+  std::vector<Eigen::Vector3d> corners_;
+  std::vector<std::array<std::uint32_t, 3>> pieces_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <system_error>
+
+#include "common/base/file.h"
+#include "renderfarm/scene/assemble.h"
+#include "renderfarm/scene/found_settings.h"
+#include "renderfarm/scene/scene_package.h"
+#include "renderfarm/scene/text_lines.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::size_t kPackageLimitBytes = std::size_t{1} << 20;
+constexpr double kMillimetresBeyond = 2000.0;
+
+enum class Format { kGltf, kPly, kObj, kPackage };
+
+Result<Format> format_of(const std::filesystem::path& path) {
+  TRY_ASSIGN(const MappedFile file, MappedFile::open(path));
+  const std::string_view text(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (text.empty()) {
+    return Error(ErrorCode::kBadData, fmt::format("'{}' is empty; copy it again", path.string()));
+  }
+  if (text.starts_with("glTF")) return Format::kGltf;
+  if (text.starts_with("ply") && text.find_first_of("\r\n") == 3) return Format::kPly;
+  if (extension == ".glb" || extension == ".gltf") return Format::kGltf;
+  if (extension == ".ply") return Format::kPly;
+  if (extension == ".obj") return Format::kObj;
+  if (extension == ".toml") return Format::kPackage;
+  if (trimmed(text.substr(0, 4096)).starts_with("{")) return Format::kGltf;
+  return Error(ErrorCode::kBadData,
+               fmt::format("'{}' is no scene: give a folder with scene.toml, or a .glb, .gltf, .ply "
+                           "or .obj file",
+                           path.string()));
+}
+
+Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& limits) {
+  TRY_ASSIGN(const Format format, format_of(path));
+  switch (format) {
+    case Format::kPly:
+      return import_ply(path, limits);
+    case Format::kGltf:
+    case Format::kObj:
+    case Format::kPackage:
+      break;
+  }
+  return Error(ErrorCode::kBadData, fmt::format("'{}' is not a geometry file that can be read", path.string()));
+}
+
+bool has_light(const Scene& scene) {
+  const auto shines = [](const Material& m) { return m.emissive.maxCoeff() > 0.0f; };
+  return !scene.model.lights.empty() || scene.eye_lamp.maxCoeff() > 0.0f || scene.ambient.maxCoeff() > 0.0f ||
+         scene.sky.zenith.maxCoeff() > 0.0f || scene.sky.horizon.maxCoeff() > 0.0f ||
+         scene.sky.ground.maxCoeff() > 0.0f ||
+         std::any_of(scene.model.materials.begin(), scene.model.materials.end(), shines);
+}
+
+/// What the package leaves open is found from the geometry.
+Result<Scene> furnish(ScenePackage package, Model model, const std::filesystem::path& path) {
+  Scene scene;
+  scene.model = std::move(model);
+  scene.bounds = bounds_of(scene.model);
+  if (scene.bounds.isEmpty()) {
+    return Error(ErrorCode::kBadData, fmt::format("'{}' holds no triangles: there is nothing to show", path.string()));
+  }
+  const FoundSettings found = find_settings(scene.model, scene.bounds);
+  scene.info.title = std::move(package.title);
+  scene.info.credits = std::move(package.credits);
+  scene.info.start_eye = package.start_eye.value_or(found.eye);
+  scene.info.start_heading_rad = package.start_heading_rad.value_or(package.start_eye ? 0.0 : found.heading_rad);
+  scene.info.eye_height_m = package.eye_height_m.value_or(found.eye_height_m);
+  scene.info.walking_scale = package.walking_scale.value_or(found.walking_scale);
+  scene.info.walkable = package.walkable.empty() ? found.walkable : std::move(package.walkable);
+  scene.info.stops = std::move(package.stops);
+  scene.sky = package.sky.value_or(Sky{});
+  scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());
+  scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());
+  scene.exposure = package.exposure.value_or(1.0);
+  scene.model.lights.insert(scene.model.lights.end(), package.lamps.begin(), package.lamps.end());
+  const bool says_light = package.sky || package.ambient || package.eye_lamp || !package.lamps.empty();
+  if (!says_light && !has_light(scene)) add_light(found, &scene);
+  return scene;
+}
+
+Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits& limits,
+                           const LoadProgress& progress) {
+  TRY_ASSIGN(const std::string text, read_text_file(path, kPackageLimitBytes));
+  TRY_ASSIGN(ScenePackage package, parse_scene_package(text, path.string(), path.parent_path()));
+  Model model;
+  double done = 0.0;
+  for (const PackageGeometry& geometry : package.geometry) {
+    TRY_ASSIGN(Model part, import_any(geometry.file, limits));
+    std::vector<Eigen::Affine3d> T_scene_file;
+    for (const Eigen::Affine3d& T : geometry.T_scene_part) {
+      T_scene_file.push_back(T * T_part_file(geometry.unit_m, geometry.z_up));
+    }
+    add_part(std::move(part), geometry.unit_m, T_scene_file, &model);
+    done += 1.0;
+    if (progress) progress(0.9 * done / static_cast<double>(package.geometry.size()));
+  }
+  return furnish(std::move(package), std::move(model), path);
+}
+
+/// glTF is in metres by its standard and others state no unit; files of both kinds come in millimetres. No site that a
+/// visitor walks is two kilometres long, and no scan is two metres of millimetres without being a room or a statue.
+double guessed_unit_m(const Eigen::AlignedBox3d& bounds, Model* model) {
+  const double longest = bounds.sizes().maxCoeff();
+  if (longest <= kMillimetresBeyond) return 1.0;
+  model->notes.push_back(
+      fmt::format("the file is {:.0f} units long: taken as millimetres; if it is not, make a scene "
+                  "package and set unit_m",
+                  longest));
+  return 0.001;
+}
+
+Result<Scene> load_file(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress) {
+  TRY_ASSIGN(Model file, import_any(path, limits));
+  if (progress) progress(0.8);
+  const double unit_m = guessed_unit_m(bounds_of(file), &file);
+  Model model;
+  add_part(std::move(file), unit_m, {T_part_file(unit_m, false)}, &model);
+  ScenePackage package;
+  package.title = path.stem().string();
+  return furnish(std::move(package), std::move(model), path);
+}
+
+}  // namespace
+
+Result<Scene> load_scene(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress) {
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(path, error);
+  const std::filesystem::path file = is_folder ? path / "scene.toml" : path;
+  if (is_folder && !std::filesystem::exists(file, error)) {
+    return Error(ErrorCode::kNotFound, fmt::format("'{}' is no scene package: it has no scene.toml", path.string()));
+  }
+  Result<Scene> scene =
+      file.extension() == ".toml" ? load_package(file, limits, progress) : load_file(file, limits, progress);
+  if (scene && progress) progress(1.0);
+  return scene;
+}
+
+std::uint64_t Scene::triangles_stored() const {
+  std::uint64_t count = 0;
+  for (const Mesh& mesh : model.meshes) count += mesh.triangles.size();
+  return count;
+}
+
+std::uint64_t Scene::triangles_seen() const {
+  std::uint64_t count = 0;
+  for (const Instance& instance : model.instances) {
+    count += model.meshes[static_cast<std::size_t>(instance.mesh)].triangles.size();
+  }
+  return count;
+}
+
+std::size_t Scene::memory_bytes() const {
+  const auto bytes_of = [](const auto& vector) { return vector.capacity() * sizeof(vector[0]); };
+  std::size_t bytes = bytes_of(model.instances);
+  for (const Mesh& mesh : model.meshes) {
+    bytes += bytes_of(mesh.positions) + bytes_of(mesh.triangles) + bytes_of(mesh.normals) +
+             bytes_of(mesh.texcoords[0]) + bytes_of(mesh.texcoords[1]) + bytes_of(mesh.tangents) +
+             bytes_of(mesh.colours);
+  }
+  for (const Texture& texture : model.textures) bytes += texture.pixels.data().size();
+  return bytes;
+}
+
+}  // namespace cyclorama

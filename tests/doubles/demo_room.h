@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "common/room/installation.h"
 
 namespace cyclorama {
 
-/// The demo's installation, from the source tree that this test was built from.
+/// The demo's installation, in the source tree that ctest names.
 inline std::filesystem::path demo_installation_path() {
-  return std::filesystem::path(__FILE__).parent_path().parent_path().parent_path() / "demo" / "installation.toml";
+  const char* const source = std::getenv("CYCLORAMA_SOURCE");
+  return std::filesystem::path(source != nullptr ? source : ".") / "demo" / "installation.toml";
 }
 inline Installation demo_room() {
   auto room = read_installation(demo_installation_path());

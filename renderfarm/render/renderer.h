@@ -10,6 +10,7 @@
 #include "common/base/result.h"
 #include "common/geometry/panorama.h"
 #include "common/image/image.h"
+#include "common/image/pixel_rect.h"
 
 namespace cyclorama {
 
@@ -22,13 +23,6 @@ struct PanoramaView {
   Panorama panorama;
   int samples = 1;         ///< Per pixel.
   std::uint64_t seed = 0;  ///< With pixel and sample it decides every random number: tiling changes nothing.
-};
-
-struct PixelRect {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
 };
 
 struct RenderCost {

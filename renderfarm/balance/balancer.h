@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Who renders what: the picture, cut into one block per node, so that all are done at the same time.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "common/image/pixel_rect.h"
+#include "renderfarm/balance/cost_field.h"
+
+namespace cyclorama {
+
+/// One picture to be cut.
+struct SplitRequest {
+  PictureSize size;
+  /// How fast each node is, above 0, in any unit; the order of nodes should stay from frame to frame.
+  std::span<const double> speeds;
+  /// Where the picture looks and how wide it is, so that a turn can take the costs with it.
+  double heading_rad = 0.0;
+  double azimuth_span_rad = 1.0;
+};
+
+/// What a whole frame cost.
+struct MeasuredFrame {
+  PictureSize size;
+  std::span<const MeasuredBlock> blocks;
+  double heading_rad = 0.0;
+};
+
+/// Strategy of one session. Thread-bound; pure: it knows no clock, no node and no wire.
+class Balancer {
+ public:
+  virtual ~Balancer() = default;
+  /// Rectangle i is node i's; together they tile the picture exactly, cut at multiples of kCutPx (tiles.h). Nodes that
+  /// would not help get an empty one. No speeds: no rectangles.
+  [[nodiscard]] virtual std::vector<PixelRect> split(const SplitRequest& request) = 0;
+  /// May come late: other pictures may have been split meanwhile.
+  virtual void learn(const MeasuredFrame& frame) = 0;
+
+ protected:
+  Balancer() = default;
+  Balancer(const Balancer&) = default;
+  Balancer& operator=(const Balancer&) = default;
+};
+
+/// "equal": same area for equal speed, always. "pbt": the prediction binary tree on measured costs.
+enum class BalanceStrategy { kEqual, kPbt };
+[[nodiscard]] std::optional<BalanceStrategy> balance_strategy_of(std::string_view name);
+[[nodiscard]] std::unique_ptr<Balancer> make_balancer(BalanceStrategy strategy);
+
+/// Mean load over largest load: 1 is perfect, 1/n is one node doing it all. 1 when there is no load at all.
+[[nodiscard]] double balance_efficiency(std::span<const double> loads);
+
+}  // namespace cyclorama

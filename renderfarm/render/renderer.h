@@ -25,6 +25,13 @@ struct PanoramaView {
   std::uint64_t seed = 0;  ///< With pixel and sample it decides every random number: tiling changes nothing.
 };
 
+inline constexpr int kMostSamples = 1 << 16;
+
+/// kInvalidArgument, in one sentence, unless the view is finite and possible and `rect` lies inside its panorama: what
+/// a view from outside must pass before it is rendered.
+Status check_view(const PanoramaView& view, const PixelRect& rect);
+
+>>>>>>> ad5415a (render: panorama pixels by Embree, direct light from lamps, sky and the eye)
 struct RenderCost {
   double cpu_seconds = 0.0;  ///< Thread time, summed over the threads.
   double wall_seconds = 0.0;
@@ -42,7 +49,8 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   /// Renders `rect` of the view into `ret_pixels`, resized to the rect, tone mapped, sRGB. Stops early, leaving pixels
-  /// black, when `cancelled` (may be null) returns true; it is asked once per 16x16 cell, from any thread.
+  /// black, when `cancelled` (may be null) returns true; it is asked once per 16x16 cell, from any thread. A rect of
+  /// one such cell is rendered by the calling thread. Precondition: check_view().
   RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                     const std::function<bool()>& cancelled) const;
   /// The same before tone mapping: linear radiance times exposure.

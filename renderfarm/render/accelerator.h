@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The BVH over a scene: Embree's device and scenes, and the tables by which a hit is understood.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/render/trace_scene.h"
+
+namespace cyclorama {
+
+/// Thread-safe once built. Shares the vertex and index arrays of the scene it was built for, which must outlive it and
+/// not change.
+class Accelerator {
+ public:
+  /// Bakes the meshes of `scene` that are used once, and fills `ret_traced` with all that points into it.
+  /// kInvalidArgument  no triangles.     kSystem  it would not fit into memory, or Embree gave up.
+  static Result<std::unique_ptr<Accelerator>> build(Scene& scene, int threads,
+                                                    const std::function<void(double)>& progress,
+                                                    TraceScene* ret_traced);
+  ~Accelerator();
+  Accelerator(const Accelerator&) = delete;
+  Accelerator& operator=(const Accelerator&) = delete;
+
+  [[nodiscard]] std::size_t bytes() const { return static_cast<std::size_t>(bytes_.load()); }
+
+ private:
+  Accelerator() = default;
+  Status open_device(int threads);
+  /// What went wrong in Embree since the last time, as one sentence.
+  Status check(const char* doing) const;
+  Status add_meshes(Scene& scene, TraceScene* ret_traced);
+  RTCGeometry make_triangles(const Mesh& mesh, SurfaceMesh* traced);
+  Status commit(const std::function<void(double)>& progress);
+  static bool count_memory(void* self, ssize_t bytes, bool post);
+
+  RTCDevice device_ = nullptr;
+  RTCScene top_ = nullptr;
+  struct Part {
+    RTCScene scene;
+    std::size_t triangles;
+  };
+  std::vector<Part> parts_;  ///< The scenes of meshes that are used more than once.
+  std::size_t top_triangles_ = 0;
+  std::atomic<std::int64_t> bytes_ = 0;
+  std::int64_t limit_bytes_ = 0;
+};
+
+}  // namespace cyclorama

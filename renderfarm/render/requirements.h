@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a scene needs from the ray kernels, so that one is picked that is compiled without the rest.
+#pragma once
+
+#include <string>
+
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama {
+
+struct SceneNeeds {
+  bool textures = false;
+  bool normal_maps = false;  ///< Only with textures.
+  bool gloss = false;        ///< Any material that is not matte.
+  bool blending = false;     ///< Any material that lets light through in part. (Holes cost rays alone, not the kernel.)
+  bool lamps = false;
+  bool sky = false;
+
+  friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
+};
+
+/// Found from what is used: a material that no triangle has needs nothing. Looks at the alpha of every texel.
+/// Reentrant.
+[[nodiscard]] SceneNeeds needs_of(const Scene& scene);
+
+/// "textures, gloss, lamps"; "nothing" when all are false.
+[[nodiscard]] std::string describe(const SceneNeeds& needs);
+
+// What one material needs.
+
+/// A metal, or smoother than paper. A dielectric of roughness 1, as scans without a material have it, is pure Lambert.
+[[nodiscard]] bool is_glossy(const Material& material);
+/// Whether anything of `mesh` with this material is neither opaque nor invisible. For AlphaMode::kBlend.
+[[nodiscard]] bool blends(const Model& model, const Material& material, const Mesh& mesh);
+
+}  // namespace cyclorama

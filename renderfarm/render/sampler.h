@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Owen-scrambled Sobol points, decided by (seed, pixel, sample, dimension) alone: tiling and threads change nothing.
+///
+/// Pixels are numbered along a Z-order curve and share one scrambled sequence, so that the samples of neighbouring
+/// pixels complement each other and what noise remains is of high frequency. Sources: Burley, "Practical Hash-based
+/// Owen Scrambling", JCGT 9(4), 2020; the hash as improved by Vegdahl, 2021; Ahmed and Wonka, "Screen-Space Blue-Noise
+/// Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "renderfarm/render/vectors.h"
+
+namespace cyclorama {
+
+/// A good 32-bit mixer. Source: Ettinger's "lowbias32".
+[[nodiscard]] constexpr std::uint32_t mix_bits(std::uint32_t x) {
+  x ^= x >> 16;
+  x *= 0x7feb352du;
+  x ^= x >> 15;
+  x *= 0x846ca68bu;
+  x ^= x >> 16;
+  return x;
+}
+
+[[nodiscard]] constexpr std::uint32_t reversed_bits(std::uint32_t x) {
+  x = (x << 16) | (x >> 16);
+  x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
+  x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
+  x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
+  return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
+}
+
+/// Owen's scramble of a number whose bits are given in reverse.
+[[nodiscard]] constexpr std::uint32_t scrambled_reversed(std::uint32_t x, std::uint32_t seed) {
+  x ^= x * 0x3d20adeau;
+  x += seed;
+  x *= (seed >> 16) | 1u;
+  x ^= x * 0x05526c56u;
+  x ^= x * 0x53a22864u;
+  return x;
+}
+
+/// The second Sobol dimension with its bits reversed: Pascal's triangle modulo 2 applied to the index.
+[[nodiscard]] constexpr std::uint32_t sobol_second_reversed(std::uint32_t index) {
+  index ^= (index & 0xaaaaaaaau) >> 1;
+  index ^= (index & 0xccccccccu) >> 2;
+  index ^= (index & 0xf0f0f0f0u) >> 4;
+  index ^= (index & 0xff00ff00u) >> 8;
+  index ^= (index & 0xffff0000u) >> 16;
+  return index;
+}
+
+[[nodiscard]] constexpr std::uint64_t spread_bits(std::uint32_t x) {
+  std::uint64_t v = x;
+  v = (v | (v << 16)) & 0x0000ffff0000ffffu;
+  v = (v | (v << 8)) & 0x00ff00ff00ff00ffu;
+  v = (v | (v << 4)) & 0x0f0f0f0f0f0f0f0fu;
+  v = (v | (v << 2)) & 0x3333333333333333u;
+  return (v | (v << 1)) & 0x5555555555555555u;
+}
+
+/// In [0, 1).
+[[nodiscard]] constexpr float to_unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+
+/// The random numbers of one sample of one pixel. A value.
+class SampleSequence {
+ public:
+  /// `samples` of every pixel; `sample` in [0, samples).
+  SampleSequence(std::uint64_t seed, int x, int y, int sample, int samples) {
+    const std::uint64_t pixel = spread_bits(static_cast<std::uint32_t>(x)) | spread_bits(static_cast<std::uint32_t>(y))
+                                                                                 << 1;
+    const auto bits = std::bit_width(static_cast<std::uint32_t>(samples - 1));
+    const std::uint64_t index = (pixel << bits) | static_cast<std::uint32_t>(sample);
+    index_reversed_ = reversed_bits(static_cast<std::uint32_t>(index));
+    // Beyond 2^32 samples the picture falls into blocks with a sequence each.
+    seed_ = mix_bits(static_cast<std::uint32_t>(seed) ^ mix_bits(static_cast<std::uint32_t>(seed >> 32) ^
+                                                                 mix_bits(static_cast<std::uint32_t>(index >> 32))));
+  }
+
+  /// A point of the unit square; a different `dimension` gives an independent one.
+  [[nodiscard]] Vec2 pair(std::uint32_t dimension) const {
+    const std::uint32_t seed = mix_bits(seed_ + 0x9e3779b9u * (dimension + 1));
+    const std::uint32_t index = reversed_bits(scrambled_reversed(index_reversed_, seed));
+    const std::uint32_t u = reversed_bits(scrambled_reversed(index, mix_bits(seed + 1)));
+    const std::uint32_t v = reversed_bits(scrambled_reversed(sobol_second_reversed(index), mix_bits(seed + 2)));
+    return {to_unit_float(u), to_unit_float(v)};
+  }
+  /// A number that is no part of the stratification, for decisions about single surfaces.
+  [[nodiscard]] std::uint32_t hash(std::uint32_t dimension) const {
+    return mix_bits(index_reversed_ ^ mix_bits(seed_ + 0x85ebca6bu * (dimension + 1)));
+  }
+
+ private:
+  std::uint32_t index_reversed_ = 0;
+  std::uint32_t seed_ = 0;
+};
+
+}  // namespace cyclorama

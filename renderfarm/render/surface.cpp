@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/surface.h"
+
+#include <cmath>
+#include <limits>
+
+#include "renderfarm/render/texture_lookup.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr float kUnit = 0.5f * std::numeric_limits<float>::epsilon();
+/// Roundings: of the weighted sum, of the placement, and of the traversal, which computed the hit from the ray's start.
+constexpr float kPositionRoundings = 8.0f * kUnit;
+constexpr float kPlacementRoundings = 8.0f * kUnit;
+/// The traversal's error grows with the triangle: its normal and its distance are made of differences of the corners.
+constexpr float kExtentRoundings = 16.0f * kUnit;
+
+Vec3 corner(const TriangleHit& hit, int i) {
+  return to_vec3(hit.mesh->positions[hit.corners[static_cast<std::size_t>(i)]]);
+}
+
+template <typename Array>
+Vec3 interpolated3(const Array* values, const TriangleHit& hit) {
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const auto& v = values[hit.corners[static_cast<std::size_t>(i)]];
+    sum += hit.weights[i] * Vec3(v[0], v[1], v[2]);
+  }
+  return sum;
+}
+
+/// The directions, in the mesh's frame, that a normal map calls x and y. Zero where there are none.
+struct TangentPlane {
+  Vec3 x = Vec3::Zero();
+  Vec3 y = Vec3::Zero();
+};
+
+/// As the texture coordinates run over the triangle: x along u, and y against v, because v counts down.
+TangentPlane plane_of_texcoords(const TriangleHit& hit, int set) {
+  const std::array<float, 2>* const uv = hit.mesh->texcoords[static_cast<std::size_t>(set)];
+  if (uv == nullptr) return {};
+  const Vec2 uv0 = to_vec2(uv[hit.corners[0]]);
+  const Vec2 d1 = to_vec2(uv[hit.corners[1]]) - uv0;
+  const Vec2 d2 = to_vec2(uv[hit.corners[2]]) - uv0;
+  const float area = d1.x() * d2.y() - d1.y() * d2.x();
+  if (area == 0.0f || !std::isfinite(area)) return {};
+  const float sign = std::copysign(1.0f, area);
+  const Vec3 e1 = corner(hit, 1) - corner(hit, 0);
+  const Vec3 e2 = corner(hit, 2) - corner(hit, 0);
+  return {(e1 * d2.y() - e2 * d1.y()) * sign, (e1 * d2.x() - e2 * d1.x()) * sign};
+}
+
+/// The normal as the mesh means it, whatever side is looked at. Mesh frame; not unit length, may be zero.
+Vec3 own_normal(const TriangleHit& hit) {
+  if (hit.mesh->normals != nullptr) return interpolated3(hit.mesh->normals, hit);
+  return (corner(hit, 1) - corner(hit, 0)).cross(corner(hit, 2) - corner(hit, 0));
+}
+
+TangentPlane tangent_plane(const TriangleHit& hit) {
+  if (hit.mesh->tangents == nullptr) {
+    return plane_of_texcoords(hit, hit.mesh->material->source->normal_texture.texcoord);
+  }
+  const Vec3 x = interpolated3(hit.mesh->tangents, hit);
+  const float handedness = std::copysign(1.0f, hit.mesh->tangents[hit.corners[0]][3]);
+  return {x, own_normal(hit).cross(x) * handedness};
+}
+
+}  // namespace
+
+TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit) {
+  const unsigned top = hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? hit.instID[0] : hit.geomID;
+  TriangleHit at;
+  at.placement = &scene.placements[top];
+  at.mesh = at.placement->mesh;
+  at.corners = at.mesh->triangles[hit.primID];
+  at.weights = Vec3(std::max(0.0f, 1.0f - hit.u - hit.v), hit.u, hit.v);
+  return at;
+}
+
+SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction) {
+  const Placement& placement = *hit.placement;
+  const Vec3 p0 = corner(hit, 0);
+  const Vec3 p1 = corner(hit, 1);
+  const Vec3 p2 = corner(hit, 2);
+  const Vec3& w = hit.weights;
+
+  SurfacePoint point;
+  const Vec3 local = w[0] * p0 + w[1] * p1 + w[2] * p2;
+  const Vec3 extent = p0.cwiseMax(p1).cwiseMax(p2) - p0.cwiseMin(p1).cwiseMin(p2);
+  const Vec3 sum = w[0] * p0.cwiseAbs() + w[1] * p1.cwiseAbs() + w[2] * p2.cwiseAbs();
+  const Vec3 local_error = kPositionRoundings * sum + Vec3::Constant(kExtentRoundings * extent.maxCoeff());
+  const Vec3 local_face = (p1 - p0).cross(p2 - p0);
+  Vec3 face;
+  if (placement.baked) {
+    point.position = local;
+    point.error = local_error;
+    face = local_face;
+  } else {
+    point.position = placement.linear * local + placement.translation;
+    const Eigen::Matrix3f absolute = placement.linear.cwiseAbs();
+    point.error =
+        absolute * local_error + kPlacementRoundings * (absolute * local.cwiseAbs() + placement.translation.cwiseAbs());
+    face = placement.normal_matrix * normalized_safely(local_face, -direction);
+  }
+  point.facing = normalized_safely(face, -direction);
+  if (point.facing.dot(direction) > 0.0f) point.facing = -point.facing;
+
+  point.normal = point.facing;
+  if (hit.mesh->normals != nullptr) {
+    const Vec3 smooth = interpolated3(hit.mesh->normals, hit);
+    point.normal = normalized_safely(placement.baked ? smooth : Vec3(placement.normal_matrix * smooth), point.facing);
+    // Scans wind their triangles as they like, and a normal may disagree with its triangle: the viewer's side counts.
+    if (point.normal.dot(point.facing) < 0.0f) point.normal = -point.normal;
+  }
+  point.colour = vertex_colour_at(hit);
+  return point;
+}
+
+Vec2 texcoord_at(const TriangleHit& hit, const TextureUse& use) {
+  const std::array<float, 2>* const uv = hit.mesh->texcoords[static_cast<std::size_t>(use.texcoord)];
+  if (uv == nullptr) return Vec2::Zero();
+  const Vec2 at = hit.weights[0] * to_vec2(uv[hit.corners[0]]) + hit.weights[1] * to_vec2(uv[hit.corners[1]]) +
+                  hit.weights[2] * to_vec2(uv[hit.corners[2]]);
+  return use.transform.leftCols<2>() * at + use.transform.col(2);
+}
+
+Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point) {
+  const SurfaceMaterial& material = *hit.mesh->material;
+  if (material.normal == nullptr) return point.normal;
+  const Eigen::Vector4f texel =
+      lookup(*material.normal, texcoord_at(hit, material.source->normal_texture), Coding::kLinear);
+  const float scale = material.source->normal_scale;
+  const Vec3 bump((2.0f * texel.x() - 1.0f) * scale, (2.0f * texel.y() - 1.0f) * scale, 2.0f * texel.z() - 1.0f);
+
+  const TangentPlane local = tangent_plane(hit);
+  const Placement& placement = *hit.placement;
+  const Vec3 x = placement.baked ? local.x : Vec3(placement.linear * local.x);
+  const Vec3 y = placement.baked ? local.y : Vec3(placement.linear * local.y);
+  const Vec3& n = point.normal;
+  const Vec3 unit_x = normalized_safely(x - n * n.dot(x), Vec3::Zero());
+  const Vec3 across = n.cross(unit_x);
+  const Vec3 unit_y = across.dot(y) < 0.0f ? Vec3(-across) : across;
+  if (unit_x.isZero(0.0f) || y.isZero(0.0f)) return n;
+  // Seen from behind, n was turned to the viewer, and the whole bump turns with it.
+  const Vec3 own = own_normal(hit);
+  const float side = n.dot(placement.baked ? own : Vec3(placement.normal_matrix * own)) < 0.0f ? -1.0f : 1.0f;
+  const Vec3 bent = normalized_safely((bump.x() * unit_x + bump.y() * unit_y) * side + bump.z() * n, n);
+  return bent.dot(point.facing) > 0.0f ? bent : n;
+}
+
+Eigen::Vector4f vertex_colour_at(const TriangleHit& hit) {
+  if (hit.mesh->colours == nullptr) return Eigen::Vector4f::Ones();
+  const std::array<float, 256>& linear = srgb_table();
+  Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const std::array<std::uint8_t, 4>& c = hit.mesh->colours[hit.corners[static_cast<std::size_t>(i)]];
+    sum += hit.weights[i] * Eigen::Vector4f(linear[c[0]], linear[c[1]], linear[c[2]], linear_table()[c[3]]);
+  }
+  return sum;
+}
+
+Eigen::Vector4f base_colour_at(const TriangleHit& hit, const Eigen::Vector4f& vertex_colour, bool textured) {
+  const SurfaceMaterial& material = *hit.mesh->material;
+  Eigen::Vector4f colour = material.source->base_colour.cwiseProduct(vertex_colour);
+  if (textured && material.base_colour != nullptr) {
+    const Vec2 uv = texcoord_at(hit, material.source->base_colour_texture);
+    colour = colour.cwiseProduct(lookup(*material.base_colour, uv, Coding::kSrgb));
+  }
+  return colour;
+}
+
+float alpha_at(const TriangleHit& hit) {
+  const SurfaceMaterial& material = *hit.mesh->material;
+  float alpha = material.source->base_colour.w();
+  if (hit.mesh->colours != nullptr) alpha *= vertex_colour_at(hit).w();
+  if (material.base_colour != nullptr) {
+    alpha *= lookup_alpha(*material.base_colour, texcoord_at(hit, material.source->base_colour_texture));
+  }
+  return alpha;
+}
+
+Vec3 start_off_surface(const SurfacePoint& point, const Vec3& side) {
+  const float distance = side.cwiseAbs().dot(point.error);
+  const Vec3 moved = point.position + side * distance;
+  Vec3 start;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Rounding of the sum must not bring it back.
+    const float away = std::copysign(std::numeric_limits<float>::infinity(), side[axis]);
+    start[axis] = side[axis] == 0.0f ? moved[axis] : std::nextafter(moved[axis], away);
+  }
+  return start;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+/// From a hit to a place on a surface: where it is, how sure that is, which way it faces, what it is made of.
+#pragma once
+
+#include "renderfarm/render/bsdf.h"
+#include "renderfarm/render/trace_scene.h"
+
+namespace cyclorama {
+
+/// Where a ray met a triangle: its corners' weights and vertices.
+struct TriangleHit {
+  const SurfaceMesh* mesh = nullptr;
+  const Placement* placement = nullptr;
+  std::array<std::uint32_t, 3> corners{};
+  Vec3 weights = Vec3::Zero();
+};
+
+/// A place on a surface, in the render frame.
+struct SurfacePoint {
+  Vec3 position = Vec3::Zero();
+  Vec3 error = Vec3::Zero();                         ///< Bound of the position's error, per axis.
+  Vec3 facing = Vec3::UnitY();                       ///< The triangle's normal, on the viewer's side. Unit length.
+  Vec3 normal = Vec3::UnitY();                       ///< The shading normal, on the same side. Unit length.
+  Eigen::Vector4f colour = Eigen::Vector4f::Ones();  ///< Of the vertices, linear.
+};
+
+[[nodiscard]] TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit);
+
+/// `direction` is the ray's. The normal is the interpolated one; normal maps come after. Never NaN.
+[[nodiscard]] SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction);
+
+/// The texture coordinates that `use` asks for, its transform applied; zero where the mesh has none.
+[[nodiscard]] Vec2 texcoord_at(const TriangleHit& hit, const TextureUse& use);
+
+/// The shading normal bent by the material's normal map, on the same side as before; `point.normal` where the mesh
+/// gives the map no direction.
+[[nodiscard]] Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point);
+
+/// The colour without lighting: factor, texture if `textured`, vertex colour. Alpha is the fourth.
+[[nodiscard]] Eigen::Vector4f base_colour_at(const TriangleHit& hit, const Eigen::Vector4f& vertex_colour,
+                                             bool textured);
+
+/// Only its alpha, for rays that look for holes.
+[[nodiscard]] float alpha_at(const TriangleHit& hit);
+
+[[nodiscard]] Eigen::Vector4f vertex_colour_at(const TriangleHit& hit);
+
+/// A ray's start that is certainly on the side of the surface to which `side` (a unit normal) points.
+/// Source: Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 6.8.
+[[nodiscard]] Vec3 start_off_surface(const SurfacePoint& point, const Vec3& side);
+
+}  // namespace cyclorama

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the ray kernels read: the scene's arrays as they lie in memory, placed in the render frame, and its BVH.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "renderfarm/render/embree.h"
+#include "renderfarm/render/lamps.h"
+#include "renderfarm/render/vectors.h"
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama {
+
+/// A material with its textures found.
+struct SurfaceMaterial {
+  const Material* source = nullptr;
+  const Texture* base_colour = nullptr;  ///< Null is none; so are the others.
+  const Texture* metallic_roughness = nullptr;
+  const Texture* normal = nullptr;
+  const Texture* emissive = nullptr;
+  bool glossy = false;   ///< Has a specular lobe.
+  bool blends = false;   ///< Lets light through in part.
+  bool cut_out = false;  ///< Has holes.
+};
+
+/// Borrows the arrays of one Mesh. A pointer is null where the mesh has no such array.
+struct SurfaceMesh {
+  const std::array<float, 3>* positions = nullptr;
+  const std::array<std::uint32_t, 3>* triangles = nullptr;
+  const std::array<float, 3>* normals = nullptr;
+  std::array<const std::array<float, 2>*, 2> texcoords = {nullptr, nullptr};
+  const std::array<float, 4>* tangents = nullptr;
+  const std::array<std::uint8_t, 4>* colours = nullptr;
+  const SurfaceMaterial* material = nullptr;
+};
+
+/// A mesh in the render frame. Top-level geometry i of the BVH is placement i.
+struct Placement {
+  const SurfaceMesh* mesh = nullptr;
+  bool baked = true;  ///< Its positions are in the render frame already; the matrices are the identity.
+  Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
+  Vec3 translation = Vec3::Zero();
+  Eigen::Matrix3f normal_matrix = Eigen::Matrix3f::Identity();
+};
+
+/// Owned and kept alive by the Renderer. Read-only while rays are traced.
+struct TraceScene {
+  RTCScene top = nullptr;
+  std::vector<SurfaceMaterial> materials;
+  std::vector<SurfaceMesh> meshes;
+  std::vector<Placement> placements;
+  std::vector<Lamp> lamps;
+  Sky sky;
+  Vec3 ambient = Vec3::Zero();
+  Vec3 eye_lamp = Vec3::Zero();
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Small vector helpers of the ray kernels. Float, in the render frame: the Scene frame moved to near the eye.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace cyclorama {
+
+using Vec2 = Eigen::Vector2f;
+using Vec3 = Eigen::Vector3f;
+
+inline constexpr float kPi = 3.14159265358979323846f;
+
+[[nodiscard]] inline Vec3 to_vec3(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
+[[nodiscard]] inline Vec2 to_vec2(const std::array<float, 2>& a) { return {a[0], a[1]}; }
+
+/// How bright a linear colour looks; Rec. 709 weights.
+[[nodiscard]] inline float luminance(const Vec3& c) { return 0.2126f * c.x() + 0.7152f * c.y() + 0.0722f * c.z(); }
+
+[[nodiscard]] inline bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+}
+
+/// Unit length, or `fallback` where `v` has no direction (zero, NaN, overflow).
+[[nodiscard]] inline Vec3 normalized_or(const Vec3& v, const Vec3& fallback) {
+  const float length2 = v.squaredNorm();
+  if (!(length2 > 0.0f) || !std::isfinite(length2)) return fallback;
+  return v * (1.0f / std::sqrt(length2));
+}
+
+/// Unit length, also for vectors so short or long that their square leaves the range of float.
+[[nodiscard]] inline Vec3 normalized_safely(const Vec3& v, const Vec3& fallback) {
+  const float largest = v.cwiseAbs().maxCoeff();
+  if (!(largest > 0.0f) || !std::isfinite(largest)) return fallback;
+  return normalized_or(v / largest, fallback);
+}
+
+/// What turns normals where `linear` moves points: the transposed inverse up to a positive factor, which also exists
+/// where `linear` flattens everything. Outside stays outside, in mirrors too.
+[[nodiscard]] inline Eigen::Matrix3f normal_matrix_of(const Eigen::Matrix3d& linear) {
+  Eigen::Matrix3d cofactors;
+  cofactors.col(0) = linear.col(1).cross(linear.col(2));
+  cofactors.col(1) = linear.col(2).cross(linear.col(0));
+  cofactors.col(2) = linear.col(0).cross(linear.col(1));
+  const double largest = cofactors.cwiseAbs().maxCoeff();
+  if (!(largest > 0.0)) return Eigen::Matrix3f::Identity();
+  return (cofactors / (linear.determinant() < 0.0 ? -largest : largest)).cast<float>();
+}
+
+/// `local` given in the frame whose third axis is the unit vector `n`.
+/// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+[[nodiscard]] inline Vec3 from_frame_of(const Vec3& n, const Vec3& local) {
+  const float sign = std::copysign(1.0f, n.z());
+  const float a = -1.0f / (sign + n.z());
+  const float b = n.x() * n.y() * a;
+  const Vec3 s(1.0f + sign * n.x() * n.x() * a, sign * b, -sign * n.x());
+  const Vec3 t(b, sign + n.y() * n.y() * a, -n.y());
+  return local.x() * s + local.y() * t + local.z() * n;
+}
+
+/// The unit square onto the hemisphere about +z, density cos / pi.
+[[nodiscard]] inline Vec3 cosine_hemisphere(const Vec2& u) {
+  const float radius = std::sqrt(u.x());
+  const float angle = 2.0f * kPi * u.y();
+  return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1.0f - u.x()))};
+}
+
+/// The unit square onto the cap about +z with 1 - cos(half angle) = `one_minus_cos`, uniform in solid angle.
+[[nodiscard]] inline Vec3 uniform_cap(const Vec2& u, float one_minus_cos) {
+  const float height = u.x() * one_minus_cos;  // 1 - cos: keeps its digits for tiny caps.
+  const float radius = std::sqrt(std::max(0.0f, height * (2.0f - height)));
+  const float angle = 2.0f * kPi * u.y();
+  return {radius * std::cos(angle), radius * std::sin(angle), 1.0f - height};
+}
+
+}  // namespace cyclorama

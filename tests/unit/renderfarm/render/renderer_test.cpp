@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/renderer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <limits>
+
+#include "tests/doubles/simple_scenes.h"
+
+namespace cyclorama {
+namespace {
+
+std::unique_ptr<Renderer> built(Scene scene, int threads = 2) {
+  auto renderer = Renderer::build(std::move(scene), threads, nullptr);
+  EXPECT_TRUE(renderer.has_value()) << renderer.error().message();
+  return *std::move(renderer);
+}
+
+/// A room with boxes, lamps and sky: something for every part of the plain kernels.
+Scene busy_scene(const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
+  Mesh floor = square_mesh(10.0f);
+  floor.origin = shift;
+  Scene scene = scene_of(std::move(floor), {0.6f, 0.5f, 0.4f});
+  for (int i = 0; i < 5; ++i) {
+    Mesh ball = sphere_mesh(0.5f, 12);
+    ball.origin = shift + Eigen::Vector3d(2.0 * std::sin(i), 0.5, 2.0 * std::cos(i));
+    add_mesh(scene, std::move(ball));
+  }
+  scene.model.lights = {point_light(shift + Eigen::Vector3d(1, 3, 1), 20.0f),
+                        point_light(shift + Eigen::Vector3d(-3, 2, 0), 5.0f)};
+  scene.model.lights[0].radius_m = 0.3;
+  scene.sky.zenith = {0.2f, 0.3f, 0.5f};
+  scene.sky.horizon = {0.4f, 0.4f, 0.4f};
+  scene.info.start_eye = shift + Eigen::Vector3d(0, 1.6, 0);
+  return scene;
+}
+
+TEST(Renderer, refuses_a_scene_without_triangles) {
+  const auto renderer = Renderer::build(Scene{}, 1, nullptr);
+  ASSERT_FALSE(renderer.has_value());
+  EXPECT_EQ(renderer.error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(renderer.error().message(), testing::HasSubstr("no triangles"));
+}
+
+TEST(Renderer, a_sphere_under_an_even_sky_shows_its_albedo) {
+  Scene scene = scene_of(sphere_mesh(1.0f, 32), {0.8f, 0.5f, 0.2f});
+  scene.sky = {Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones()};
+  PanoramaView view = view_from({0, 0, 3}, 32, 32, 0.1, -0.1);
+  view.panorama.azimuth_span_rad = 0.2;  // Nothing but the sphere.
+  view.samples = 4;
+  const RadianceImage image = radiance_of(*built(std::move(scene)), view);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      EXPECT_NEAR(image.at(x, y)[0], 0.8f, 1e-4f);
+      EXPECT_NEAR(image.at(x, y)[1], 0.5f, 1e-4f);
+      EXPECT_NEAR(image.at(x, y)[2], 0.2f, 1e-4f);
+    }
+  }
+}
+
+TEST(Renderer, a_plane_under_a_point_light_follows_the_inverse_square_law) {
+  Scene scene = scene_of(square_mesh(20.0f));
+  scene.model.lights = {point_light({0, 2, 0}, 10.0f)};
+  const PanoramaView view = view_from({0, 1, 0}, 64, 16, -0.5, -2.0);
+  const RadianceImage image = radiance_of(*built(std::move(scene)), view);
+  for (int y = 0; y < 16; ++y) {
+    // A pixel is the mean over its area: bound it by the law at its edges.
+    const auto law = [&](double v) {
+      const double out = 1.0 / -view.panorama.tan_elevation_at(v);
+      const double r2 = out * out + 4.0;
+      return 10.0 * 2.0 / std::sqrt(r2) / r2 / std::numbers::pi * 0.5;
+    };
+    for (int x = 0; x < 64; ++x) {
+      EXPECT_GE(static_cast<double>(image.at(x, y)[0]), law(y) * 0.9999);
+      EXPECT_LE(static_cast<double>(image.at(x, y)[0]), law(y + 1) * 1.0001);
+    }
+  }
+}
+
+TEST(Renderer, tiling_and_threads_change_no_bit) {
+  PanoramaView view = view_from({0, 1.6, 0}, 100, 50, 0.8, -0.8);
+  view.samples = 3;
+  view.seed = 0x123456789abcdefu;
+  const auto one = built(busy_scene(), 1);
+  const auto two = built(busy_scene(), 2);
+  RgbImage reference;
+  one->render(view, whole(view), &reference, nullptr);
+  RgbImage other;
+  two->render(view, whole(view), &other, nullptr);
+  EXPECT_EQ(reference, other);
+  for (const auto& [width, height] : {std::pair{7, 5}, std::pair{16, 16}, std::pair{33, 50}}) {
+    for (int y = 0; y < 50; y += height) {
+      for (int x = 0; x < 100; x += width) {
+        const PixelRect rect{x, y, std::min(width, 100 - x), std::min(height, 50 - y)};
+        RgbImage tile;
+        two->render(view, rect, &tile, nullptr);
+        for (int row = 0; row < rect.height; ++row) {
+          ASSERT_TRUE(std::equal(tile.at(0, row), tile.at(0, row) + tile.row_values(), reference.at(x, y + row)));
+        }
+      }
+    }
+  }
+}
+
+TEST(Renderer, the_seed_changes_the_noise_and_not_the_picture) {
+  const auto renderer = built(busy_scene());
+  PanoramaView view = view_from({0, 1.6, 0}, 64, 32, 0.8, -0.8);
+  view.samples = 16;
+  const RadianceImage first = radiance_of(*renderer, view);
+  view.seed = 1;
+  const RadianceImage second = radiance_of(*renderer, view);
+  EXPECT_NE(first, second);
+  EXPECT_NEAR(mean_of(first), mean_of(second), 0.01 * mean_of(first));
+}
+
+TEST(Renderer, far_from_the_origin_the_picture_is_the_same) {
+  const Eigen::Vector3d far(5e6, -3e5, 7e6);
+  PanoramaView view = view_from({0, 1.6, 0}, 64, 32, 0.8, -0.8);
+  const RadianceImage near_picture = radiance_of(*built(busy_scene()), view);
+  view.eye += far;
+  const RadianceImage far_picture = radiance_of(*built(busy_scene(far)), view);
+  int different = 0;
+  for (std::size_t i = 0; i < near_picture.data().size(); ++i) {
+    if (std::abs(near_picture.data()[i] - far_picture.data()[i]) > 1e-3f) ++different;
+  }
+  EXPECT_LE(different, 6);  // A nanometre may move a silhouette across a sample or two.
+}
+
+TEST(Renderer, a_view_that_cannot_be_is_refused_with_the_reason) {
+  const PanoramaView good = view_from({0, 0, 0}, 64, 32, 1.0, -1.0);
+  EXPECT_TRUE(check_view(good, whole(good)).has_value());
+  EXPECT_TRUE(check_view(good, {64, 32, 0, 0}).has_value());
+  const auto message = [](const PanoramaView& view, const PixelRect& rect) {
+    const Status status = check_view(view, rect);
+    return status ? std::string() : status.error().message();
+  };
+  PanoramaView view = good;
+  view.eye.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(message(view, whole(good)), testing::HasSubstr("eye"));
+  view = good;
+  view.heading_rad = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(message(view, whole(good)), testing::HasSubstr("heading"));
+  view = good;
+  view.samples = 0;
+  EXPECT_THAT(message(view, whole(good)), testing::HasSubstr("samples"));
+  view = good;
+  view.panorama.azimuth_span_rad = 0.0;
+  EXPECT_THAT(message(view, whole(good)), testing::HasSubstr("azimuth_span_rad"));
+  for (const PixelRect& rect : {PixelRect{-1, 0, 4, 4}, PixelRect{61, 0, 4, 4}, PixelRect{0, 30, 4, 4},
+                                PixelRect{0, 0, -1, 4}, PixelRect{0x7fffffff, 0, 0x7fffffff, 1}}) {
+    EXPECT_THAT(message(good, rect), testing::HasSubstr("rectangle"));
+  }
+}
+
+TEST(Renderer, a_cancelled_picture_stays_black) {
+  const auto renderer = built(busy_scene());
+  const PanoramaView view = view_from({0, 1.6, 0}, 64, 64, 0.8, -0.8);
+  RgbImage image;
+  std::atomic<int> asked = 0;
+  const RenderCost cost = renderer->render(view, whole(view), &image, [&] { return ++asked > 0; });
+  EXPECT_EQ(asked, 16);
+  EXPECT_EQ(cost.rays, 0u);
+  EXPECT_THAT(std::vector<std::uint8_t>(image.data().begin(), image.data().end()), testing::Each(0));
+}
+
+TEST(Renderer, reports_what_a_picture_cost) {
+  const auto renderer = built(busy_scene());
+  const PanoramaView view = view_from({0, 1.6, 0}, 64, 64, 0.8, -0.8);
+  RgbImage image;
+  const RenderCost cost = renderer->render(view, whole(view), &image, nullptr);
+  EXPECT_GE(cost.rays, 64u * 64u);
+  EXPECT_GT(cost.cpu_seconds, 0.0);
+  EXPECT_GT(cost.wall_seconds, 0.0);
+  EXPECT_GT(renderer->bvh_bytes(), 0u);
+}
+
+TEST(Renderer, building_reports_progress_that_grows_to_one) {
+  std::vector<double> seen;
+  const auto renderer = Renderer::build(busy_scene(), 2, [&](double fraction) { seen.push_back(fraction); });
+  ASSERT_TRUE(renderer.has_value());
+  ASSERT_FALSE(seen.empty());
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_EQ(seen.back(), 1.0);
+}
+
+}  // namespace
+}  // namespace cyclorama

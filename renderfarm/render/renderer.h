@@ -31,7 +31,6 @@ inline constexpr int kMostSamples = 1 << 16;
 /// a view from outside must pass before it is rendered.
 Status check_view(const PanoramaView& view, const PixelRect& rect);
 
->>>>>>> ad5415a (render: panorama pixels by Embree, direct light from lamps, sky and the eye)
 struct RenderCost {
   double cpu_seconds = 0.0;  ///< Thread time, summed over the threads.
   double wall_seconds = 0.0;

@@ -52,12 +52,6 @@ double scale_of_colour(PlyType type) {
   return 1.0;
 }
 
-std::uint8_t to_byte(double value) {
-  return value > 0.0 ? static_cast<std::uint8_t>(std::min(value, 255.0) + 0.5) : std::uint8_t{0};  // NaN gives 0.
-}
-
-float finite_float(double value) { return std::abs(value) < kFarthest ? static_cast<float>(value) : 0.0f; }
-
 }  // namespace
 
 PlyVertexLayout::PlyVertexLayout(const PlyElement& vertex) {
@@ -115,8 +109,7 @@ void PlyMesh::add_vertex(const PlyVertexLayout& layout, const std::array<double,
     is_unusable_[mesh_.positions.size()] = true;
     p = mesh_.origin;
   } else if (!has_origin_ && layout.is_double()) {
-    // Whole units, so that small models keep the numbers of their file.
-    mesh_.origin = p.array().floor();
+    mesh_.origin = origin_near(p);
     has_origin_ = true;
   }
   const Eigen::Vector3f near_origin = (p - mesh_.origin).cast<float>();

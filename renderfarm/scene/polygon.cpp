@@ -7,7 +7,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kEarsLimit = 512;
+constexpr std::size_t kEarsLimit = 256;
 
 using Flat = std::vector<Eigen::Vector2d>;
 
@@ -75,15 +75,17 @@ void triangulate(std::span<const Eigen::Vector3d> corners, std::vector<std::arra
 
   std::vector<std::uint32_t> left(n);
   std::iota(left.begin(), left.end(), 0u);
+  std::size_t at = 0;
   while (left.size() > 3) {
-    std::size_t at = 0;
-    while (at < left.size() && !is_ear(flat, left, at)) ++at;
-    if (at == left.size()) at = 1;  // Crosses itself or has no area: cut anything, so that it ends.
     const std::size_t m = left.size();
+    std::size_t tried = 0;
+    while (tried < m && !is_ear(flat, left, at % m)) ++tried, ++at;
+    if (tried == m) break;  // Crosses itself or has no area.
+    at %= m;
     triangles->push_back({left[(at + m - 1) % m], left[at], left[(at + 1) % m]});
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
   }
-  triangles->push_back({left[0], left[1], left[2]});
+  for (std::size_t i = 2; i < left.size(); ++i) triangles->push_back({left[0], left[i - 1], left[i]});
 }
 
 }  // namespace cyclorama

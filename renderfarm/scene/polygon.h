@@ -11,7 +11,7 @@
 namespace cyclorama {
 
 /// Appends the triangles of one polygon, as places in `corners`, in the polygon's winding. Convex polygons become a
-/// fan; others have their ears cut (O(n^2) and more), unless they have more than 512 corners, which become a fan as
+/// fan; others have their ears cut (O(n^2) as a rule), unless they have more than 256 corners, which become a fan as
 /// well. A polygon that crosses itself or has no area becomes something with n - 2 triangles. Fewer than three corners
 /// give none. Reentrant.
 void triangulate(std::span<const Eigen::Vector3d> corners, std::vector<std::array<std::uint32_t, 3>>* triangles);

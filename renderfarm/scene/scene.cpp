@@ -48,8 +48,9 @@ Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& 
   switch (format) {
     case Format::kPly:
       return import_ply(path, limits);
-    case Format::kGltf:
     case Format::kObj:
+      return import_obj(path, limits);
+    case Format::kGltf:
     case Format::kPackage:
       break;
   }

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+/// OBJ's corners, each with its own place, texture coordinate and normal, as vertices of indexed meshes.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+/// What a corner of a face refers to, from 0.
+struct ObjCorner {
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  std::uint32_t position = 0;
+  std::uint32_t texcoord = kNone;
+  std::uint32_t normal = kNone;
+  friend bool operator==(const ObjCorner&, const ObjCorner&) = default;
+};
+
+/// The lists that an OBJ file's faces refer to.
+struct ObjLists {
+  std::vector<Eigen::Vector3d> positions;            ///< In double: rebased when meshes are made.
+  std::vector<std::array<std::uint8_t, 3>> colours;  ///< As many as positions, or none.
+  std::vector<std::array<float, 2>> texcoords;       ///< v counts down.
+  std::vector<std::array<float, 3>> normals;
+
+  [[nodiscard]] std::size_t memory_bytes() const;
+};
+
+/// A mesh that grows face by face: equal corners become one vertex. Thread-bound.
+class ObjMesh {
+ public:
+  explicit ObjMesh(int material) : material_(material) {}
+
+  /// Precondition: what the corners refer to is in `lists`.
+  void add_triangle(const std::array<ObjCorner, 3>& corners);
+  [[nodiscard]] bool empty() const { return triangles_.empty(); }
+  /// Of this mesh, and of the Mesh made of it.
+  [[nodiscard]] std::size_t memory_bytes() const;
+  [[nodiscard]] Mesh finish(const ObjLists& lists) &&;
+
+ private:
+  std::uint32_t vertex_of(const ObjCorner& corner);
+  void grow();
+
+  int material_;
+  std::vector<ObjCorner> vertices_;
+  std::vector<std::uint32_t> slots_;  ///< Open addressing: a power of two, at most two thirds full; vertex + 1, or 0.
+  std::vector<std::array<std::uint32_t, 3>> triangles_;
+};
+
+}  // namespace cyclorama

@@ -106,6 +106,12 @@ Result<std::optional<std::string>> GltfObject::text(const char* key) const {
   return std::optional(*text);
 }
 
+Result<std::string> GltfObject::text_or(const char* key, const char* fallback) const {
+  TRY_ASSIGN(std::optional<std::string> found, text(key));
+  if (!found) return std::string(fallback);
+  return *std::move(found);
+}
+
 std::string GltfObject::name() const {
   const nlohmann::json* const value = find("name");
   const std::string* const text = value == nullptr ? nullptr : value->get_ptr<const nlohmann::json::string_t*>();

@@ -36,6 +36,7 @@ class GltfObject {
   Result<std::uint64_t> required_integer(const char* key) const;
   Result<std::optional<bool>> flag(const char* key) const;
   Result<std::optional<std::string>> text(const char* key) const;
+  Result<std::string> text_or(const char* key, const char* fallback) const;
   /// The "name" that most objects may have. Never an error: it is for people only.
   [[nodiscard]] std::string name() const;
   Result<std::optional<GltfObject>> object(const char* key) const;

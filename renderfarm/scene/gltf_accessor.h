@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Typed arrays inside buffers. Source: glTF 2.0, section 3.6.2.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/scene/gltf_document.h"
+
+namespace cyclorama {
+
+/// The values are glTF's.
+enum class GltfComponent : std::uint16_t { kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kF32 = 5126 };
+
+[[nodiscard]] std::size_t component_bytes(GltfComponent component);
+
+/// Checked: every element lies inside `data`, at any alignment. Valid as long as the document, and a value.
+struct GltfAccessor {
+  const std::byte* data = nullptr;
+  std::size_t count = 0;
+  std::size_t stride = 0;  ///< Bytes from one element to the next.
+  GltfComponent component = GltfComponent::kF32;
+  int width = 1;  ///< Components per element, 1 to 4.
+  bool normalized = false;
+  std::string place;
+  std::shared_ptr<const std::vector<std::byte>> owned;  ///< Holds `data` where no buffer does.
+
+  [[nodiscard]] bool is_packed_float() const {
+    return component == GltfComponent::kF32 && stride == static_cast<std::size_t>(width) * sizeof(float);
+  }
+};
+
+/// What an accessor says of itself, without its data: Draco keeps the data elsewhere.
+struct GltfAccessorShape {
+  std::uint64_t count = 0;
+  GltfComponent component = GltfComponent::kF32;
+  int width = 1;
+  bool normalized = false;
+  std::string place;
+};
+
+/// Precondition of both: `index` came from GltfDocument::index(). Sparse values are put in place. kBadData  a wrong
+/// type, values outside the buffer view, or more than the budget allows.
+Result<GltfAccessorShape> read_accessor_shape(const GltfDocument& document, std::size_t index);
+Result<GltfAccessor> read_accessor(GltfDocument* document, std::size_t index, GltfBudget* budget);
+
+/// Which elements are wanted: all of them, or some in increasing order.
+class GltfSelection {
+ public:
+  static GltfSelection all(std::size_t count) { return GltfSelection(count, {}); }
+  static GltfSelection some(std::vector<std::uint32_t> elements) {
+    return GltfSelection(elements.size(), std::move(elements));
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool is_all() const { return elements_.empty(); }
+  [[nodiscard]] std::size_t operator[](std::size_t i) const { return is_all() ? i : elements_[i]; }
+
+ private:
+  GltfSelection(std::size_t size, std::vector<std::uint32_t> elements) : size_(size), elements_(std::move(elements)) {}
+  std::size_t size_;
+  std::vector<std::uint32_t> elements_;
+};
+
+/// As floats, integers normalised where the accessor says so. Preconditions: the accessor's width is N, the selection
+/// is inside it, and the caller has paid for the result.
+template <std::size_t N>
+std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, const GltfSelection& selection);
+extern template std::vector<std::array<float, 2>> read_floats(const GltfAccessor&, const GltfSelection&);
+extern template std::vector<std::array<float, 3>> read_floats(const GltfAccessor&, const GltfSelection&);
+extern template std::vector<std::array<float, 4>> read_floats(const GltfAccessor&, const GltfSelection&);
+
+/// Writes the first `indices.size()` elements. Precondition: an unsigned component of width 1, and there are that many.
+void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> indices);
+
+}  // namespace cyclorama

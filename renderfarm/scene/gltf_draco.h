@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// KHR_draco_mesh_compression, by libdraco.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "common/base/result.h"
+#include "renderfarm/scene/gltf_accessor.h"
+#include "renderfarm/scene/gltf_triangles.h"
+
+namespace cyclorama {
+
+/// What the uncompressed accessors promise; data that announces anything else is refused before it is decoded.
+struct GltfDracoPromise {
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+};
+
+/// One decoded primitive. Move-only, thread-bound.
+class GltfDracoMesh {
+ public:
+  /// `extension` is the primitive's KHR_draco_mesh_compression object. kBadData  damaged, or over the budget.
+  static Result<GltfDracoMesh> decode(GltfDocument* document, const GltfObject& extension,
+                                      const GltfDracoPromise& promise, GltfBudget* budget);
+  GltfDracoMesh(GltfDracoMesh&&) noexcept;
+  GltfDracoMesh& operator=(GltfDracoMesh&&) noexcept;
+  ~GltfDracoMesh();
+
+  /// The caller has paid for them.
+  [[nodiscard]] GltfTriangles triangles() const;
+  /// Nothing when this semantic ("POSITION") is not compressed. `shape` is what its accessor says.
+  Result<std::optional<GltfAccessor>> attribute(const char* semantic, const GltfAccessorShape& shape,
+                                                GltfBudget* budget) const;
+
+ private:
+  struct State;
+  explicit GltfDracoMesh(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/scene/gltf_extensions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::array<std::string_view, 8> kSupported = {
+    "EXT_mesh_gpu_instancing",
+    "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness",  // Approximated; gltf_material.cpp notes what is lost.
+    "KHR_materials_unlit",                  // Noted where a material has it.
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+};
+
+// Without these the geometry is complete and some surfaces look plainer, even if the file insists.
+constexpr std::array<std::string_view, 7> kLookOnly = {
+    "KHR_texture_basisu",
+    "EXT_texture_webp",
+    "EXT_texture_avif",
+    "MSFT_texture_dds",
+    "EXT_lights_image_based",
+    "KHR_xmp_json_ld",
+    "MSFT_packing_occlusionRoughnessMetallic",
+};
+
+template <typename List>
+bool contains(const List& list, std::string_view name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+bool changes_look_only(std::string_view name) {
+  constexpr std::string_view kMaterials = "KHR_materials_";
+  return name.substr(0, kMaterials.size()) == kMaterials || contains(kLookOnly, name);
+}
+
+}  // namespace
+
+Result<std::set<std::string, std::less<>>> check_gltf_extensions(const GltfObject& root, GltfNotes* notes) {
+  std::set<std::string, std::less<>> names;
+  TRY_ASSIGN(const GltfArray used, root.array("extensionsUsed"));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    TRY_ASSIGN(std::string name, used.text(i));
+    names.insert(std::move(name));
+  }
+  TRY_ASSIGN(const GltfArray required, root.array("extensionsRequired"));
+  for (std::size_t i = 0; i < required.size(); ++i) {
+    TRY_ASSIGN(std::string name, required.text(i));
+    if (!contains(kSupported, name) && !changes_look_only(name)) {
+      return Error(ErrorCode::kBadData, fmt::format("{}: {} is required and not supported; export the scene without it",
+                                                    required.place_of(i), printable(name)));
+    }
+    names.insert(std::move(name));
+  }
+  for (const std::string& name : names) {
+    if (!contains(kSupported, name)) notes->add(fmt::format("{} is not supported: ignored", printable(name)), "");
+  }
+  return names;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "renderfarm/scene/gltf_node.h"
+
+namespace cyclorama {
+namespace {
+
+using Parents = std::vector<std::optional<std::size_t>>;
+
+Result<Parents> read_children(const GltfArray& nodes, GltfForest* forest) {
+  Parents parents(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    TRY_ASSIGN(const GltfObject node, nodes.object(i));
+    TRY_ASSIGN(const GltfArray children, node.array("children"));
+    for (std::size_t k = 0; k < children.size(); ++k) {
+      TRY_ASSIGN(const std::uint64_t child, children.integer(k));
+      if (child >= nodes.size()) {
+        return gltf_damaged(children.place_of(k), fmt::format("index {} of {} nodes", child, nodes.size()));
+      }
+      const auto index = static_cast<std::size_t>(child);
+      if (parents[index]) {
+        return gltf_damaged(children.place_of(k),
+                            fmt::format("node {} is already a child of node {}", index, *parents[index]));
+      }
+      parents[index] = i;
+      forest->children[i].push_back(index);
+    }
+  }
+  return parents;
+}
+
+/// Every node has one parent at most, so whatever no root reaches is a loop or hangs on one.
+Status check_no_loops(const GltfForest& forest, const Parents& parents, const GltfArray& nodes) {
+  std::vector<bool> reached(parents.size());
+  std::vector<std::size_t> waiting;
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    if (!parents[i]) waiting.push_back(i);
+  }
+  while (!waiting.empty()) {
+    const std::size_t node = waiting.back();
+    waiting.pop_back();
+    reached[node] = true;
+    waiting.insert(waiting.end(), forest.children[node].begin(), forest.children[node].end());
+  }
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    if (!reached[i]) return gltf_damaged(nodes.place_of(i), "the node is part of a loop, or hangs on one");
+  }
+  return Done{};
+}
+
+Result<std::vector<std::size_t>> roots_of_scene(const GltfDocument& document, const Parents& parents,
+                                                std::size_t index) {
+  TRY_ASSIGN(const GltfObject scene, document.item("scenes", index));
+  TRY_ASSIGN(const GltfArray nodes, scene.array("nodes"));
+  std::vector<std::size_t> roots;
+  std::vector<bool> named(parents.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    TRY_ASSIGN(const std::uint64_t node, nodes.integer(i));
+    if (node >= parents.size()) {
+      return gltf_damaged(nodes.place_of(i), fmt::format("index {} of {} nodes", node, parents.size()));
+    }
+    const auto root = static_cast<std::size_t>(node);
+    if (parents[root]) {
+      return gltf_damaged(nodes.place_of(i),
+                          fmt::format("node {} is a child of node {} and no root", root, *parents[root]));
+    }
+    if (named[root]) return gltf_damaged(nodes.place_of(i), fmt::format("node {} is named twice", root));
+    named[root] = true;
+    roots.push_back(root);
+  }
+  return roots;
+}
+
+}  // namespace
+
+Result<GltfForest> read_gltf_forest(const GltfDocument& document) {
+  TRY_ASSIGN(const GltfArray nodes, document.root().array("nodes"));
+  GltfForest forest;
+  forest.children.resize(nodes.size());
+  TRY_ASSIGN(const Parents parents, read_children(nodes, &forest));
+  TRY(check_no_loops(forest, parents, nodes));
+  TRY_ASSIGN(const std::optional<std::size_t> declared, document.index(document.root(), "scene", "scenes"));
+  TRY_ASSIGN(const GltfArray scenes, document.root().array("scenes"));
+  if (declared || scenes.size() > 0) {
+    TRY_ASSIGN(forest.shown_roots, roots_of_scene(document, parents, declared.value_or(0)));
+    return forest;
+  }
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    if (!parents[i]) forest.shown_roots.push_back(i);
+  }
+  return forest;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// KHR_lights_punctual.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "common/base/result.h"
+#include "renderfarm/scene/gltf_context.h"
+#include "renderfarm/scene/gltf_document.h"
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+/// The light that `node` carries, placed; nothing, when it carries none. Lights of unknown kinds are noted.
+Result<std::optional<Light>> read_node_light(const GltfDocument& document, const GltfObject& node,
+                                             const Eigen::Affine3d& T_model_node, GltfNotes* notes);
+
+}  // namespace cyclorama

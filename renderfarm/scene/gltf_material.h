@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Materials as glTF and its extensions describe them, brought to what Material can say.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/scene/gltf_context.h"
+#include "renderfarm/scene/gltf_document.h"
+#include "renderfarm/scene/gltf_texture.h"
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+/// The four places where a Material has a texture.
+[[nodiscard]] std::array<TextureUse*, 4> texture_uses(Material* material);
+[[nodiscard]] std::array<const TextureUse*, 4> texture_uses(const Material& material);
+
+/// One material; its TextureUses hold glTF's texture indices, checked, and not Model's. Texture coordinates beyond the
+/// second set are dropped with a note.
+Result<Material> read_gltf_material(const GltfDocument& document, const GltfObject& object, GltfNotes* notes);
+
+/// Gives each primitive its material, loading what has not been loaded yet. Borrows all it is given. Thread-bound.
+class GltfMaterials {
+ public:
+  GltfMaterials(GltfDocument* document, GltfContext* context, Model* ret_model)
+      : document_(document), context_(context), model_(ret_model), textures_(document, context, &ret_model->textures) {}
+
+  /// Index into Model::materials. A texture whose coordinates the primitive lacks (`has_texcoords`) is left out of what
+  /// it gets, so that every TextureUse in the model can be sampled. `index` is glTF's; none is a plain white surface.
+  Result<int> load(std::optional<std::size_t> index, const std::array<bool, 2>& has_texcoords, std::string_view place);
+
+ private:
+  Result<int> load_new(std::optional<std::size_t> index, const std::array<bool, 2>& has_texcoords,
+                       std::string_view place);
+
+  GltfDocument* document_;
+  GltfContext* context_;
+  Model* model_;
+  GltfTextures textures_;
+  std::map<std::tuple<std::optional<std::size_t>, bool, bool>, int> loaded_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Meshes: each primitive with a surface becomes one Mesh.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/scene/gltf_context.h"
+#include "renderfarm/scene/gltf_document.h"
+#include "renderfarm/scene/gltf_material.h"
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+/// Loads each glTF mesh when a node first shows it. Borrows all it is given. Thread-bound.
+class GltfMeshes {
+ public:
+  GltfMeshes(GltfDocument* document, GltfContext* context, Model* ret_model)
+      : document_(document), context_(context), model_(ret_model), materials_(document, context, ret_model) {}
+
+  /// Indices into Model::meshes. The reference is valid as long as this object. Precondition: `index` came from
+  /// GltfDocument::index().
+  Result<const std::vector<int>*> load(std::size_t index);
+
+ private:
+  Result<std::optional<Mesh>> read_primitive(const GltfObject& primitive);
+
+  GltfDocument* document_;
+  GltfContext* context_;
+  Model* model_;
+  GltfMaterials materials_;
+  std::map<std::size_t, std::vector<int>> loaded_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/scene/gltf_node.h"
+
+#include <optional>
+#include <utility>
+
+#include "renderfarm/scene/gltf_instancing.h"
+#include "renderfarm/scene/gltf_light.h"
+#include "renderfarm/scene/gltf_transform.h"
+
+namespace cyclorama {
+namespace {
+
+struct Stage {
+  GltfDocument* document;
+  GltfContext* context;
+  GltfMeshes* meshes;
+  Model* model;
+};
+
+Status show_copy(const Stage& stage, const std::vector<int>& meshes, const Eigen::Affine3d& T_model_mesh,
+                 const std::string& place) {
+  if (!T_model_mesh.matrix().allFinite()) return gltf_damaged(place, "the transform is too large");
+  if (!is_invertible(T_model_mesh)) {
+    stage.context->notes.add("a node is scaled to nothing: not shown", place);
+    return Done{};
+  }
+  TRY(stage.context->budget.take(place, meshes.size(), sizeof(Instance)));
+  for (const int mesh : meshes) stage.model->instances.push_back({mesh, T_model_mesh});
+  return Done{};
+}
+
+Status show_mesh(const Stage& stage, const GltfObject& node, const Eigen::Affine3d& T_model_node) {
+  TRY_ASSIGN(const std::optional<std::size_t> index, stage.document->index(node, "mesh", "meshes"));
+  if (!index) return Done{};
+  TRY_ASSIGN(const std::vector<int>* const meshes, stage.meshes->load(*index));
+  if (node.has("skin")) stage.context->notes.add("skins are not supported: the mesh is shown as stored", node.place());
+  TRY_ASSIGN(const std::optional<GltfObject> instancing, node.extension("EXT_mesh_gpu_instancing"));
+  if (!instancing) return show_copy(stage, *meshes, T_model_node, node.place());
+  TRY_ASSIGN(const std::vector<Eigen::Affine3d> copies, read_instancing(stage.document, *instancing, stage.context));
+  for (const Eigen::Affine3d& T_node_mesh : copies) {
+    TRY(show_copy(stage, *meshes, T_model_node * T_node_mesh, node.place()));
+  }
+  return Done{};
+}
+
+Status show_nodes(const Stage& stage, const GltfForest& forest) {
+  struct Waiting {
+    std::size_t node;
+    Eigen::Affine3d T_model_parent;
+  };
+  std::vector<Waiting> waiting;
+  for (auto root = forest.shown_roots.rbegin(); root != forest.shown_roots.rend(); ++root) {
+    waiting.push_back({*root, Eigen::Affine3d::Identity()});
+  }
+  while (!waiting.empty()) {
+    const Waiting next = waiting.back();
+    waiting.pop_back();
+    TRY_ASSIGN(const GltfObject node, stage.document->item("nodes", next.node));
+    TRY_ASSIGN(const Eigen::Affine3d T_parent_node, read_node_transform(node, &stage.context->notes));
+    const Eigen::Affine3d T_model_node = next.T_model_parent * T_parent_node;
+    TRY(show_mesh(stage, node, T_model_node));
+    TRY_ASSIGN(std::optional<Light> light, read_node_light(*stage.document, node, T_model_node, &stage.context->notes));
+    if (light) stage.model->lights.push_back(*std::move(light));
+    const std::vector<std::size_t>& children = forest.children[next.node];
+    for (auto child = children.rbegin(); child != children.rend(); ++child) waiting.push_back({*child, T_model_node});
+  }
+  return Done{};
+}
+
+Status show_meshes_without_nodes(const Stage& stage) {
+  TRY_ASSIGN(const GltfArray meshes, stage.document->root().array("meshes"));
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    TRY_ASSIGN(const std::vector<int>* const loaded, stage.meshes->load(i));
+    TRY(show_copy(stage, *loaded, Eigen::Affine3d::Identity(), meshes.place_of(i)));
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Status show_gltf_scene(GltfDocument* document, GltfContext* context, GltfMeshes* meshes, Model* ret_model) {
+  const Stage stage{document, context, meshes, ret_model};
+  TRY_ASSIGN(const GltfForest forest, read_gltf_forest(*document));
+  if (forest.children.empty() && !document->root().has("scenes")) return show_meshes_without_nodes(stage);
+  return show_nodes(stage, forest);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Images and samplers.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/scene/gltf_context.h"
+#include "renderfarm/scene/gltf_document.h"
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+/// Loads each texture when a material that is seen first needs it. Borrows all it is given. Thread-bound.
+class GltfTextures {
+ public:
+  GltfTextures(GltfDocument* document, GltfContext* context, std::vector<Texture>* ret_textures)
+      : document_(document), context_(context), textures_(ret_textures) {}
+
+  /// Index into Model::textures, or -1 with a note that names the image: a picture that is missing, damaged or of
+  /// another format leaves the surface plain, since a visit without one texture is better than none. kBadData  the
+  /// references are wrong, or the pixels are over the budget. Precondition: `index` came from GltfDocument::index().
+  Result<int> load(std::size_t index);
+
+ private:
+  Result<int> load_new(std::size_t index);
+  Result<RgbaImage> decode(const GltfObject& image);
+
+  GltfDocument* document_;
+  GltfContext* context_;
+  std::vector<Texture>* textures_;
+  std::map<std::size_t, int> loaded_;
+};
+
+}  // namespace cyclorama

@@ -3,32 +3,28 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "common/image/colour.h"
+#include "renderfarm/scene/mesh_repair.h"
 
 namespace cyclorama {
 namespace {
 
 using Float3 = std::array<float, 3>;
 
-Eigen::Vector3f as_vector(const Float3& a) { return {a[0], a[1], a[2]}; }
-
+/// Finite, and small enough that squares are finite as well.
 template <std::size_t N>
-bool is_finite(const std::array<float, N>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+bool is_usable_number(const std::array<float, N>& values) {
+  bool usable = true;  // Without a branch: most data is good, and this is on every vertex.
+  for (const float v : values) usable &= std::abs(v) < static_cast<float>(kFarthest);
+  return usable;
 }
 
-// One pass that the compiler can vectorise; 0 * x is 0 only for a finite x.
 template <std::size_t N>
-bool all_finite(const std::vector<std::array<float, N>>& values) {
-  float sum = 0.0f;
-  for (const std::array<float, N>& value : values) {
-    for (const float v : value) sum += v * 0.0f;
-  }
-  return sum == 0.0f;
+bool all_usable(const std::vector<std::array<float, N>>& values) {
+  return std::all_of(values.begin(), values.end(), is_usable_number<N>);
 }
 
 /// Returns false, and leaves the direction alone, when it has none.
@@ -40,31 +36,10 @@ bool normalise(float* xyz) {
   return true;
 }
 
-/// Area-weighted normals of the triangles around each vertex of `wanted`.
-void take_normals_from_surface(const std::vector<bool>& wanted, Mesh* mesh) {
-  std::vector<Eigen::Vector3d> sums(mesh->positions.size(), Eigen::Vector3d::Zero());
-  for (const std::array<std::uint32_t, 3>& t : mesh->triangles) {
-    if (!wanted[t[0]] && !wanted[t[1]] && !wanted[t[2]]) continue;
-    const Eigen::Vector3d a = as_vector(mesh->positions[t[0]]).cast<double>();
-    const Eigen::Vector3d b = as_vector(mesh->positions[t[1]]).cast<double>();
-    const Eigen::Vector3d c = as_vector(mesh->positions[t[2]]).cast<double>();
-    const Eigen::Vector3d area = (b - a).cross(c - a);
-    for (const std::uint32_t corner : t) sums[corner] += area;
-  }
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (!wanted[i]) continue;
-    const double length = sums[i].norm();
-    const bool has_direction = length > 0.0 && std::isfinite(length);
-    const Eigen::Vector3d normal = has_direction ? Eigen::Vector3d(sums[i] / length) : Eigen::Vector3d::UnitY();
-    const Eigen::Vector3f rounded = normal.cast<float>();
-    mesh->normals[i] = {rounded.x(), rounded.y(), rounded.z()};
-  }
-}
-
 void drop_broken_triangles(const GltfAccessor& accessor, GltfContext* context, Mesh* mesh) {
   std::vector<bool> broken(mesh->positions.size());
   for (std::size_t i = 0; i < broken.size(); ++i) {
-    if (is_finite(mesh->positions[i])) continue;
+    if (is_usable_number(mesh->positions[i])) continue;
     broken[i] = true;
     mesh->positions[i] = {0.0f, 0.0f, 0.0f};
   }
@@ -144,26 +119,20 @@ Status check_vertex_format(const GltfAccessor& accessor, GltfVertexKind kind, bo
 Status read_positions(const GltfAccessor& accessor, const GltfSelection& selection, GltfContext* context, Mesh* mesh) {
   TRY(context->budget.take(accessor.place, selection.size(), sizeof(Float3)));
   mesh->positions = read_floats<3>(accessor, selection);
-  if (!all_finite(mesh->positions)) drop_broken_triangles(accessor, context, mesh);
+  if (!all_usable(mesh->positions)) drop_broken_triangles(accessor, context, mesh);
   return Done{};
 }
 
 Status read_normals(const GltfAccessor& accessor, const GltfSelection& selection, GltfContext* context, Mesh* mesh) {
   TRY(context->budget.take(accessor.place, selection.size(), sizeof(Float3)));
   mesh->normals = read_floats<3>(accessor, selection);
-  std::vector<bool> broken;
-  std::size_t broken_count = 0;
-  for (std::size_t i = 0; i < mesh->normals.size(); ++i) {
-    if (normalise(mesh->normals[i].data())) continue;
-    if (broken.empty()) broken.resize(mesh->normals.size());
-    broken[i] = true;
-    ++broken_count;
+  const auto is_broken = [](const Float3& n) {
+    return !is_usable_number(n) || (n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f);
+  };
+  if (const auto count = std::count_if(mesh->normals.begin(), mesh->normals.end(), is_broken); count > 0) {
+    context->notes.add(fmt::format("{} normals have no direction: taken from the surface", count), accessor.place);
   }
-  if (broken_count > 0) {
-    take_normals_from_surface(broken, mesh);
-    context->notes.add(fmt::format("{} normals have no direction: taken from the surface", broken_count),
-                       accessor.place);
-  }
+  repair_normals(mesh);
   return Done{};
 }
 
@@ -189,9 +158,9 @@ Status read_texcoords(const GltfAccessor& accessor, const GltfSelection& selecti
   auto& texcoords = mesh->texcoords[static_cast<std::size_t>(set)];
   TRY(context->budget.take(accessor.place, selection.size(), sizeof texcoords[0]));
   texcoords = read_floats<2>(accessor, selection);
-  if (all_finite(texcoords)) return Done{};
+  if (all_usable(texcoords)) return Done{};
   for (std::array<float, 2>& texcoord : texcoords) {
-    if (!is_finite(texcoord)) texcoord = {0.0f, 0.0f};
+    if (!is_usable_number(texcoord)) texcoord = {0.0f, 0.0f};
   }
   context->notes.add("some texture coordinates are not finite: taken as 0", accessor.place);
   return Done{};

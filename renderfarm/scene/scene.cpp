@@ -51,6 +51,7 @@ Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& 
     case Format::kObj:
       return import_obj(path, limits);
     case Format::kGltf:
+      return import_gltf(path, limits);
     case Format::kPackage:
       break;
   }

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Who steers, and where that leads: keys, else the pattern in the visitor's hand, else the guide, else nobody.
+///
+/// Everything here is a function of (state, measurement, time), so that tests move the time. Time is the tour's own
+/// clock when a measurement ARRIVED: a tracker's shutter times may come from another machine.
+///
+///       keys pressed ───────────────► kKeys     wins while pressed; each request holds for kKeysHeld
+///       tag seen within kTagHeld ───► kTag      several trackers are sorted out before (session/tracker_choice.h)
+///       nobody for guide_after ─────► kGuide    never while a tag is in sight, unless it lies still very long
+///       otherwise ──────────────────► kNobody   glides to rest
+///
+/// All four are wishes under the same limits, so a change of hands is never a jump.
+#pragma once
+
+#include <optional>
+
+#include "kiosk/tour/navigation/guide.h"
+#include "kiosk/tour/navigation/tag_steering.h"
+#include "kiosk/tour/navigation/walk.h"
+
+namespace cyclorama {
+
+enum class Steerer { kNobody, kKeys, kTag, kGuide };
+[[nodiscard]] const char* to_text(Steerer steerer);
+
+struct NavigationSettings {
+  WalkLimits limits;
+  TagSteeringSettings tag;
+  /// Time constant of the low-pass filter on the tag's wish; the tracker has filtered the pose before.
+  Duration tag_smoothing = std::chrono::milliseconds(60);
+  /// Zero: no guide.
+  Duration guide_after = std::chrono::seconds(45);
+};
+
+/// As museum.proto says of Steer.
+inline constexpr Duration kKeysHeld = std::chrono::milliseconds(300);
+/// A tag is still held this long after it was last seen: a missed picture or two must not be felt. With the longest
+/// glide (0.8 s) it stays below one second from lost to rest.
+inline constexpr Duration kTagHeld = std::chrono::milliseconds(150);
+/// A tag that lies in sight and asks for nothing keeps the guide away this many times longer: somebody may just be
+/// looking, but a tag forgotten on its stand must not silence the guide for good.
+inline constexpr int kQuietTagPatience = 8;
+
+/// A value.
+struct Navigation {
+  Walker walker;
+  Steerer steerer = Steerer::kNobody;
+  std::optional<TimePoint> advanced_at;
+  std::optional<TimePoint> tag_seen_at;
+  SteeringWish tag_wish;  ///< Filtered.
+  std::optional<TimePoint> keys_at;
+  SteeringWish keys_wish;
+  std::optional<TimePoint> steered_at;  ///< When a visitor last asked for anything; at first, the start.
+  GuideState guide;
+};
+
+[[nodiscard]] Navigation started(const Site& site);
+
+/// A tag was seen. A time before the last one's, and a pose that is not finite, not in front of the camera or beyond
+/// 50 m, are ignored. (A picture without a tag is no measurement: do not call.)
+[[nodiscard]] Navigation with_tag(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
+                                  TimePoint arrived_at, const NavigationSettings& settings);
+
+/// A request for keys; one at rest releases them at once.
+[[nodiscard]] Navigation with_keys(Navigation state, const SteeringWish& wish, TimePoint arrived_at);
+
+/// Moves on to `now`; a time before the last one moves nothing. `site` is the one given to started().
+[[nodiscard]] Navigation advanced(Navigation state, const Site& site, const NavigationSettings& settings,
+                                  TimePoint now);
+
+}  // namespace cyclorama

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/outbox.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace cyclorama {
+namespace {
+
+std::size_t bytes_of(const wire::ShowMessage& message) { return message.has_tile() ? message.tile().jpeg().size() : 0; }
+
+}  // namespace
+
+Outbox::Outbox(wire::Panorama shown, std::size_t most_bytes) : most_bytes_(most_bytes), shown_(std::move(shown)) {}
+
+void Outbox::put_heading(double heading_rad, std::int64_t shutter_ns) {
+  heading_.emplace();
+  heading_->set_heading_rad(heading_rad);
+  heading_->set_shutter_ns(shutter_ns);
+}
+
+std::optional<std::uint64_t> Outbox::put(const SharedShowMessage& message) {
+  if (message->has_begin()) {
+    const auto dropped = drop_unstarted_frame();
+    accepting_ = true;
+    push(message);
+    return dropped;
+  }
+  if (!accepting_) return std::nullopt;  // It joined in the middle, or gave this frame up.
+  if (bytes_ + bytes_of(*message) > most_bytes_) return give_up_frame();
+  push(message);
+  if (message->has_end()) accepting_ = false;
+  return std::nullopt;
+}
+
+SharedShowMessage Outbox::take() {
+  if (heading_) {
+    auto message = std::make_shared<wire::ShowMessage>();
+    *message->mutable_heading() = *std::exchange(heading_, std::nullopt);
+    if (shown_) *message->mutable_heading()->mutable_shown() = *std::exchange(shown_, std::nullopt);
+    return message;
+  }
+  if (shown_ || frames_.empty()) return nullptr;
+  SharedShowMessage message = std::move(frames_.front());
+  frames_.pop_front();
+  bytes_ -= bytes_of(*message);
+  return message;
+}
+
+std::optional<std::uint64_t> Outbox::drop_unstarted_frame() {
+  const auto begin = std::find_if(frames_.begin(), frames_.end(), [](const auto& m) { return m->has_begin(); });
+  if (begin == frames_.end()) return std::nullopt;
+  const std::uint64_t number = (*begin)->begin().number();
+  for (auto left = frames_.end() - begin; left > 0; --left) pop_back();
+  return number;
+}
+
+std::optional<std::uint64_t> Outbox::give_up_frame() {
+  accepting_ = false;
+  if (const auto number = drop_unstarted_frame()) return number;
+  // Its begin was sent: take back what can be, and tell the display not to wait for the rest.
+  std::uint64_t number = 0;
+  while (!frames_.empty() && frames_.back()->has_tile()) {
+    number = frames_.back()->tile().view_number();
+    pop_back();
+  }
+  auto message = std::make_shared<wire::ShowMessage>();
+  message->mutable_end()->set_view_number(number);
+  message->mutable_end()->set_complete(false);
+  message->mutable_end()->set_reason("the display is too slow for frames of this size");
+  push(message);
+  return number;
+}
+
+void Outbox::push(const SharedShowMessage& message) {
+  bytes_ += bytes_of(*message);
+  frames_.push_back(message);
+}
+
+void Outbox::pop_back() {
+  bytes_ -= bytes_of(*frames_.back());
+  frames_.pop_back();
+}
+
+}  // namespace cyclorama

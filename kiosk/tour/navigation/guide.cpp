@@ -44,8 +44,7 @@ std::size_t nearest_stop(const Walker& walker, const Site& site) {
   const auto farther = [&](const GuideStop& a, const GuideStop& b) {
     return (a.place_m - walker.place_m).norm() < (b.place_m - walker.place_m).norm();
   };
-  return static_cast<std::size_t>(std::min_element(site.stops.begin(), site.stops.end(), farther) -
-                                  site.stops.begin());
+  return static_cast<std::size_t>(std::min_element(site.stops.begin(), site.stops.end(), farther) - site.stops.begin());
 }
 
 SteeringWish dwell(const GuideState& state, const Walker& walker, const GuideStop& stop, const WalkLimits& limits,
@@ -73,7 +72,8 @@ SteeringWish stroll(const GuideState& state, const Walker& walker, const GuideSt
 
 SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& site, const WalkLimits& limits,
                         TimePoint now) {
-  if (site.area == nullptr || site.stops.empty()) return {0.0, 0.0, part(kLookAroundRadPerSecond, limits.turn_rad_per_s)};
+  if (site.area == nullptr || site.stops.empty())
+    return {0.0, 0.0, part(kLookAroundRadPerSecond, limits.turn_rad_per_s)};
   if (!state->started) set_out(state, nearest_stop(walker, site), walker, site, now);
   const std::size_t next_stop = (state->stop + 1) % site.stops.size();
   if (state->dwelling && now - state->since >= kDwell) set_out(state, next_stop, walker, site, now);

@@ -38,13 +38,13 @@ struct GuideState {
   double nearest_m = 0.0;  ///< How near it came.
 };
 
-/// The guide's wish now. It looks where it walks and then where the stop looks, stays there for some seconds with a slow
-/// glance around, and goes on. A stop that it cannot reach is passed over. Without stops it slowly looks around.
+/// The guide's wish now. It looks where it walks and then where the stop looks, stays there for some seconds with a
+/// slow glance around, and goes on. A stop that it cannot reach is passed over. Without stops it slowly looks around.
 [[nodiscard]] SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& site,
                                       const WalkLimits& limits, TimePoint now);
 
-/// The shortest way from one allowed place to another, round the corners that jut in; ends with `to`. In an area of very
-/// many corners, or when there is no way, just `to`.
+/// The shortest way from one allowed place to another, round the corners that jut in; ends with `to`. In an area of
+/// very many corners, or when there is no way, just `to`.
 [[nodiscard]] std::vector<Eigen::Vector2d> shortest_way(const WalkableArea& area, const Eigen::Vector2d& from,
                                                         const Eigen::Vector2d& to);
 

@@ -31,10 +31,14 @@ Steerer steerer_at(const Navigation& state, const NavigationSettings& settings, 
 
 const char* to_text(Steerer steerer) {
   switch (steerer) {
-    case Steerer::kKeys: return "keys";
-    case Steerer::kTag: return "tag";
-    case Steerer::kGuide: return "guide";
-    case Steerer::kNobody: break;
+    case Steerer::kKeys:
+      return "keys";
+    case Steerer::kTag:
+      return "tag";
+    case Steerer::kGuide:
+      return "guide";
+    case Steerer::kNobody:
+      break;
   }
   return "nobody";
 }
@@ -59,7 +63,8 @@ Navigation with_tag(Navigation state, const RigidTransform<frame::Camera, frame:
                             ? 1.0 - std::exp(-to_seconds(since) / to_seconds(settings.tag_smoothing))
                             : 1.0;
   const auto mixed = [weight](double from, double to) { return settled(from + weight * (to - from)); };
-  state.tag_wish = {mixed(before.forward, seen.forward), mixed(before.right, seen.right), mixed(before.turn, seen.turn)};
+  state.tag_wish = {mixed(before.forward, seen.forward), mixed(before.right, seen.right),
+                    mixed(before.turn, seen.turn)};
   state.tag_seen_at = arrived_at;
   return state;
 }
@@ -80,10 +85,17 @@ Navigation advanced(Navigation state, const Site& site, const NavigationSettings
   state.steerer = steerer_at(state, settings, now);
   SteeringWish wish;
   switch (state.steerer) {
-    case Steerer::kKeys: wish = state.keys_wish; break;
-    case Steerer::kTag: wish = state.tag_wish; break;
-    case Steerer::kGuide: wish = guide_wish(&state.guide, state.walker, site, settings.limits, now); break;
-    case Steerer::kNobody: break;
+    case Steerer::kKeys:
+      wish = state.keys_wish;
+      break;
+    case Steerer::kTag:
+      wish = state.tag_wish;
+      break;
+    case Steerer::kGuide:
+      wish = guide_wish(&state.guide, state.walker, site, settings.limits, now);
+      break;
+    case Steerer::kNobody:
+      break;
   }
   if (state.steerer != Steerer::kGuide) {
     state.guide = {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the pose of the pattern in the visitor's hand to a wish: the paper's mapping ("Interactive Method": the rotation
-/// of the pattern controls the angular velocity, its horizontal offset the speed).
+/// From the pose of the pattern in the visitor's hand to a wish: the paper's mapping ("Interactive Method": the
+/// rotation of the pattern controls the angular velocity, its horizontal offset the speed).
 ///
 /// The visitor faces the wall, the camera stands at the wall and faces the visitor, and the printed side of the pattern
 /// faces the camera. Seen from above (the camera's y points down, into the page):
@@ -16,7 +16,8 @@
 ///
 ///  - A camera picture shown as it is shows the visitor's right hand on the left, as a photograph does. Therefore
 ///    *the pattern at the visitor's right has a NEGATIVE camera x*, and `right` grows as x falls.
-///  - The pattern points where its print looks: along -z of the tag, to the wall. Turned to the visitor's right by an angle a
+///  - The pattern points where its print looks: along -z of the tag, to the wall. Turned to the visitor's right by an
+///  angle a
 ///    (clockwise seen from above), it points along (-sin a, 0, -cos a) in the camera frame, so the tag's z axis is
 ///    (sin a, 0, cos a) and `a = atan2(z.x, z.z)`. Clockwise from above is the same turn for camera and visitor, so
 ///    unlike the offset, *the yaw has no mirror in it*: a > 0 turns the view right.

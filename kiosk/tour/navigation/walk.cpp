@@ -47,9 +47,9 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
   next.heading_rad = walker.heading_rad + turned;
 
   const Vector2d wanted(limited.right * limits.sideways_m_per_s, limited.forward * limits.forward_m_per_s);
-  next.velocity_m_per_s =
-      area == nullptr ? Vector2d::Zero().eval()
-                      : towards(walker.velocity_m_per_s, wanted, limits.acceleration_m_per_s2 * seconds);
+  next.velocity_m_per_s = area == nullptr
+                              ? Vector2d::Zero().eval()
+                              : towards(walker.velocity_m_per_s, wanted, limits.acceleration_m_per_s2 * seconds);
   if (next.velocity_m_per_s.isZero(0.0)) return next;
 
   const double middle_heading = walker.heading_rad + 0.5 * turned;
@@ -59,8 +59,8 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
   const Vector2d step = metres * (next.velocity_m_per_s.x() * right + next.velocity_m_per_s.y() * forward);
   next.place_m = area->walk(walker.place_m, step);
   const Vector2d walked = next.place_m - walker.place_m;
-  // Only an edge changes a step; without one the velocity stays as it is, free of rounding.
-  if ((walked - step).norm() > 1e-9 * step.norm()) {
+  // Only an edge changes a step by more than rounding; without one the velocity stays exactly as it is.
+  if ((walked - step).norm() > 1e-6 * step.norm() + 1e-13 * walker.place_m.norm()) {
     const Vector2d left(walked.dot(right) / metres, walked.dot(forward) / metres);
     const double speed = next.velocity_m_per_s.norm();
     next.velocity_m_per_s = left.norm() > speed ? Vector2d(left * (speed / left.norm())) : left;

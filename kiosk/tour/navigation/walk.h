@@ -38,8 +38,8 @@ struct WalkLimits {
 
 /// A visitor seen from above, in the Scene frame. A value.
 struct Walker {
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< (x, z).
-  double heading_rad = 0.0;                           ///< Not wrapped, so that it never jumps.
+  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();           ///< (x, z).
+  double heading_rad = 0.0;                                    ///< Not wrapped, so that it never jumps.
   Eigen::Vector2d velocity_m_per_s = Eigen::Vector2d::Zero();  ///< (right, forward), in the visitor's metres.
   double turn_rate_rad_per_s = 0.0;
 
@@ -49,8 +49,8 @@ struct Walker {
 [[nodiscard]] Eigen::Vector2d forward_of(double heading_rad);
 [[nodiscard]] Eigen::Vector2d right_of(double heading_rad);
 
-/// The walker a moment later. `elapsed` below zero counts as zero, and above kLongestStep as kLongestStep: after a stall
-/// the walk goes on instead of leaping. Without an `area` the walker only turns. Where an edge takes speed away,
+/// The walker a moment later. `elapsed` below zero counts as zero, and above kLongestStep as kLongestStep: after a
+/// stall the walk goes on instead of leaping. Without an `area` the walker only turns. Where an edge takes speed away,
 /// it is gone. Precondition: area == nullptr or area->allows(walker.place_m).
 [[nodiscard]] Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, const WalkLimits& limits,
                             double walking_scale, const WalkableArea* area);

@@ -17,8 +17,9 @@ constexpr double kLargestMarginM = 0.01;
 constexpr double kMarginBySize = 5e-4;
 constexpr double kSlack = 1e-3;  // Pushed this part of the margin further than needed, so that rounding never matters.
 constexpr double kFarthestM = 1e7;
-constexpr int kPushes = 4;      // Two edges that meet, and once more for what the second push undid.
-constexpr int kHalvings = 6;    // Of a step that could not be taken whole.
+constexpr int kPushes = 4;           // Two edges that meet, and once more for what the second push undid.
+constexpr double kShortest = 0.125;  // Of the margin: a step that cannot be taken whole is halved down to this,
+constexpr int kFewestHalvings = 3;   // and at least so often.
 constexpr int kMostPieces = 32;
 constexpr int kRingPlaces = 48;
 
@@ -123,20 +124,22 @@ Vector2d WalkableArea::walk(const Vector2d& from, const Vector2d& step) const {
   CHECK(allows(from));
   if (!step.allFinite() || step.isZero(0.0)) return from;
   // Small pieces, so that what slides along an edge is the part of the step that is left where it meets the edge.
-  const double pieces = std::clamp(std::ceil(step.norm() / (4.0 * margin_m_)), 1.0, double{kMostPieces});
-  const Vector2d piece = step / pieces;
+  const double length = std::min(step.norm(), size_m_);
+  const double pieces = std::clamp(std::ceil(length / (4.0 * margin_m_)), 1.0, double{kMostPieces});
+  const Vector2d piece = step.normalized() * (length / pieces);
   Vector2d place = from;
   for (int i = 0; i < static_cast<int>(pieces); ++i) {
+    bool moved = false;
     Vector2d part = piece;
-    int halving = 0;
-    for (; halving < kHalvings; ++halving, part /= 2.0) {
+    for (int halving = 0; halving < kFewestHalvings || part.norm() > kShortest * margin_m_; ++halving, part /= 2.0) {
       const Vector2d next = pushed_inside(place + part);
       const bool is_short = (next - place).norm() <= part.norm() + 2.0 * kSlack * margin_m_;
       if (!is_short || !allows(next) || !sees(place, next)) continue;
       place = next;
+      moved = true;
       break;
     }
-    if (halving == kHalvings) break;  // In a corner: nothing of this direction can be walked.
+    if (!moved) break;  // In a corner: nothing of this direction can be walked.
   }
   return place;
 }

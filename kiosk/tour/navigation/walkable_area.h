@@ -20,7 +20,8 @@ namespace cyclorama {
 /// "inside" has one answer whichever way it is computed.
 class WalkableArea {
  public:
-  /// kInvalidArgument  fewer than three corners, more than kMostCorners, a corner that is not finite or beyond 10 000 km,
+  /// kInvalidArgument  fewer than three corners, more than kMostCorners, a corner that is not finite or beyond 10 000
+  /// km,
   ///                   or a polygon in which there is no room to stand.
   static Result<WalkableArea> make(std::vector<Eigen::Vector2d> corners);
   static constexpr std::size_t kMostCorners = 1024;

@@ -13,7 +13,8 @@ namespace cyclorama {
 
 using SharedShowMessage = std::shared_ptr<const wire::ShowMessage>;
 
-/// A slow display loses whole frames and nobody waits for it. Frames are offered in the farm's order: begin, tiles, end.
+/// A slow display loses whole frames and nobody waits for it. Frames are offered in the farm's order: begin, tiles,
+/// end.
 ///
 /// 1. What is sent of a frame is its begin, then all tiles and its end, or an end with `complete` false.
 /// 2. At most the rest of one frame that is being sent, and the newest frame, wait.

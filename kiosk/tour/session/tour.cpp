@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/tour.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "common/base/text.h"
+#include "common/wire/convert.h"
+#include "kiosk/tour/session/site.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kTick = std::chrono::microseconds(16667);
+constexpr Duration kRestingTick = std::chrono::milliseconds(100);
+
+}  // namespace
+
+Result<std::unique_ptr<Tour>> Tour::start(TourSettings settings, InspectionService* inspection) {
+  FarmClientOptions options;
+  options.heads = settings.heads;
+  options.scene = settings.scene;
+  options.museum = settings.museum;
+  auto tour = std::unique_ptr<Tour>(new Tour(std::move(settings), inspection));
+  TRY_ASSIGN(tour->farm_, FarmClient::start(std::move(options), *tour));
+  tour->walker_ = std::thread([raw = tour.get()] { raw->walk(); });
+  return tour;
+}
+
+Tour::Tour(TourSettings settings, InspectionService* inspection)
+    : settings_(std::move(settings)),
+      inspection_(*inspection),
+      log_(inspection),
+      farm_away_("it was not reached yet") {}
+
+Tour::~Tour() { stop(); }
+
+void Tour::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake();
+  if (walker_.joinable()) walker_.join();
+  if (farm_ != nullptr) farm_->stop();
+  hub_.close(Error(ErrorCode::kUnavailable, "the tour stops"));
+}
+
+void Tour::wake() {
+  {
+    const std::lock_guard lock(mutex_);
+    wake_ = true;
+  }
+  woken_.notify_one();
+}
+
+void Tour::walk() {
+  std::unique_lock lock(mutex_);
+  while (!stopping_) {
+    const TimePoint now = SteadyClock().now();
+    wake_ = false;
+    if (visit_) visit_->navigation = advanced(std::move(visit_->navigation), visit_->site, settings_.navigation, now);
+    send_heading();
+    ask_farm(now);
+    if (now - shown_at_ >= kRestingTick) show_state(now);
+    ++rounds_;
+    const bool resting =
+        !visit_ || (visit_->navigation.walker.is_at_rest() && visit_->navigation.steerer == Steerer::kNobody);
+    woken_.wait_until(lock, now + (resting ? kRestingTick : kTick), [this] { return wake_ || stopping_; });
+  }
+}
+
+void Tour::send_heading() {
+  if (!visit_) return;
+  const double heading = visit_->navigation.walker.heading_rad;
+  const std::int64_t shutter_ns = visit_->navigation.steerer == Steerer::kTag ? visit_->shutter_ns : 0;
+  if (heading_sent_ == heading) return;
+  heading_sent_ = heading;
+  hub_.send_heading(heading, shutter_ns);
+}
+
+std::optional<wire::View> Tour::next_view() const {
+  const std::optional<Panorama> wanted = hub_.wanted();
+  if (!visit_ || farm_away_ || !wanted) return std::nullopt;
+  const Navigation& navigation = visit_->navigation;
+  wire::View view;
+  view.set_number(newest_number_ + 1);
+  to_wire(
+      Eigen::Vector3d(navigation.walker.place_m.x(), visit_->scene.start_eye_m().y(), navigation.walker.place_m.y()),
+      view.mutable_eye_m());
+  view.set_heading_rad(navigation.walker.heading_rad);
+  to_wire(wanted->with_guard_band(settings_.picture.guard_rad), view.mutable_panorama());
+  view.set_samples(static_cast<std::uint32_t>(settings_.picture.samples));
+  view.set_jpeg_quality(static_cast<std::uint32_t>(settings_.picture.jpeg_quality));
+  view.set_subsample_chroma(settings_.picture.subsample_chroma);
+  view.set_shutter_ns(navigation.steerer == Steerer::kTag ? visit_->shutter_ns : 0);
+  return view;
+}
+
+void Tour::ask_farm(TimePoint now) {
+  const std::optional<wire::View> view = next_view();
+  if (!view || !pacer_.wants(*view, now)) return;
+  const Status valid = validate(*view);
+  view_refused_ = valid ? "" : valid.error().message();
+  if (!valid) return;
+  newest_number_ = view->number();
+  pacer_.asked(*view, now);
+  auto received_at = std::exchange(visit_->pose_received_at, std::nullopt);
+  log_.add_view(*view, now, view->shutter_ns() != 0 ? received_at : std::nullopt);
+  farm_->request(*view);
+}
+
+void Tour::on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) {
+  log_.add_pose(pose);
+  const TimePoint now = SteadyClock().now();
+  const auto T_camera_tag = pose.found() ? tag_pose_of(pose) : std::nullopt;
+  {
+    const std::lock_guard lock(mutex_);
+    Tracker& last = trackers_[tracker];
+    const bool again = last.heard && pose.sequence() == last.sequence && pose.shutter_ns() == last.shutter_ns;
+    if (again || (last.heard && pose.shutter_ns() < last.shutter_ns)) return;
+    last = {pose.sequence(), pose.shutter_ns(), true};
+    if (!T_camera_tag || !visit_ || !choice_.sees_tag(tracker, now)) return;
+    visit_->navigation = with_tag(std::move(visit_->navigation), *T_camera_tag, now, settings_.navigation);
+    visit_->shutter_ns = pose.shutter_ns();
+    visit_->pose_received_at = now;
+  }
+  wake();
+}
+
+void Tour::on_tracker_joined(std::uint64_t tracker) {
+  const std::lock_guard lock(mutex_);
+  trackers_.try_emplace(tracker);
+}
+
+void Tour::on_tracker_left(std::uint64_t tracker) {
+  const std::lock_guard lock(mutex_);
+  trackers_.erase(tracker);
+  choice_.leaves(tracker);
+}
+
+void Tour::on_keys(const SteeringWish& wish) {
+  const TimePoint now = SteadyClock().now();
+  {
+    const std::lock_guard lock(mutex_);
+    if (visit_) visit_->navigation = with_keys(std::move(visit_->navigation), wish, now);
+  }
+  wake();
+}
+
+void Tour::on_displays_changed() { wake(); }
+
+void Tour::on_presented(const wire::FramePresented& presented) { log_.add_presented(presented, SteadyClock().now()); }
+
+void Tour::on_dropped(const wire::FrameDropped& dropped) { log_.add_dropped(dropped.reason()); }
+
+void Tour::on_opened(const wire::SceneDescription& scene) {
+  {
+    const std::lock_guard lock(mutex_);
+    Visit visit;
+    visit.scene = scene;
+    visit.site = site_of(scene, &visit.warning);
+    const bool same = visit_ && visit_->scene.name() == scene.name();
+    visit.navigation = same ? visit_->navigation : started(visit.site);
+    // The same scene may have come back with another area.
+    Walker& walker = visit.navigation.walker;
+    walker.place_m =
+        visit.site.area == nullptr ? visit.site.start.place_m : visit.site.area->nearest_allowed(walker.place_m);
+    visit.navigation.guide = {};
+    visit_ = std::move(visit);
+    farm_away_.reset();
+  }
+  inspection_.set_fact("scene", printable(scene.name()));
+  inspection_.set_fact("title", printable(scene.title(), 200));
+  inspection_.set_fact("credits", printable(scene.credits(), 1000));
+  inspection_.set_fact("triangles", std::to_string(scene.triangles_seen()));
+  inspection_.set_fact("triangles_stored", std::to_string(scene.triangles_stored()));
+  wake();
+}
+
+void Tour::on_lost(const Error& reason) {
+  const std::lock_guard lock(mutex_);
+  farm_away_ = reason.message();
+  pacer_.lost();
+}
+
+void Tour::broadcast(wire::ShowMessage message) {
+  const std::size_t lost = hub_.send(std::make_shared<const wire::ShowMessage>(std::move(message)));
+  log_.add_dropped("a display was too slow to take it", lost);
+}
+
+void Tour::on_begin(const wire::View& view) {
+  std::size_t passed_over = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    passed_over = pacer_.began(view.number());
+  }
+  log_.add_dropped("the farm went on to a newer view", passed_over);
+  wire::ShowMessage message;
+  *message.mutable_begin() = view;
+  broadcast(std::move(message));
+}
+
+void Tour::on_tile(wire::Tile tile) {
+  log_.add_tile(tile);
+  wire::ShowMessage message;
+  *message.mutable_tile() = std::move(tile);
+  broadcast(std::move(message));
+}
+
+void Tour::on_end(const wire::FrameEnd& end) {
+  log_.add_end(end, SteadyClock().now());
+  {
+    const std::lock_guard lock(mutex_);
+    pacer_.ended(end.view_number());
+  }
+  wake();
+  wire::ShowMessage message;
+  *message.mutable_end() = end;
+  broadcast(std::move(message));
+}
+
+}  // namespace cyclorama

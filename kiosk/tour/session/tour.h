@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The visit: poses and keys come in, the visitor walks, the farm is asked, displays are fed.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "common/base/clock.h"
+#include "common/wire/inspection_service.h"
+#include "kiosk/tour/navigation/navigator.h"
+#include "kiosk/tour/session/display_hub.h"
+#include "kiosk/tour/session/tour_events.h"
+#include "kiosk/tour/session/tour_settings.h"
+#include "kiosk/tour/session/tracker_choice.h"
+#include "kiosk/tour/session/view_pacer.h"
+#include "kiosk/tour/session/visit_log.h"
+#include "renderfarm/client/farm_client.h"
+
+namespace cyclorama {
+
+/// Displays, trackers and the farm may come and go at any time, in any order; what is missing is said in the state.
+///
+///   trackers ──poses──► ┌─────────────┐ ──views──► FarmClient ──tiles──► DisplayHub ──► displays
+///   pages ─────keys───► │ thread walk │ ──headings───────────────────────────┘
+///                       └─────────────┘
+///
+/// Threads: `walk` (every 1/60 s while something moves, and at once for each pose and each free place on the way to the
+/// farm), the FarmClient's (forwards tiles), gRPC's (the calls of TourEvents). Thread-safe.
+class Tour final : public TourEvents, private FarmListener {
+ public:
+  /// `inspection` is borrowed. kInvalidArgument  a head's address is none.
+  static Result<std::unique_ptr<Tour>> start(TourSettings settings, InspectionService* inspection);
+  ~Tour() override;
+  Tour(const Tour&) = delete;
+  Tour& operator=(const Tour&) = delete;
+
+  [[nodiscard]] DisplayHub* displays() { return &hub_; }
+  /// Ends the streams of the displays and the visit, and joins the threads. Idempotent.
+  void stop();
+  /// Grows while the thread `walk` is alive: for the watchdog.
+  [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
+
+  void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) override;
+  void on_tracker_joined(std::uint64_t tracker) override;
+  void on_tracker_left(std::uint64_t tracker) override;
+  void on_keys(const SteeringWish& wish) override;
+  void on_displays_changed() override;
+  void on_presented(const wire::FramePresented& presented) override;
+  void on_dropped(const wire::FrameDropped& dropped) override;
+
+ private:
+  /// Of each tracker, its newest picture: what is older, or the same again, is no measurement.
+  struct Tracker {
+    std::uint64_t sequence = 0;
+    std::int64_t shutter_ns = 0;
+    bool heard = false;
+  };
+  /// What steers, and the newest pose behind it.
+  struct Visit {
+    wire::SceneDescription scene;
+    Site site;
+    std::string warning;
+    Navigation navigation;
+    std::int64_t shutter_ns = 0;
+    std::optional<TimePoint> pose_received_at;  ///< Until a view follows it.
+  };
+
+  Tour(TourSettings settings, InspectionService* inspection);
+  void on_opened(const wire::SceneDescription& scene) override;
+  void on_lost(const Error& reason) override;
+  void on_begin(const wire::View& view) override;
+  void on_tile(wire::Tile tile) override;
+  void on_end(const wire::FrameEnd& end) override;
+
+  void walk();
+  void wake();
+  void send_heading();
+  void ask_farm(TimePoint now);
+  [[nodiscard]] std::optional<wire::View> next_view() const;
+  void show_state(TimePoint now);
+  [[nodiscard]] std::string state_sentence(TimePoint now, bool* ret_healthy);
+  void broadcast(wire::ShowMessage message);
+
+  const TourSettings settings_;
+  InspectionService& inspection_;
+  VisitLog log_;
+  DisplayHub hub_;
+  std::atomic<std::uint64_t> rounds_{0};
+
+  std::mutex mutex_;  ///< Guards the following.
+  std::condition_variable woken_;
+  bool wake_ = false;
+  bool stopping_ = false;
+  std::optional<Visit> visit_;  ///< Kept while the farm is away: the walk goes on, and comes back to the same place.
+  std::optional<std::string> farm_away_;
+  std::map<std::uint64_t, Tracker> trackers_;
+  TrackerChoice choice_;
+  ViewPacer pacer_;
+  std::uint64_t newest_number_ = 0;
+  std::optional<double> heading_sent_;
+  TimePoint shown_at_{};
+  std::string view_refused_;
+
+  std::unique_ptr<FarmClient> farm_;
+  std::thread walker_;
+};
+
+}  // namespace cyclorama

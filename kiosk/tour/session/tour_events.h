@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "common/wire/museum.pb.h"
+#include "kiosk/tour/navigation/walk.h"
+
+namespace cyclorama {
+
+/// What displays, trackers and keys tell the tour; the calls of tour_service.h checked it. Called on gRPC's threads, so
+/// implementations are thread-safe and do not block.
+class TourEvents {
+ public:
+  virtual ~TourEvents() = default;
+  /// `tracker` names the stream; a tracker that dials again is a new one. `pose` may be without a tag.
+  virtual void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) = 0;
+  virtual void on_tracker_joined(std::uint64_t tracker) = 0;
+  virtual void on_tracker_left(std::uint64_t tracker) = 0;
+  virtual void on_keys(const SteeringWish& wish) = 0;
+  /// Displays came, went, or want another panorama.
+  virtual void on_displays_changed() = 0;
+  virtual void on_presented(const wire::FramePresented& presented) = 0;
+  virtual void on_dropped(const wire::FrameDropped& dropped) = 0;
+
+ protected:
+  TourEvents() = default;
+  TourEvents(const TourEvents&) = default;
+  TourEvents& operator=(const TourEvents&) = default;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/tour_service.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/base/text.h"
+#include "common/wire/channel.h"
+#include "common/wire/convert.h"
+
+namespace cyclorama {
+namespace {
+
+grpc::Status invalid(const std::string& message) { return {grpc::StatusCode::INVALID_ARGUMENT, message}; }
+
+/// A Show stream. Owns itself until gRPC is done with it; the hub shares it while the display is a member.
+///
+///   created ──hello──► member of the hub ──(cancelled, half-closed, wrong message, closed)──► finished ──OnDone──►
+///   gone
+///
+/// Lock order: the hub's, then this one's; so nothing here calls the hub while it holds its own.
+class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>, public DisplayLink {
+ public:
+  static ShowCall* start(DisplayHub* displays, TourEvents* events) {
+    const auto call = std::make_shared<ShowCall>(displays, events);
+    call->self_ = call;
+    call->StartRead(&call->report_);
+    return call.get();
+  }
+  ShowCall(DisplayHub* displays, TourEvents* events) : displays_(*displays), events_(*events) {}
+
+  void send_heading(double heading_rad, std::int64_t shutter_ns) override {
+    const std::lock_guard lock(mutex_);
+    if (!outbox_) return;
+    outbox_->put_heading(heading_rad, shutter_ns);
+    write_next();
+  }
+  std::optional<std::uint64_t> send(const SharedShowMessage& message) override {
+    const std::lock_guard lock(mutex_);
+    if (!outbox_) return std::nullopt;
+    const auto lost = outbox_->put(message);
+    write_next();
+    return lost;
+  }
+  void close(const Error& reason) override { finish(to_grpc(reason)); }
+
+ private:
+  void OnReadDone(bool ok) override {
+    if (!ok) return finish(grpc::Status::OK);
+    if (const grpc::Status status = handle_report(); !status.ok()) return finish(status);
+    const std::lock_guard lock(mutex_);
+    if (!finished_) StartRead(&report_);
+  }
+  void OnWriteDone(bool ok) override {
+    if (!ok) return finish({grpc::StatusCode::UNAVAILABLE, "the display went away"});
+    const std::lock_guard lock(mutex_);
+    writing_ = nullptr;
+    write_next();
+  }
+  void OnCancel() override { finish({grpc::StatusCode::CANCELLED, "cancelled"}); }
+  void OnDone() override {
+    displays_.leave(this);
+    if (member_) events_.on_displays_changed();
+    self_.reset();  // The last line: it may destroy this.
+  }
+
+  grpc::Status handle_report() {
+    if (report_.has_hello() == member_) return invalid("hello must come first, and once");
+    switch (report_.message_case()) {
+      case wire::DisplayReport::kHello:
+        return handle_hello(report_.hello());
+      case wire::DisplayReport::kPresented:
+        events_.on_presented(report_.presented());
+        break;
+      case wire::DisplayReport::kDropped:
+        events_.on_dropped(report_.dropped());
+        break;
+      case wire::DisplayReport::MESSAGE_NOT_SET:
+        return invalid("a report without a message");
+    }
+    return grpc::Status::OK;
+  }
+  grpc::Status handle_hello(const wire::DisplayHello& hello) {
+    const auto wanted = from_wire(hello.wanted());
+    if (!wanted) return invalid("hello.wanted: " + wanted.error().message());
+    {
+      const std::lock_guard lock(mutex_);
+      if (finished_) return grpc::Status::OK;
+      outbox_.emplace(hello.wanted());
+    }
+    if (const Status joined = displays_.join(self_, printable(hello.name()), *wanted); !joined) {
+      return to_grpc(joined.error());
+    }
+    member_ = true;
+    events_.on_displays_changed();
+    return grpc::Status::OK;
+  }
+  /// Holds the lock.
+  void write_next() {
+    if (finished_ || writing_ != nullptr) return;
+    writing_ = outbox_->take();
+    if (writing_ != nullptr) StartWrite(writing_.get());
+  }
+  void finish(const grpc::Status& status) {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(finished_, true)) return;
+    outbox_.reset();  // `writing_` stays: gRPC may still read it.
+    Finish(status);
+  }
+
+  DisplayHub& displays_;
+  TourEvents& events_;
+  wire::DisplayReport report_;
+  bool member_ = false;  ///< Of reads and OnDone, which gRPC never runs at once.
+  std::shared_ptr<ShowCall> self_;
+  std::mutex mutex_;  ///< Guards the following.
+  std::optional<Outbox> outbox_;
+  SharedShowMessage writing_;
+  bool finished_ = false;
+};
+
+class TrackCall final : public grpc::ServerReadReactor<wire::TrackedPose> {
+ public:
+  TrackCall(std::uint64_t tracker, TourEvents* events) : tracker_(tracker), events_(*events) {
+    events_.on_tracker_joined(tracker_);
+    StartRead(&pose_);
+  }
+
+ private:
+  void OnReadDone(bool ok) override {
+    if (!ok) return Finish(grpc::Status::OK);  // Closed or cancelled.
+    events_.on_pose(tracker_, pose_);
+    StartRead(&pose_);
+  }
+  void OnDone() override {
+    events_.on_tracker_left(tracker_);
+    delete this;
+  }
+  const std::uint64_t tracker_;
+  TourEvents& events_;
+  wire::TrackedPose pose_;
+};
+
+Result<SteeringWish> wish_of(const wire::SteerRequest& request) {
+  const SteeringWish wish{request.forward(), request.right(), request.turn()};
+  for (const auto& [name, value] : {std::pair{"forward", wish.forward}, {"right", wish.right}, {"turn", wish.turn}}) {
+    if (!(std::abs(value) <= 1.0)) {
+      return Error(ErrorCode::kInvalidArgument, fmt::format("steer.{} is {}; it must be -1 to 1", name, value));
+    }
+  }
+  return wish;
+}
+
+}  // namespace
+
+grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>* TourService::Show(grpc::CallbackServerContext*) {
+  return ShowCall::start(&displays_, &events_);
+}
+
+grpc::ServerReadReactor<wire::TrackedPose>* TourService::Track(grpc::CallbackServerContext*, wire::TrackReply*) {
+  return new TrackCall(++trackers_, &events_);  // Deletes itself in OnDone(), as gRPC wants it.
+}
+
+grpc::ServerUnaryReactor* TourService::Steer(grpc::CallbackServerContext* context, const wire::SteerRequest* request,
+                                             wire::SteerReply*) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  const auto wish = wish_of(*request);
+  if (wish) events_.on_keys(*wish);
+  reactor->Finish(wish ? grpc::Status::OK : to_grpc(wish.error()));
+  return reactor;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/tour_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "common/config/config.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kTurnFollowedS = 0.2;
+constexpr double kLongestGlideS = 0.8;
+
+double degrees(double radians) { return radians / kDegree; }
+Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
+
+void read_gain(ConfigTable& walk, const std::string& name, const std::string& unit, double scale, double most,
+               GainCurve* ret_curve) {
+  const std::string dead = name + "_dead_" + unit;
+  const std::string full = name + "_full_" + unit;
+  ret_curve->dead = scale * walk.number(dead, {0.0, most}, ret_curve->dead / scale);
+  ret_curve->full = scale * walk.number(full, {0.0, most}, ret_curve->full / scale);
+  if (ret_curve->full <= ret_curve->dead) walk.refuse(full, fmt::format("must be above '{}'", dead));
+}
+
+void refuse_long_glide(ConfigTable& walk, const std::string& key, double speed, double acceleration) {
+  // The millionth forgives the rounding of degrees.
+  if (speed <= kLongestGlideS * acceleration * (1.0 + 1e-6)) return;
+  walk.refuse(key,
+              fmt::format("is too low: from full speed to rest takes {:.2f} s and may take {} s, so that a lost tag "
+                          "stops the walk; raise it, or lower the speed",
+                          speed / acceleration, kLongestGlideS));
+}
+
+void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
+  WalkLimits& limits = ret_settings->limits;
+  limits.forward_m_per_s = walk.number("forward_m_per_s", {0.0, 10.0}, limits.forward_m_per_s);
+  limits.sideways_m_per_s = walk.number("sideways_m_per_s", {0.0, 10.0}, limits.sideways_m_per_s);
+  limits.turn_rad_per_s = kDegree * walk.number("turn_deg_per_s", {0.0, 180.0}, degrees(limits.turn_rad_per_s));
+  limits.acceleration_m_per_s2 = walk.number("acceleration_m_per_s2", {0.01, 100.0}, limits.acceleration_m_per_s2);
+  limits.turn_acceleration_rad_per_s2 = kDegree * walk.number("turn_acceleration_deg_per_s2", {1.0, 1800.0},
+                                                              degrees(limits.turn_acceleration_rad_per_s2));
+  refuse_long_glide(walk, "acceleration_m_per_s2", std::max(limits.forward_m_per_s, limits.sideways_m_per_s),
+                    limits.acceleration_m_per_s2);
+  refuse_long_glide(walk, "turn_acceleration_deg_per_s2", limits.turn_rad_per_s, limits.turn_acceleration_rad_per_s2);
+
+  TagSteeringSettings& tag = ret_settings->tag;
+  tag.neutral_distance_m = walk.number("neutral_distance_m", {0.1, 20.0}, tag.neutral_distance_m);
+  tag.neutral_right_m = walk.number("neutral_right_m", {-5.0, 5.0}, tag.neutral_right_m);
+  read_gain(walk, "yaw", "deg", kDegree, 80.0, &tag.yaw_rad);
+  read_gain(walk, "sideways", "m", 1.0, 5.0, &tag.sideways_m);
+  read_gain(walk, "distance", "m", 1.0, 5.0, &tag.distance_m);
+  ret_settings->tag_smoothing =
+      seconds(1e-3 * walk.number("tag_smoothing_ms", {0.0, 1000.0}, to_milliseconds(ret_settings->tag_smoothing)));
+  ret_settings->guide_after =
+      seconds(walk.number("guide_after_s", {0.0, 86400.0}, to_seconds(ret_settings->guide_after)));
+}
+
+Result<TourSettings> read_from(Config config) {
+  TourSettings settings;
+  ConfigTable root = config.root();
+  ConfigTable farm = root.table("farm");
+  settings.heads = farm.texts("heads", settings.heads);
+  if (settings.heads.empty()) farm.refuse("heads", "is empty; name the farm's head, such as [\"[::1]:7401\"]");
+  settings.scene = farm.text("scene", settings.scene);
+  settings.museum = farm.text("museum", settings.museum);
+  read_walk(root.table("walk"), &settings.navigation);
+  ConfigTable picture = root.table("picture");
+  settings.picture.samples = picture.integer("samples", {1, 4096}, settings.picture.samples);
+  settings.picture.jpeg_quality = picture.integer("jpeg_quality", {1, 100}, settings.picture.jpeg_quality);
+  settings.picture.subsample_chroma = picture.flag("subsample_chroma", settings.picture.subsample_chroma);
+  settings.picture.guard_rad =
+      kDegree * picture.number("guard_deg", {0.0, 90.0}, degrees(default_guard_rad(settings.navigation.limits)));
+  TRY(config.finish());
+  return settings;
+}
+
+}  // namespace
+
+double default_guard_rad(const WalkLimits& limits) { return kTurnFollowedS * limits.turn_rad_per_s; }
+
+TourSettings default_tour_settings() {
+  TourSettings settings;
+  settings.picture.guard_rad = default_guard_rad(settings.navigation.limits);
+  return settings;
+}
+
+Result<TourSettings> read_tour_settings(const std::filesystem::path& path) {
+  TRY_ASSIGN(Config config, Config::read(path));
+  return read_from(std::move(config));
+}
+
+Result<TourSettings> parse_tour_settings(std::string_view text, std::string name) {
+  TRY_ASSIGN(Config config, Config::parse(text, std::move(name)));
+  return read_from(std::move(config));
+}
+
+}  // namespace cyclorama

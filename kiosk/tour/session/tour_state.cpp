@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the tour says of itself: Tour's sentences and gauges, apart from what it does.
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "common/base/text.h"
+#include "common/geometry/panorama.h"
+#include "kiosk/tour/session/tour.h"
+
+namespace cyclorama {
+namespace {
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+constexpr Duration kFarmSilent = std::chrono::seconds(10);
+}  // namespace
+
+std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
+  *ret_healthy = false;
+  if (farm_away_) {
+    return fmt::format(
+        "The farm is away ({}). The wall holds its last picture, and the tour goes on dialling {}; see that "
+        "cyclorama-farm and its nodes run there.",
+        printable(*farm_away_, 200), settings_.heads.front());
+  }
+  if (!view_refused_.empty()) return fmt::format("No picture can be asked for: {}.", view_refused_);
+  const std::size_t displays = hub_.count();
+  if (displays == 0)
+    return "No display has dialled in. Start cyclorama-display, and see that its --tour is this address.";
+  const auto completed_at = log_.frame_completed_at();
+  const auto asked_at = pacer_.asked_at();
+  if (pacer_.in_flight() > 0 && asked_at && now - *asked_at > kFarmSilent &&
+      (!completed_at || now - *completed_at > kFarmSilent)) {
+    return fmt::format("The farm has not answered a view for {:.0f} s. See the state of the head and its nodes.",
+                       to_seconds(now - *asked_at));
+  }
+  *ret_healthy = visit_->warning.empty();
+  if (!*ret_healthy) return visit_->warning;
+  const char* const hint = trackers_.empty() ? " No tracker has dialled in, so only keys steer." : "";
+  return fmt::format("Visiting '{}', {:.1f} frames a second, {} display{}, steered by {}.{}",
+                     printable(visit_->scene.title()), log_.frames_per_second(now), displays, displays == 1 ? "" : "s",
+                     to_text(visit_->navigation.steerer), hint);
+}
+
+void Tour::show_state(TimePoint now) {
+  shown_at_ = now;
+  bool healthy = false;
+  std::string sentence = state_sentence(now, &healthy);
+  inspection_.set_state(std::move(sentence), healthy);
+  log_.refresh(now);
+  inspection_.set_gauge("displays", static_cast<double>(hub_.count()));
+  inspection_.set_gauge("trackers", static_cast<double>(trackers_.size()));
+  inspection_.set_gauge("frames_in_flight", static_cast<double>(pacer_.in_flight()));
+  if (!visit_) return;
+  const Walker& walker = visit_->navigation.walker;
+  inspection_.set_gauge("heading_deg", kDegreesPerRadian * wrapped_angle(walker.heading_rad));
+  inspection_.set_gauge("eye_x_m", walker.place_m.x());
+  inspection_.set_gauge("eye_z_m", walker.place_m.y());
+  inspection_.set_gauge("forward_m_per_s", walker.velocity_m_per_s.y());
+  inspection_.set_gauge("sideways_m_per_s", walker.velocity_m_per_s.x());
+  inspection_.set_gauge("turn_deg_per_s", kDegreesPerRadian * walker.turn_rate_rad_per_s);
+  inspection_.set_fact("steered_by", to_text(visit_->navigation.steerer));
+}
+
+}  // namespace cyclorama

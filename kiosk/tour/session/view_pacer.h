@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// When the farm is asked for the next picture.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+
+#include "common/base/clock.h"
+#include "common/wire/view.pb.h"
+
+namespace cyclorama {
+
+/// At most two frames are in flight: one is rendered while the other crosses the network. As soon as there is room, a
+/// view that shows something new is asked for; at rest, one a second keeps the picture fresh for displays that join.
+/// Pure; thread-bound.
+class ViewPacer {
+ public:
+  static constexpr std::size_t kFramesInFlight = 2;
+  static constexpr Duration kAtRest = std::chrono::seconds(1);
+
+  /// Whether `view`, whose number does not matter, is worth asking for now.
+  [[nodiscard]] bool wants(const wire::View& view, TimePoint now) const;
+  /// `view` was asked for; its number is larger than all before.
+  void asked(const wire::View& view, TimePoint now);
+  /// The farm began this frame. Returns how many asked views it has passed over.
+  std::size_t began(std::uint64_t number);
+  /// The farm ended this frame, complete or not.
+  void ended(std::uint64_t number);
+  /// The farm is away. It will be asked for the newest again when it is back (FarmClient's doing).
+  void lost();
+
+  [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }
+  [[nodiscard]] std::optional<TimePoint> asked_at() const { return asked_at_; }
+
+ private:
+  std::set<std::uint64_t> in_flight_;
+  std::optional<wire::View> newest_;
+  std::optional<TimePoint> asked_at_;
+};
+
+}  // namespace cyclorama

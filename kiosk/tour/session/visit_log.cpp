@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/visit_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::size_t kMostSent = 256;
+constexpr std::size_t kMostStages = 48;
+constexpr std::size_t kMostReasons = 24;
+constexpr std::size_t kLongestName = 100;
+constexpr auto kRateWindow = std::chrono::seconds(5);
+/// A stage that took longer was not measured, it was interrupted; and clocks of two machines differ by more.
+constexpr double kLongestStageS = 60.0;
+
+/// The name itself while there is room for it, else one name for all the rest.
+std::string bounded(const std::string& name, std::size_t most, std::set<std::string>* names) {
+  std::string shown = printable(name, kLongestName);
+  if (shown.empty()) shown = "unnamed";
+  if (names->contains(shown)) return shown;
+  if (names->size() >= most) return "other";
+  names->insert(shown);
+  return shown;
+}
+
+Duration from_seconds(double seconds) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
+
+}  // namespace
+
+VisitLog::VisitLog(InspectionService* inspection) : inspection_(*inspection) {
+  CHECK(inspection != nullptr);
+  inspection_.set_gauge("frames", 0.0);
+  inspection_.set_gauge("frames_per_second", 0.0);
+}
+
+void VisitLog::add_stages(const google::protobuf::RepeatedPtrField<wire::StageTime>& stages) {
+  for (const wire::StageTime& stage : stages) {
+    if (!(stage.seconds() >= 0.0 && stage.seconds() <= kLongestStageS)) continue;
+    inspection_.add_stage_time(bounded(stage.name(), kMostStages, &stage_names_), from_seconds(stage.seconds()));
+  }
+}
+
+void VisitLog::add_pose(const wire::TrackedPose& pose) {
+  const std::lock_guard lock(mutex_);
+  add_stages(pose.stages());
+}
+
+void VisitLog::add_view(const wire::View& view, TimePoint now, std::optional<TimePoint> pose_received_at) {
+  const std::lock_guard lock(mutex_);
+  if (pose_received_at) inspection_.add_stage_time("steer", now - *pose_received_at);
+  sent_[view.number()] = {view.shutter_ns(), now, false};
+  if (sent_.size() > kMostSent) sent_.erase(sent_.begin());
+}
+
+void VisitLog::add_tile(const wire::Tile& tile) {
+  const std::lock_guard lock(mutex_);
+  frame_bytes_ += static_cast<double>(tile.jpeg().size());
+}
+
+void VisitLog::add_end(const wire::FrameEnd& end, TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  const double bytes = std::exchange(frame_bytes_, 0.0);
+  if (!end.complete()) {
+    drop(end.reason().empty() ? "the farm gave no reason" : end.reason(), 1);
+    return;
+  }
+  completed_at_ = now;
+  add_stages(end.stages());
+  if (const auto sent = sent_.find(end.view_number()); sent != sent_.end()) {
+    inspection_.add_stage_time("farm_round_trip", now - sent->second.asked_at);
+  }
+  bytes_.add(bytes);
+  inspection_.set_gauge("bytes_per_frame", std::round(bytes_.mean()));
+  if (end.balance_efficiency() > 0.0 && end.balance_efficiency() <= 1.0) {
+    balance_.add(end.balance_efficiency());
+    inspection_.set_gauge("balance_efficiency", balance_.mean());
+  }
+  inspection_.set_gauge("nodes", end.nodes());
+}
+
+void VisitLog::add_presented(const wire::FramePresented& presented, TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  add_stages(presented.stages());
+  const auto sent = sent_.find(presented.view_number());
+  if (sent == sent_.end() || sent->second.presented) return;
+  sent->second.presented = true;
+  presented_at_.push_back(now);
+  inspection_.count("frames");
+  if (sent->second.shutter_ns <= 0 || presented.presented_ns() <= sent->second.shutter_ns) return;
+  const double seconds = 1e-9 * static_cast<double>(presented.presented_ns() - sent->second.shutter_ns);
+  if (seconds <= kLongestStageS) inspection_.add_stage_time("shutter_to_photon", from_seconds(seconds));
+}
+
+void VisitLog::add_dropped(const std::string& reason, std::uint64_t frames) {
+  const std::lock_guard lock(mutex_);
+  drop(reason, frames);
+}
+
+void VisitLog::drop(const std::string& reason, std::uint64_t frames) {
+  if (frames == 0) return;
+  inspection_.count("dropped: " + bounded(reason, kMostReasons, &drop_reasons_), static_cast<double>(frames));
+}
+
+double VisitLog::rate(TimePoint now) {
+  while (!presented_at_.empty() && now - presented_at_.front() > kRateWindow) presented_at_.pop_front();
+  if (presented_at_.size() < 2) return 0.0;
+  // Between the oldest and the newest, so that a start or a stop does not read as a slow rate for five seconds.
+  const Duration span = std::max(presented_at_.back() - presented_at_.front(), now - presented_at_.back());
+  return static_cast<double>(presented_at_.size() - 1) / std::max(to_seconds(span), 1e-3);
+}
+
+double VisitLog::frames_per_second(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  return rate(now);
+}
+
+void VisitLog::refresh(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  inspection_.set_gauge("frames_per_second", rate(now));
+}
+
+std::optional<TimePoint> VisitLog::frame_completed_at() const {
+  const std::lock_guard lock(mutex_);
+  return completed_at_;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/navigation/navigator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+using Eigen::Vector2d;
+using TagPose = RigidTransform<frame::Camera, frame::Tag>;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Site square_site() {
+  Site site;
+  auto area = WalkableArea::make({{-5, -5}, {5, -5}, {5, 5}, {-5, 5}});
+  CHECK(area);
+  site.area = std::make_shared<const WalkableArea>(*std::move(area));
+  return site;
+}
+
+TagPose tag_at(double camera_x, double distance, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY())), {camera_x, 0, distance}};
+}
+
+/// Moves a navigation on, with checks that hold always: never NaN, never faster, never a jump.
+struct Walk {
+  Site site = square_site();
+  NavigationSettings settings;
+  Navigation state = started(site);
+  TimePoint now = TimePoint(100s);
+
+  void run(Duration how_long, Duration tick = 16ms) {
+    for (const TimePoint end = now + how_long; now < end;) step(tick);
+  }
+  void step(Duration tick) {
+    now += tick;
+    const Walker before = state.walker;
+    state = advanced(std::move(state), site, settings, now);
+    const Walker& after = state.walker;
+    const double seconds = to_seconds(std::min(tick, kLongestStep));
+    const WalkLimits& limits = settings.limits;
+    ASSERT_TRUE(after.place_m.allFinite() && after.velocity_m_per_s.allFinite());
+    ASSERT_TRUE(std::isfinite(after.heading_rad) && std::isfinite(after.turn_rate_rad_per_s));
+    ASSERT_LE(after.velocity_m_per_s.norm(), limits.forward_m_per_s + 1e-9);
+    ASSERT_LE((after.place_m - before.place_m).norm(), (limits.forward_m_per_s * seconds + 1e-4) * site.walking_scale);
+    ASSERT_LE(std::abs(after.turn_rate_rad_per_s), limits.turn_rad_per_s + 1e-9);
+    ASSERT_LE(std::abs(after.heading_rad - before.heading_rad), limits.turn_rad_per_s * seconds + 1e-9);
+    ASSERT_LE(std::abs(after.turn_rate_rad_per_s - before.turn_rate_rad_per_s),
+              limits.turn_acceleration_rad_per_s2 * seconds + 1e-9);
+    // Only a wall may stop faster than the limit; nothing may push faster.
+    ASSERT_LE(after.velocity_m_per_s.norm(),
+              before.velocity_m_per_s.norm() + limits.acceleration_m_per_s2 * seconds + 1e-9);
+    if (site.area) {
+      ASSERT_TRUE(site.area->allows(after.place_m));
+      if (is_far_from_walls(before.place_m)) {
+        ASSERT_LE((after.velocity_m_per_s - before.velocity_m_per_s).norm(),
+                  limits.acceleration_m_per_s2 * seconds + 1e-9);
+      }
+    }
+  }
+  [[nodiscard]] bool is_far_from_walls(const Vector2d& place) const {
+    const double far = 0.2 * site.walking_scale;
+    for (int i = 0; i < 16; ++i) {
+      const Vector2d beside = place + far * Vector2d(std::cos(0.4 * i), std::sin(0.4 * i));
+      if (!site.area->allows(beside) || !site.area->sees(place, beside)) return false;
+    }
+    return true;
+  }
+  void see(const TagPose& pose) { state = with_tag(std::move(state), pose, now, settings); }
+  void hold(const TagPose& pose, Duration how_long) {
+    for (const TimePoint end = now + how_long; now < end;) {
+      see(pose);
+      run(33ms, 11ms);
+    }
+  }
+};
+
+TEST(Navigator, walks_where_the_visitor_looks) {
+  Walk walk;
+  walk.site.start.heading_rad = walk.state.walker.heading_rad = std::numbers::pi / 2;  // To the right: along +x.
+  walk.hold(tag_at(0, 0.5, 0), 2s);
+  EXPECT_EQ(walk.state.steerer, Steerer::kTag);
+  EXPECT_GT(walk.state.walker.place_m.x(), 1.0);
+  EXPECT_NEAR(walk.state.walker.place_m.y(), 0.0, 1e-9);
+}
+
+TEST(Navigator, turns_right_with_a_pattern_that_points_right) {
+  Walk walk;
+  walk.hold(tag_at(0, 1, 0.6), 1s);
+  EXPECT_GT(walk.state.walker.heading_rad, 0.3);
+  walk.hold(tag_at(0, 1, -0.6), 2s);
+  EXPECT_LT(walk.state.walker.turn_rate_rad_per_s, -0.5);
+}
+
+TEST(Navigator, glides_to_rest_within_a_second_of_losing_the_tag) {
+  Walk walk;
+  walk.hold(tag_at(-0.5, 0.3, 0.8), 1500ms);
+  EXPECT_GT(walk.state.walker.velocity_m_per_s.norm(), 0.8);
+  walk.run(100ms);
+  EXPECT_FALSE(walk.state.walker.is_at_rest()) << "a glide, not a stop";
+  walk.run(867ms);
+  EXPECT_TRUE(walk.state.walker.is_at_rest());
+  EXPECT_EQ(walk.state.steerer, Steerer::kNobody);
+}
+
+TEST(Navigator, does_not_feel_a_missed_picture) {
+  Walk walk;
+  walk.hold(tag_at(0, 0.3, 0), 1s);
+  const double speed = walk.state.walker.velocity_m_per_s.norm();
+  walk.run(66ms);
+  EXPECT_DOUBLE_EQ(walk.state.walker.velocity_m_per_s.norm(), speed);
+}
+
+TEST(Navigator, does_not_jump_when_the_tag_is_found_again) {
+  Walk walk;  // The limits are checked at every step.
+  for (int i = 0; i < 20; ++i) {
+    walk.hold(tag_at(i % 2 == 0 ? 0.6 : -0.6, i % 3 == 0 ? 0.2 : 2.0, i % 2 == 0 ? -1.0 : 1.0), 300ms);
+    walk.run(i * 100ms);
+  }
+}
+
+TEST(Navigator, lets_keys_win_while_they_are_pressed_and_forgets_them_after_300_ms) {
+  Walk walk;
+  walk.hold(tag_at(0, 0.4, 0), 500ms);
+  for (int i = 0; i < 10; ++i) {
+    walk.see(tag_at(0, 0.4, 0));
+    walk.state = with_keys(std::move(walk.state), {-1, 0, 0}, walk.now);
+    walk.run(100ms);
+    EXPECT_EQ(walk.state.steerer, Steerer::kKeys);
+  }
+  EXPECT_LT(walk.state.walker.velocity_m_per_s.y(), -0.9);
+  walk.hold(tag_at(0, 0.4, 0), 1600ms);
+  EXPECT_EQ(walk.state.steerer, Steerer::kTag);
+  EXPECT_GT(walk.state.walker.velocity_m_per_s.y(), 0.5);
+}
+
+TEST(Navigator, stops_when_the_connection_of_the_keys_is_lost) {
+  Walk walk;
+  walk.state = with_keys(std::move(walk.state), {1, 0, 1}, walk.now);
+  walk.run(290ms);
+  EXPECT_GT(walk.state.walker.velocity_m_per_s.y(), 0.3);
+  walk.run(1s);
+  EXPECT_TRUE(walk.state.walker.is_at_rest());
+}
+
+TEST(Navigator, releases_keys_at_once_when_asked_for_rest) {
+  Walk walk;
+  walk.state = with_keys(std::move(walk.state), {1, 0, 0}, walk.now);
+  walk.run(50ms);
+  walk.state = with_keys(std::move(walk.state), {}, walk.now);
+  walk.run(16ms);
+  EXPECT_EQ(walk.state.steerer, Steerer::kNobody);
+}
+
+TEST(Navigator, starts_the_guide_when_nobody_steers_and_hands_over_smoothly) {
+  Walk walk;
+  walk.settings.guide_after = 10s;
+  walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0}};
+  walk.run(9900ms);
+  EXPECT_EQ(walk.state.steerer, Steerer::kNobody);
+  walk.run(4s);
+  EXPECT_EQ(walk.state.steerer, Steerer::kGuide);
+  EXPECT_FALSE(walk.state.walker.is_at_rest());
+  walk.hold(tag_at(0, 0.4, 0), 500ms);
+  EXPECT_EQ(walk.state.steerer, Steerer::kTag);
+  walk.run(5s);
+  EXPECT_EQ(walk.state.steerer, Steerer::kNobody);
+}
+
+TEST(Navigator, visits_every_stop_and_looks_where_it_looks) {
+  Walk walk;
+  walk.settings.guide_after = 1s;
+  walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0}, {"c", {0, -4}, 3.0}};
+  std::vector<bool> seen(3, false);
+  for (int i = 0; i < 1200; ++i) {
+    walk.run(100ms, 50ms);
+    for (std::size_t s = 0; s < 3; ++s) {
+      const GuideStop& stop = walk.site.stops[s];
+      const double off = std::remainder(stop.heading_rad - walk.state.walker.heading_rad, 2 * std::numbers::pi);
+      if ((walk.state.walker.place_m - stop.place_m).norm() < 0.1 && std::abs(off) < 0.2) seen[s] = true;
+    }
+  }
+  EXPECT_EQ(seen, std::vector<bool>(3, true));
+}
+
+TEST(Navigator, leads_round_corners) {
+  Walk walk;
+  auto area = WalkableArea::make({{0, 0}, {10, 0}, {10, 3}, {3, 3}, {3, 10}, {0, 10}});
+  ASSERT_TRUE(area);
+  walk.site.area = std::make_shared<const WalkableArea>(*std::move(area));
+  walk.site.start.place_m = {9, 2};
+  walk.site.stops = {{"behind the corner", {2, 9}, 0.0}};
+  walk.state = started(walk.site);
+  walk.settings.guide_after = 1s;
+  walk.run(60s, 20ms);
+  EXPECT_LT((walk.state.walker.place_m - Vector2d(2, 9)).norm(), 0.2);
+}
+
+TEST(Navigator, looks_around_where_there_are_no_stops) {
+  Walk walk;
+  walk.settings.guide_after = 1s;
+  walk.run(10s);
+  EXPECT_GT(walk.state.walker.heading_rad, 0.5);
+  EXPECT_EQ(walk.state.walker.place_m, Vector2d(0, 0));
+}
+
+TEST(Navigator, has_no_guide_when_told_so_and_none_while_a_visitor_holds_still) {
+  Walk off;
+  off.settings.guide_after = 0s;
+  off.run(300s, 90ms);
+  EXPECT_EQ(off.state.steerer, Steerer::kNobody);
+  Walk held;
+  held.settings.guide_after = 5s;
+  held.hold(tag_at(0, 1, 0), 30s);
+  EXPECT_EQ(held.state.steerer, Steerer::kTag);
+  held.hold(tag_at(0, 1, 0), 15s);
+  EXPECT_EQ(held.state.steerer, Steerer::kGuide) << "forgotten on its stand";
+}
+
+TEST(Navigator, ignores_measurements_that_are_none) {
+  Walk walk;
+  walk.hold(tag_at(0, 0.5, 0), 200ms);
+  walk.step(10ms);
+  const Navigation before = walk.state;
+  walk.see(tag_at(kNaN, 1, 0));
+  walk.see(tag_at(0, -1, 0));
+  walk.see(tag_at(0, 1e9, 0));
+  walk.see({Eigen::Quaterniond(kNaN, 0, 0, 0), {0, 0, 1}});
+  EXPECT_EQ(walk.state.tag_wish, before.tag_wish);
+  EXPECT_EQ(walk.state.tag_seen_at, before.tag_seen_at);
+  walk.state = with_keys(std::move(walk.state), {kNaN, 1e300, -1e300}, walk.now);
+  walk.run(200ms);
+  EXPECT_EQ(walk.state.keys_wish.forward, 0.0);
+}
+
+TEST(Navigator, stands_still_when_time_runs_backwards_and_does_not_leap_after_a_stall) {
+  Walk walk;
+  walk.hold(tag_at(0, 0.3, 0.8), 1s);
+  const Walker before = walk.state.walker;
+  walk.state = advanced(std::move(walk.state), walk.site, walk.settings, walk.now - 10s);
+  EXPECT_EQ(walk.state.walker.place_m, before.place_m);
+  walk.see(tag_at(0, 0.3, 0.8));
+  const TimePoint seen = *walk.state.tag_seen_at;
+  walk.state = with_tag(std::move(walk.state), tag_at(1, 1, -1), seen - 5s, walk.settings);
+  EXPECT_EQ(*walk.state.tag_seen_at, seen);
+  walk.step(3600s);
+  EXPECT_LT((walk.state.walker.place_m - before.place_m).norm(), 0.11);
+}
+
+TEST(Navigator, turns_but_does_not_walk_without_an_area) {
+  Walk walk;
+  walk.site.area = nullptr;
+  walk.hold(tag_at(-1, 0.3, 1.0), 1s);
+  EXPECT_EQ(walk.state.walker.place_m, Vector2d(0, 0));
+  EXPECT_GT(walk.state.walker.heading_rad, 0.1);
+}
+
+TEST(Navigator, keeps_every_limit_for_100000_random_steps) {
+  for (const double scale : {1.0, 0.01, 30.0}) {
+    Walk walk;
+    walk.site.walking_scale = scale;
+    walk.settings.guide_after = 3s;
+    walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0}};
+    std::mt19937 random(11);
+    std::normal_distribution<double> normal;
+    std::uniform_int_distribution<int> dice(0, 999);
+    TagPose pose = tag_at(0, 1, 0);
+    bool tag = true;
+    for (int i = 0; i < 100'000 && !::testing::Test::HasFatalFailure(); ++i) {
+      const int n = dice(random);
+      if (n < 10) pose = tag_at(normal(random), 1.0 + normal(random), 2.0 * normal(random));
+      if (n == 11) tag = !tag;
+      if (tag && n % 2 == 0) walk.see(pose);
+      if (n > 990)
+        walk.state = with_keys(std::move(walk.state), {normal(random), normal(random), normal(random)}, walk.now);
+      if (n == 20) walk.now -= 50ms;
+      walk.step(n == 13 ? Duration(2s) : Duration(std::chrono::microseconds(1 + 30 * n)));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

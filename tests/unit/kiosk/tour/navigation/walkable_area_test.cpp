@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/navigation/walkable_area.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace cyclorama {
+namespace {
+
+using Eigen::Vector2d;
+using Corners = std::vector<Vector2d>;
+
+const Corners kSquare{{-5, -5}, {5, -5}, {5, 5}, {-5, 5}};
+const Corners kAngle{{0, 0}, {10, 0}, {10, 3}, {3, 3}, {3, 10}, {0, 10}};
+/// Two chambers, joined by a passage 10 cm wide.
+const Corners kDumbbell{{0, 0},  {4, 0}, {4, 1.95}, {8, 1.95}, {8, 0}, {12, 0},
+                        {12, 4}, {8, 4}, {8, 2.05}, {4, 2.05}, {4, 4}, {0, 4}};
+
+Corners star(int points) {
+  Corners corners;
+  for (int i = 0; i < 2 * points; ++i) {
+    const double angle = std::numbers::pi * i / points;
+    corners.push_back((i % 2 == 0 ? 8.0 : 0.7) * Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  return corners;
+}
+
+Corners reversed(Corners corners) { return {corners.rbegin(), corners.rend()}; }
+
+WalkableArea area_of(Corners corners) {
+  auto area = WalkableArea::make(std::move(corners));
+  CHECK(area);
+  return *std::move(area);
+}
+
+/// Inside by the winding number: another way than the one under test.
+bool winds_around(const Corners& corners, const Vector2d& p) {
+  double turned = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vector2d a = corners[i] - p;
+    const Vector2d b = corners[(i + 1) % corners.size()] - p;
+    turned += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+  }
+  return std::abs(turned) > std::numbers::pi;
+}
+
+TEST(WalkableArea, lets_a_step_in_the_open_be_exactly_that_step) {
+  const WalkableArea area = area_of(kSquare);
+  EXPECT_LT((area.walk({1, 1}, {0.3, -0.2}) - Vector2d(1.3, 0.8)).norm(), 1e-12);
+}
+
+TEST(WalkableArea, turns_a_step_into_a_wall_along_the_wall) {
+  const WalkableArea area = area_of(kSquare);
+  const Vector2d end = area.walk({4.9, 0}, {0.5, 0.5});
+  EXPECT_NEAR(end.x(), 5.0 - area.margin_m(), 1e-3);
+  EXPECT_GT(end.y(), 0.4);
+}
+
+TEST(WalkableArea, keeps_walking_along_a_wall_it_is_pressed_against) {
+  const WalkableArea area = area_of(kSquare);
+  Vector2d place(0, 0);
+  for (int i = 0; i < 2000; ++i) place = area.walk(place, {0.004, 0.001});
+  EXPECT_NEAR(place.x(), 5.0 - area.margin_m(), 1e-3);
+  EXPECT_NEAR(place.y(), 2.0, 0.05);
+}
+
+TEST(WalkableArea, stops_in_a_corner_and_leaves_it_again) {
+  const WalkableArea area = area_of(kSquare);
+  Vector2d place(4, 4);
+  for (int i = 0; i < 300; ++i) place = area.walk(place, {0.02, 0.02});
+  EXPECT_LT((place - Vector2d(5, 5)).norm(), 0.05);
+  for (int i = 0; i < 100; ++i) place = area.walk(place, {-0.01, -0.02});
+  EXPECT_LT((place - Vector2d(4, 3)).norm(), 0.1);
+}
+
+TEST(WalkableArea, goes_round_a_corner_that_juts_in) {
+  const WalkableArea area = area_of(kAngle);
+  Vector2d place(2.5, 6);
+  // Pressed against the inner wall, towards the other arm.
+  for (int i = 0; i < 600; ++i) place = area.walk(place, {0.01, -0.01});
+  EXPECT_GT(place.x(), 5.9);
+  EXPECT_LT(place.y(), 3.0);
+}
+
+TEST(WalkableArea, passes_a_narrow_passage) {
+  const WalkableArea area = area_of(kDumbbell);
+  Vector2d place(1, 2);
+  for (int i = 0; i < 1000; ++i) place = area.walk(place, {0.01, 0.0});
+  EXPECT_GT(place.x(), 10.0);
+}
+
+TEST(WalkableArea, never_passes_a_thin_wall_however_long_the_step) {
+  // A room cut in two but for a gap at the far end.
+  const WalkableArea area =
+      area_of({{0, 0}, {4.999, 0}, {4.999, 9}, {5.001, 9}, {5.001, 0}, {10, 0}, {10, 10}, {0, 10}});
+  Vector2d place(1, 2);
+  for (int i = 0; i < 100; ++i) place = area.walk(place, {8.0, 0.0});
+  EXPECT_LT(place.x(), 5.0);
+}
+
+TEST(WalkableArea, never_lets_a_walk_of_100000_random_steps_out) {
+  for (const Corners& corners : {kSquare, kAngle, kDumbbell, reversed(kDumbbell), star(5), reversed(star(9))}) {
+    const WalkableArea area = area_of(corners);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> angle(-std::numbers::pi, std::numbers::pi);
+    std::exponential_distribution<double> length(20.0);
+    Vector2d place = area.nearest_allowed({1, 1});
+    double direction = 0.0;
+    double walked = 0.0;
+    for (int i = 0; i < 100'000; ++i) {
+      if (i % 40 == 0) direction = angle(random);
+      const double metres = i % 1000 == 0 ? 30.0 : length(random);
+      const Vector2d next = area.walk(place, metres * Vector2d(std::cos(direction), std::sin(direction)));
+      ASSERT_TRUE(area.allows(next)) << i;
+      ASSERT_TRUE(winds_around(corners, next)) << i;
+      ASSERT_LE((next - place).norm(), metres + 32 * 2e-3 * area.margin_m() + 1e-9) << i;
+      walked += (next - place).norm();
+      place = next;
+    }
+    EXPECT_GT(walked, 500.0);  // Never stuck for good.
+  }
+}
+
+TEST(WalkableArea, puts_any_start_inside_near_where_it_was) {
+  for (const Corners& corners : {kSquare, kAngle, kDumbbell, star(5)}) {
+    const WalkableArea area = area_of(corners);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> coordinate(-20.0, 20.0);
+    for (int i = 0; i < 2000; ++i) {
+      const Vector2d start(coordinate(random), coordinate(random));
+      const Vector2d place = area.nearest_allowed(start);
+      ASSERT_TRUE(area.allows(place));
+      if (area.allows(start)) {
+        EXPECT_EQ(place, start);
+      }
+    }
+  }
+  const WalkableArea square = area_of(kSquare);
+  EXPECT_LT((square.nearest_allowed({9, 2}) - Vector2d(5, 2)).norm(), 0.03);
+  EXPECT_LT((square.nearest_allowed({9, 9}) - Vector2d(5, 5)).norm(), 0.05);
+  EXPECT_LT((square.nearest_allowed({5, 5}) - Vector2d(5, 5)).norm(), 0.05);
+}
+
+TEST(WalkableArea, gives_some_place_for_a_start_that_is_no_place) {
+  const WalkableArea area = area_of(kAngle);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const Vector2d& start : {Vector2d(nan, 1), Vector2d(infinity, -infinity), Vector2d(1e300, 1e300)}) {
+    EXPECT_TRUE(area.allows(area.nearest_allowed(start)));
+  }
+  EXPECT_EQ(area.walk({1, 1}, {nan, 0}), Vector2d(1, 1));
+  EXPECT_EQ(area.walk({1, 1}, {infinity, 0}), Vector2d(1, 1));
+  EXPECT_FALSE(area.allows({nan, nan}));
+}
+
+TEST(WalkableArea, works_for_a_relic_of_a_millimetre_and_for_a_valley_far_from_the_origin) {
+  for (const double scale : {1e-4, 1.0, 1e4}) {
+    for (const Vector2d& offset : {Vector2d(0, 0), Vector2d(1e5, -1e5)}) {
+      Corners corners = kAngle;
+      for (Vector2d& corner : corners) corner = scale * corner + offset;
+      const WalkableArea area = area_of(corners);
+      Vector2d place = area.nearest_allowed(offset + scale * Vector2d(2.5, 6));
+      for (int i = 0; i < 2000; ++i) {
+        place = area.walk(place, scale * Vector2d(0.01, -0.01));
+        ASSERT_TRUE(area.allows(place));
+      }
+      EXPECT_GT(place.x() - offset.x(), 6.0 * scale);
+    }
+  }
+}
+
+TEST(WalkableArea, refuses_what_nobody_can_stand_in) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Corners> wrong{{},
+                                   {{0, 0}, {1, 1}},
+                                   {{0, 0}, {1, 1}, {2, 2}},
+                                   {{3, 3}, {3, 3}, {3, 3}},
+                                   {{0, 0}, {1, 0}, {nan, 1}},
+                                   {{0, 0}, {1e300, 0}, {0, 1e300}},
+                                   Corners(5000, Vector2d(0, 0))};
+  for (const Corners& corners : wrong) {
+    const auto area = WalkableArea::make(corners);
+    ASSERT_FALSE(area);
+    EXPECT_EQ(area.error().code(), ErrorCode::kInvalidArgument);
+    EXPECT_NE(area.error().message().find("walkable area"), std::string::npos);
+  }
+}
+
+TEST(WalkableArea, sees_along_a_straight_line_only) {
+  const WalkableArea area = area_of(kAngle);
+  EXPECT_TRUE(area.sees({1, 1}, {9, 1}));
+  EXPECT_FALSE(area.sees({9, 2}, {2, 9}));
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The tour over real gRPC on [::1], with a fake farm, displays and trackers.
+#include "kiosk/tour/session/tour.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "kiosk/tour/session/tour_service.h"
+#include "tests/doubles/fake_display.h"
+#include "tests/doubles/fake_farm.h"
+#include "tests/doubles/fake_tracker.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// The process without its main.
+class TourProcess {
+ public:
+  explicit TourProcess(TourSettings settings) : inspection_("tour") {
+    auto tour = Tour::start(std::move(settings), &inspection_);
+    CHECK(tour);
+    tour_ = *std::move(tour);
+    service_.emplace(tour_->displays(), tour_.get());
+    auto server = WireServer::start("[::1]:0", {&*service_, &inspection_});
+    CHECK(server);
+    server_ = *std::move(server);
+  }
+  ~TourProcess() { stop(); }
+  void stop() {
+    tour_->stop();
+    server_->stop(200ms);
+  }
+  [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
+  [[nodiscard]] wire::ProcessStatus status() const { return inspection_.status(); }
+  [[nodiscard]] double gauge(const std::string& name) const {
+    const wire::ProcessStatus now = status();
+    for (const auto& gauge : now.gauges()) {
+      if (gauge.name() == name) return gauge.value();
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  [[nodiscard]] std::uint64_t stage_count(const std::string& name) const {
+    const wire::ProcessStatus now = status();
+    for (const auto& stage : now.stages()) {
+      if (stage.name() == name) return stage.count();
+    }
+    return 0;
+  }
+  /// Polls, since the InspectionService is a window to look through and wakes nobody.
+  bool eventually(const std::function<bool()>& condition) {
+    std::mutex mutex;
+    std::condition_variable never;
+    std::unique_lock lock(mutex);
+    const TimePoint end = SteadyClock().now() + 20s;
+    while (!condition()) {
+      if (SteadyClock().now() > end) return false;
+      never.wait_for(lock, 5ms);
+    }
+    return true;
+  }
+  grpc::Status steer(double forward, double right, double turn) {
+    auto channel = make_channel(address());
+    CHECK(channel);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + 5s);
+    wire::SteerRequest request;
+    request.set_forward(forward);
+    request.set_right(right);
+    request.set_turn(turn);
+    wire::SteerReply reply;
+    return wire::Tour::NewStub(*channel)->Steer(&context, request, &reply);
+  }
+
+ private:
+  InspectionService inspection_;
+  std::unique_ptr<Tour> tour_;
+  std::optional<TourService> service_;
+  std::unique_ptr<WireServer> server_;
+};
+
+TourSettings settings_for(const FakeFarm& farm) {
+  TourSettings settings = default_tour_settings();
+  settings.heads = {farm.address()};
+  settings.navigation.guide_after = 0s;
+  return settings;
+}
+
+TEST(Tour, shows_frames_on_a_display_with_the_guard_band_around_what_it_wants) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(2));
+  display.leave();
+  EXPECT_THAT(display.wrongs(), IsEmpty());
+  const auto picture = from_wire(display.frames().front().view.panorama());
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(*picture, fake_wall().with_guard_band(default_guard_rad({})));
+  const auto shown = from_wire(display.headings().front().shown());
+  ASSERT_TRUE(shown);
+  EXPECT_EQ(*shown, fake_wall());
+  EXPECT_EQ(display.frames().front().view.eye_m().y(), 1.6);
+}
+
+TEST(Tour, follows_the_tag_and_measures_every_stage_from_shutter_to_photon) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  FakeTracker tracker(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  while (!display.wait_until([](const auto& d) { return d.headings().back().heading_rad() > 0.3; }, 10ms)) {
+    ASSERT_TRUE(tracker.see(1.0, 0.7));
+  }
+  display.wait_until([](const auto& d) { return d.headings().back().shutter_ns() != 0; });
+  for (const char* const name : {"capture", "detect", "pose", "steer", "farm_round_trip", "plan", "render", "encode",
+                                 "farm", "decode", "wait", "draw", "shutter_to_photon"}) {
+    EXPECT_TRUE(tour.eventually([&] { return tour.stage_count(name) > 0; })) << name;
+  }
+  EXPECT_GT(tour.gauge("frames"), 0);
+  EXPECT_GT(tour.gauge("bytes_per_frame"), 100);
+  EXPECT_EQ(tour.gauge("balance_efficiency"), 1.0);
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("heading_deg") > 10; }));
+  EXPECT_TRUE(tour.status().healthy()) << tour.status().state();
+}
+
+TEST(Tour, walks_with_keys_and_stops_when_they_are_released) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  ASSERT_TRUE(tour.steer(1, 0, 0).ok());
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("eye_z_m") < -0.05; }));
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("forward_m_per_s") == 0.0; }));
+  EXPECT_TRUE(farm.views().back().shutter_ns() == 0);
+}
+
+TEST(Tour, refuses_keys_out_of_range) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  for (const double value :
+       {1.5, -1.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    const grpc::Status status = tour.steer(0, value, 0);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_THAT(status.error_message(), HasSubstr("steer.right"));
+  }
+}
+
+TEST(Tour, has_at_most_two_frames_in_flight_and_then_asks_for_the_newest_view) {
+  FakeFarm farm;
+  farm.set_gate(false);
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  FakeTracker tracker(tour.address());
+  ASSERT_TRUE(farm.wait_for_views(1));
+  while (!display.wait_until(
+      [](const auto& d) { return !d.headings().empty() && d.headings().back().heading_rad() > 0.5; }, 10ms)) {
+    ASSERT_TRUE(tracker.see(1.0, 0.7));
+  }
+  EXPECT_EQ(farm.views().size(), 2u);
+  EXPECT_LT(farm.views()[1].heading_rad(), 0.2);
+  farm.set_gate(true);
+  ASSERT_TRUE(farm.wait_for_views(3));
+  EXPECT_GT(farm.views()[2].heading_rad(), 0.5) << "newest wins";
+}
+
+TEST(Tour, asks_once_a_second_at_rest) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  const TimePoint begin = SteadyClock().now();
+  ASSERT_TRUE(farm.wait_for_views(3));
+  EXPECT_GE(SteadyClock().now() - begin, 1900ms);
+  EXPECT_TRUE(farm.views()[2].shutter_ns() == 0);
+}
+
+TEST(Tour, lives_through_a_farm_that_goes_away_and_comes_back) {
+  auto farm = std::make_unique<FakeFarm>();
+  const int port = farm->port();
+  TourProcess tour(settings_for(*farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  ASSERT_TRUE(tour.steer(0, 0, 1).ok());
+  ASSERT_TRUE(tour.eventually([&] { return tour.gauge("heading_deg") > 5; }));
+  farm.reset();
+  ASSERT_TRUE(tour.eventually([&] { return !tour.status().healthy(); }));
+  EXPECT_THAT(tour.status().state(), HasSubstr("The farm is away"));
+  farm = std::make_unique<FakeFarm>(fake_scene("plain"), port);
+  ASSERT_TRUE(farm->wait_for_views(2));
+  EXPECT_GT(farm->views().back().heading_rad(), 0.08) << "the visitor stands where it stood";
+  std::size_t before = 0;
+  display.wait_until([&](const auto& d) {
+    before = d.frames_complete();
+    return true;
+  });
+  EXPECT_TRUE(display.wait_for_frames(before + 1));
+  EXPECT_TRUE(tour.eventually([&] { return tour.status().healthy(); })) << tour.status().state();
+}
+
+TEST(Tour, ends_a_frame_that_the_farm_broke_off_and_goes_on) {
+  FakeFarm farm;
+  farm.break_next_frame_after(1);
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(2));
+  display.leave();
+  EXPECT_THAT(display.wrongs(), IsEmpty());
+  EXPECT_TRUE(display.frames().front().ended);
+  EXPECT_FALSE(display.frames().front().complete);
+}
+
+TEST(Tour, feeds_displays_that_come_and_go) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  EXPECT_TRUE(tour.eventually([&] { return tour.status().state().find("No display") != std::string::npos; }));
+  EXPECT_THAT(farm.views(), IsEmpty()) << "nobody looks";
+  auto first = std::make_unique<FakeDisplay>(tour.address());
+  ASSERT_TRUE(first->wait_for_frames(1));
+  FakeDisplay second(tour.address(), fake_wall(640));
+  ASSERT_TRUE(second.wait_until(
+      [](const auto& d) { return d.frames_complete() > 0 && d.frames().back().view.panorama().width_px() > 640; }));
+  first.reset();
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("displays") == 1; }));
+  std::size_t before = 0;
+  second.wait_until([&](const auto& d) {
+    before = d.frames_complete();
+    return true;
+  });
+  EXPECT_TRUE(second.wait_for_frames(before + 1));
+  second.leave();
+  EXPECT_THAT(second.wrongs(), IsEmpty());
+}
+
+TEST(Tour, never_lets_a_slow_display_hold_up_the_others) {
+  FakeFarm farm;
+  TourSettings settings = settings_for(farm);
+  settings.picture.jpeg_quality = 100;
+  TourProcess tour(std::move(settings));
+  const Panorama large{4096, 2048, 2.0, 0.5, -0.5};  // So that nothing fits into gRPC's own buffers for long.
+  FakeDisplay quick(tour.address(), large);
+  FakeDisplay slow(tour.address(), large, false);
+  ASSERT_TRUE(slow.wait_for_frames(1));
+  slow.set_reading(false);
+  for (int i = 0; i < 40 && !(tour.gauge("dropped: a display was too slow to take it") > 0); ++i) {
+    std::size_t before = 0;
+    quick.wait_until([&](const auto& d) {
+      before = d.frames_complete();
+      return true;
+    });
+    ASSERT_TRUE(tour.steer(0, 0, 1).ok());
+    ASSERT_TRUE(quick.wait_for_frames(before + 1)) << "held up";
+  }
+  EXPECT_GT(tour.gauge("dropped: a display was too slow to take it"), 0);
+  slow.set_reading(true);
+  std::uint64_t newest = 0;
+  quick.wait_until([&](const auto& d) {
+    newest = d.frames().back().view.number();
+    return true;
+  });
+  EXPECT_TRUE(slow.wait_until(
+      [&](const auto& d) { return d.frames_complete() > 1 && d.frames().back().view.number() >= newest; }));
+  slow.leave();
+  quick.leave();
+  EXPECT_THAT(slow.wrongs(), IsEmpty());
+  EXPECT_THAT(quick.wrongs(), IsEmpty());
+}
+
+TEST(Tour, refuses_a_display_that_does_not_introduce_itself_or_wants_nonsense) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay nonsense(tour.address(), Panorama{100, 100, -1.0, 0.5, -0.5});
+  ASSERT_TRUE(nonsense.wait_until([](const auto& d) { return d.is_over(); }));
+  EXPECT_EQ(nonsense.status().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  auto channel = make_channel(tour.address());
+  ASSERT_TRUE(channel);
+  grpc::ClientContext context;
+  const auto stub = wire::Tour::NewStub(*channel);
+  const auto stream = stub->Show(&context);
+  wire::DisplayReport report;
+  report.mutable_presented()->set_view_number(1);
+  stream->Write(report);
+  wire::ShowMessage message;
+  EXPECT_FALSE(stream->Read(&message));
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST(Tour, takes_poses_that_make_no_sense_without_a_jump) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  FakeTracker tracker(tour.address());
+  wire::TrackedPose pose = tracker.picture();
+  pose.set_found(true);
+  pose.set_rotation_w(std::numeric_limits<double>::quiet_NaN());
+  ASSERT_TRUE(tracker.send(pose));
+  pose.set_sequence(99);
+  pose.set_rotation_w(0);
+  ASSERT_TRUE(tracker.send(pose));
+  pose.set_sequence(100);
+  pose.set_rotation_w(1);
+  pose.mutable_position_m()->set_x(std::numeric_limits<double>::infinity());
+  ASSERT_TRUE(tracker.send(pose));
+  ASSERT_TRUE(tour.eventually([&] { return tour.stage_count("pose") >= 3; }));
+  ASSERT_TRUE(tour.eventually([&] { return tour.gauge("heading_deg") == 0.0; }));
+  EXPECT_EQ(tour.gauge("turn_deg_per_s"), 0.0);
+}
+
+TEST(Tour, tells_displays_that_it_stops) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  tour.stop();
+  ASSERT_TRUE(display.wait_until([](const auto& d) { return d.is_over(); }));
+  EXPECT_EQ(display.status().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST(Tour, starts_without_a_farm_and_says_so) {
+  TourSettings settings = default_tour_settings();
+  settings.heads = {"[::1]:1"};
+  TourProcess tour(settings);
+  FakeDisplay display(tour.address());
+  EXPECT_TRUE(display.wait_until([](const auto& d) { return !d.headings().empty(); }));
+  EXPECT_TRUE(tour.eventually([&] { return tour.status().state().find("The farm is away") != std::string::npos; }));
+  EXPECT_THAT(tour.status().state(), HasSubstr("[::1]:1"));
+  EXPECT_FALSE(tour.status().healthy());
+}
+
+TEST(Tour, refuses_an_address_that_is_none) {
+  TourSettings settings = default_tour_settings();
+  settings.heads = {"::1:7401"};
+  InspectionService inspection("tour");
+  EXPECT_FALSE(Tour::start(settings, &inspection));
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -15,6 +15,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/result.h"
+#include "drivers/output/gl.h"
 
 namespace cyclorama {
 
@@ -36,10 +37,15 @@ class Output {
 
   [[nodiscard]] virtual const std::vector<HeadMode>& heads() const = 0;
   [[nodiscard]] virtual double refresh_hz() const = 0;
+  /// For people: "headless EGL", "DRM /dev/dri/card0".
+  [[nodiscard]] virtual std::string kind() const = 0;
+  /// The calls of the context that is current on this thread; lives as long as the output.
+  [[nodiscard]] virtual const Gl& gl() const = 0;
 
   /// Blocks until it is time to draw the next picture. kUnavailable  the output is lost; make a new one.
   virtual Status wait_for_refresh() = 0;
-  /// Binds the framebuffer of heads()[head] and sets the viewport. Rows count from the bottom, as in GL.
+  /// Binds the framebuffer of heads()[head] and sets the viewport. Rows count from the bottom, as in GL; it takes
+  /// sRGB code values as they are (no conversion by the framebuffer).
   virtual Status draw_to(std::size_t head) = 0;
   /// Shows what was drawn on all heads at once. Heads that were not drawn keep their picture.
   virtual Result<Presented> present() = 0;

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The calls of OpenGL ES 3.0 that this house uses, as a table: EGL and OSMesa each have their own, and a process may
+/// hold both. Shaders are `#version 300 es` on both; OSMesa's desktop context takes them by ARB_ES3_compatibility.
+#pragma once
+
+#define GL_GLES_PROTOTYPES 0  // No global gl* functions: what is not in the table does not compile.
+#include <GLES3/gl3.h>
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+// clang-format off
+#define CYCLORAMA_GL_CALLS(X) \
+  X(PFNGLACTIVETEXTUREPROC, ActiveTexture) X(PFNGLATTACHSHADERPROC, AttachShader) X(PFNGLBINDBUFFERPROC, BindBuffer) \
+  X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer) X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer) \
+  X(PFNGLBINDTEXTUREPROC, BindTexture) X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray) X(PFNGLBUFFERDATAPROC, BufferData) \
+  X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus) X(PFNGLCLEARPROC, Clear) \
+  X(PFNGLCLEARCOLORPROC, ClearColor) X(PFNGLCOMPILESHADERPROC, CompileShader) X(PFNGLCREATEPROGRAMPROC, CreateProgram) \
+  X(PFNGLCREATESHADERPROC, CreateShader) X(PFNGLDELETEBUFFERSPROC, DeleteBuffers) \
+  X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers) X(PFNGLDELETEPROGRAMPROC, DeleteProgram) \
+  X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers) X(PFNGLDELETESHADERPROC, DeleteShader) \
+  X(PFNGLDELETETEXTURESPROC, DeleteTextures) X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays) \
+  X(PFNGLDRAWELEMENTSPROC, DrawElements) X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray) \
+  X(PFNGLFINISHPROC, Finish) X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer) \
+  X(PFNGLGENBUFFERSPROC, GenBuffers) X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers) \
+  X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers) X(PFNGLGENTEXTURESPROC, GenTextures) \
+  X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays) X(PFNGLGETERRORPROC, GetError) X(PFNGLGETINTEGERVPROC, GetIntegerv) \
+  X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog) X(PFNGLGETPROGRAMIVPROC, GetProgramiv) \
+  X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog) X(PFNGLGETSHADERIVPROC, GetShaderiv) X(PFNGLGETSTRINGPROC, GetString) \
+  X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation) X(PFNGLLINKPROGRAMPROC, LinkProgram) \
+  X(PFNGLPIXELSTOREIPROC, PixelStorei) X(PFNGLREADPIXELSPROC, ReadPixels) \
+  X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage) X(PFNGLSHADERSOURCEPROC, ShaderSource) \
+  X(PFNGLTEXIMAGE2DPROC, TexImage2D) X(PFNGLTEXPARAMETERIPROC, TexParameteri) X(PFNGLTEXSUBIMAGE2DPROC, TexSubImage2D) \
+  X(PFNGLUNIFORM1IPROC, Uniform1i) X(PFNGLUNIFORM4FPROC, Uniform4f) X(PFNGLUSEPROGRAMPROC, UseProgram) \
+  X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer) X(PFNGLVIEWPORTPROC, Viewport)
+// clang-format on
+
+/// `gl.Viewport(...)` is glViewport of the context that the table was loaded for. A value; use it on the thread on
+/// which that context is current.
+struct Gl {
+#define CYCLORAMA_GL_MEMBER(type, name) type name = nullptr;
+  CYCLORAMA_GL_CALLS(CYCLORAMA_GL_MEMBER)
+#undef CYCLORAMA_GL_MEMBER
+
+  using Procedure = void (*)();
+  /// kUnavailable  the driver lacks a call, or OpenGL ES 3.0; the message names what is missing.
+  static Result<Gl> load(const std::function<Procedure(const char*)>& address_of);
+
+  /// As GL_RENDERER and GL_VERSION say: "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL ES 3.2 Mesa 22.3.6".
+  [[nodiscard]] std::string renderer() const;
+  /// kSystem  names the GL error that is pending since the last call, with what was being done.
+  [[nodiscard]] Status check(std::string_view doing) const;
+};
+
+}  // namespace cyclorama

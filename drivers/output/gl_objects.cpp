@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/output/gl_objects.h"
+
+#include <fmt/format.h>
+
+namespace cyclorama {
+namespace {
+
+std::string log_of(GLuint id, PFNGLGETSHADERINFOLOGPROC read) {
+  std::array<char, 1024> text{};
+  GLsizei length = 0;
+  read(id, static_cast<GLsizei>(text.size()), &length, text.data());
+  return std::string(text.data(), static_cast<std::size_t>(length));
+}
+
+/// Compiles and attaches; the program keeps the shader alive for as long as it needs it.
+Status attach(const Gl& gl, GLuint program, GLenum kind, const char* source) {
+  const GLuint shader = gl.CreateShader(kind);
+  gl.ShaderSource(shader, 1, &source, nullptr);
+  gl.CompileShader(shader);
+  GLint compiled = GL_FALSE;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+  const std::string log = compiled == GL_TRUE ? "" : log_of(shader, gl.GetShaderInfoLog);
+  if (compiled == GL_TRUE) gl.AttachShader(program, shader);
+  gl.DeleteShader(shader);
+  if (compiled == GL_TRUE) return Done{};
+  return Error(ErrorCode::kSystem, fmt::format("compiling a shader: {}", log));
+}
+
+}  // namespace
+
+Result<GlProgram> GlProgram::link(const Gl& gl, const char* vertex_source, const char* fragment_source) {
+  GlProgram program(gl, gl.CreateProgram());
+  TRY(attach(gl, program.id(), GL_VERTEX_SHADER, vertex_source));
+  TRY(attach(gl, program.id(), GL_FRAGMENT_SHADER, fragment_source));
+  gl.LinkProgram(program.id());
+  GLint linked = GL_FALSE;
+  gl.GetProgramiv(program.id(), GL_LINK_STATUS, &linked);
+  if (linked == GL_TRUE) return program;
+  return Error(ErrorCode::kSystem, fmt::format("linking a shader: {}", log_of(program.id(), gl.GetProgramInfoLog)));
+}
+
+}  // namespace cyclorama

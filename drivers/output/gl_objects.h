@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+/// GL names with an owner. Each must die on the thread of its context, before the context does.
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "drivers/output/gl.h"
+
+namespace cyclorama {
+
+/// Move-only. Borrows the Gl table, which outlives it. Thread-bound. 0 is empty.
+template <auto Gl::*Generate, auto Gl::*Delete>
+class GlObject {
+ public:
+  GlObject() = default;
+  explicit GlObject(const Gl& gl) : gl_(&gl) { (gl.*Generate)(1, &id_); }
+  GlObject(GlObject&& other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}
+  GlObject& operator=(GlObject&& other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~GlObject() {
+    if (id_ != 0) (gl_->*Delete)(1, &id_);
+  }
+  [[nodiscard]] GLuint id() const { return id_; }
+
+ private:
+  const Gl* gl_ = nullptr;
+  GLuint id_ = 0;
+};
+
+using GlTexture = GlObject<&Gl::GenTextures, &Gl::DeleteTextures>;
+using GlBuffer = GlObject<&Gl::GenBuffers, &Gl::DeleteBuffers>;
+using GlVertexArray = GlObject<&Gl::GenVertexArrays, &Gl::DeleteVertexArrays>;
+using GlFramebuffer = GlObject<&Gl::GenFramebuffers, &Gl::DeleteFramebuffers>;
+using GlRenderbuffer = GlObject<&Gl::GenRenderbuffers, &Gl::DeleteRenderbuffers>;
+
+/// A linked program. Move-only; as GlObject.
+class GlProgram {
+ public:
+  /// kSystem  the compiler's or linker's words.
+  static Result<GlProgram> link(const Gl& gl, const char* vertex_source, const char* fragment_source);
+  GlProgram(GlProgram&& other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}
+  GlProgram& operator=(GlProgram&& other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~GlProgram() {
+    if (id_ != 0) gl_->DeleteProgram(id_);
+  }
+  [[nodiscard]] GLuint id() const { return id_; }
+  [[nodiscard]] GLint uniform(const char* name) const { return gl_->GetUniformLocation(id_, name); }
+
+ private:
+  GlProgram(const Gl& gl, GLuint id) : gl_(&gl), id_(id) {}
+  const Gl* gl_;
+  GLuint id_;
+};
+
+}  // namespace cyclorama

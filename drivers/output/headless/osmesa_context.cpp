@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Before gl.h: osmesa.h brings the desktop's GL header, and the two agree on every type and constant that both have.
+#include <GL/osmesa.h>
+
+#include <array>
+
+#include "drivers/output/headless/gl_context.h"
+
+namespace cyclorama {
+namespace {
+
+// OSMesa draws to memory of ours; everything is drawn to framebuffer objects instead, so that this is never looked at.
+constexpr int kUnusedSidePx = 16;
+
+class OsMesaContext final : public GlContext {
+ public:
+  static Result<std::unique_ptr<GlContext>> make() {
+    auto made = std::make_unique<OsMesaContext>();
+    TRY(made->open());
+    return std::unique_ptr<GlContext>(std::move(made));
+  }
+  OsMesaContext() = default;
+  ~OsMesaContext() override {
+    if (context_ == nullptr) return;
+    OSMesaMakeCurrent(nullptr, nullptr, 0, 0, 0);
+    OSMesaDestroyContext(context_);
+  }
+  [[nodiscard]] std::string kind() const override { return "OSMesa"; }
+
+ private:
+  Status open() {
+    constexpr std::array<int, 9> kCore{OSMESA_FORMAT,
+                                       OSMESA_RGBA,
+                                       OSMESA_PROFILE,
+                                       OSMESA_CORE_PROFILE,
+                                       OSMESA_CONTEXT_MAJOR_VERSION,
+                                       3,
+                                       OSMESA_CONTEXT_MINOR_VERSION,
+                                       3,
+                                       0};
+    context_ = OSMesaCreateContextAttribs(kCore.data(), nullptr);
+    if (context_ == nullptr) return Error(ErrorCode::kUnavailable, "OSMesa: cannot make an OpenGL 3.3 context");
+    if (OSMesaMakeCurrent(context_, unused_.data(), GL_UNSIGNED_BYTE, kUnusedSidePx, kUnusedSidePx) != GL_TRUE) {
+      return Error(ErrorCode::kUnavailable, "OSMesa: cannot use its context");
+    }
+    TRY_ASSIGN(gl_, Gl::load([](const char* name) { return OSMesaGetProcAddress(name); }));
+    return Done{};
+  }
+
+  std::array<unsigned char, 4 * kUnusedSidePx * kUnusedSidePx> unused_{};
+  OSMesaContext context_ = nullptr;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<GlContext>> make_osmesa_context() { return OsMesaContext::make(); }
+
+}  // namespace cyclorama

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <string>
+
 namespace cyclorama {
 namespace {
 
@@ -38,6 +41,20 @@ Result<GlProgram> GlProgram::link(const Gl& gl, const char* vertex_source, const
   gl.GetProgramiv(program.id(), GL_LINK_STATUS, &linked);
   if (linked == GL_TRUE) return program;
   return Error(ErrorCode::kSystem, fmt::format("linking a shader: {}", log_of(program.id(), gl.GetProgramInfoLog)));
+}
+
+void to_picture(const RgbaImage& read_back, RgbImage* ret_picture) {
+  CHECK(ret_picture->width() == read_back.width() && ret_picture->height() == read_back.height());
+  for (int y = 0; y < read_back.height(); ++y) {
+    const std::uint8_t* from =
+        read_back.data().data() + read_back.row_values() * static_cast<std::size_t>(read_back.height() - 1 - y);
+    std::uint8_t* to = ret_picture->data().data() + ret_picture->row_values() * static_cast<std::size_t>(y);
+    for (int x = 0; x < read_back.width(); ++x, from += 4, to += 3) {
+      to[0] = from[0];
+      to[1] = from[1];
+      to[2] = from[2];
+    }
+  }
 }
 
 }  // namespace cyclorama

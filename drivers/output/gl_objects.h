@@ -2,10 +2,9 @@
 /// GL names with an owner. Each must die on the thread of its context, before the context does.
 #pragma once
 
-#include <array>
-#include <string>
 #include <utility>
 
+#include "common/image/image.h"
 #include "drivers/output/gl.h"
 
 namespace cyclorama {
@@ -60,5 +59,8 @@ class GlProgram {
   const Gl* gl_;
   GLuint id_;
 };
+
+/// What glReadPixels gives (rows from the bottom, four channels) as a picture of the same size.
+void to_picture(const RgbaImage& read_back, RgbImage* ret_picture);
 
 }  // namespace cyclorama

@@ -27,19 +27,6 @@ struct Head {
   bool is_drawn = false;
 };
 
-/// GL counts rows from the bottom and has four channels; a picture counts from the top and has three.
-void to_picture(const RgbaImage& read_back, RgbImage* ret_picture) {
-  for (int y = 0; y < read_back.height(); ++y) {
-    const std::uint8_t* from = read_back.at(0, read_back.height() - 1 - y);
-    std::uint8_t* to = ret_picture->at(0, y);
-    for (int x = 0; x < read_back.width(); ++x, from += 4, to += 3) {
-      to[0] = from[0];
-      to[1] = from[1];
-      to[2] = from[2];
-    }
-  }
-}
-
 class HeadlessOutput final : public Output {
  public:
   HeadlessOutput(std::unique_ptr<GlContext> context, const HeadlessOptions& options, const Clock& clock)

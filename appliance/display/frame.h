@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "common/base/clock.h"
+#include "common/geometry/panorama.h"
+#include "common/image/image.h"
+
+namespace cyclorama {
+
+/// A whole picture, ready to be shown: every tile came and was decoded. A value; its pixels are shared and never
+/// change.
+struct Frame {
+  std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater one is newer, whatever `number` says.
+  std::uint64_t number = 0;  ///< The view's; 0 is a picture of the display's own.
+  double heading_rad = 0.0;
+  std::int64_t shutter_ns = 0;  ///< As wire::View; 0 when keys steered.
+  Panorama panorama;            ///< Of `picture`, with its guard band.
+  std::shared_ptr<const RgbImage> picture;
+  std::size_t bytes = 0;  ///< JPEG bytes of all tiles.
+  TimePoint begun_at{};
+  TimePoint decoded_at{};
+};
+
+/// The visitor's newest heading.
+struct HeadingNow {
+  double heading_rad = 0.0;
+  std::int64_t shutter_ns = 0;
+};
+
+}  // namespace cyclorama

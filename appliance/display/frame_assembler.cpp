@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/frame_assembler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <utility>
+
+#include "common/base/text.h"
+#include "common/wire/convert.h"
+
+namespace cyclorama {
+namespace {
+constexpr int kCutPx = 16;
+int cuts(int px) { return (px + kCutPx - 1) / kCutPx; }
+}  // namespace
+
+/// Pictures of frames that nobody shows any more, to decode the next ones into: a frame's memory is mapped once and not
+/// at every frame. Thread-safe: whoever lets go of a picture last gives it back.
+class FrameAssembler::PictureStore : public std::enable_shared_from_this<PictureStore> {
+ public:
+  /// Its pixels are whatever they were.
+  std::shared_ptr<RgbImage> take(int width, int height) {
+    std::unique_ptr<RgbImage> picture;
+    {
+      const std::lock_guard lock(mutex_);
+      std::erase_if(free_, [&](const auto& p) { return p->width() != width || p->height() != height; });
+      if (!free_.empty()) {
+        picture = std::move(free_.back());
+        free_.pop_back();
+      }
+    }
+    if (picture == nullptr) picture = std::make_unique<RgbImage>(width, height);
+    return {picture.release(),
+            [store = shared_from_this()](RgbImage* p) { store->give_back(std::unique_ptr<RgbImage>(p)); }};
+  }
+
+ private:
+  void give_back(std::unique_ptr<RgbImage> picture) {
+    const std::lock_guard lock(mutex_);
+    if (free_.size() < static_cast<std::size_t>(kMostFramesInFlight)) free_.push_back(std::move(picture));
+  }
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<RgbImage>> free_;
+};
+
+/// One frame in the making, shared by the assembler and its decode jobs. Its last holder delivers or drops it.
+class FrameAssembler::Assembly {
+ public:
+  Assembly(Frame frame, std::shared_ptr<RgbImage> picture, FrameSink* sink, const Clock* clock,
+           std::shared_ptr<std::atomic<int>> in_flight)
+      : frame_(std::move(frame)),
+        picture_(std::move(picture)),
+        sink_(*sink),
+        clock_(*clock),
+        in_flight_(std::move(in_flight)),
+        columns_(cuts(picture_->width())),
+        covered_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(cuts(picture_->height())), false) {
+    ++*in_flight_;
+  }
+  Assembly(const Assembly&) = delete;
+  Assembly& operator=(const Assembly&) = delete;
+
+  /// Every holder is done: the assembler after the end, each job after its tile.
+  ~Assembly() {
+    --*in_flight_;
+    if (failure_.empty() && !is_complete_) failure_ = "the display stops";
+    if (!failure_.empty()) {
+      sink_.frame_dropped(frame_.number, failure_);
+      return;
+    }
+    frame_.picture = std::move(picture_);
+    frame_.decoded_at = clock_.now();
+    sink_.frame_ready(std::move(frame_));
+  }
+
+  [[nodiscard]] std::uint64_t number() const { return frame_.number; }
+  [[nodiscard]] const Panorama& panorama() const { return frame_.panorama; }
+  [[nodiscard]] bool has_failed() const { return has_failed_; }
+
+  /// The first failure is the reason.
+  void fail(const std::string& reason) {
+    const std::lock_guard lock(mutex_);
+    if (failure_.empty()) failure_ = reason;
+    has_failed_ = true;
+  }
+
+  /// Takes note that this tile comes. kBadData  a place that it does not fill, or that another tile filled.
+  Status claim(const wire::Tile& tile) {
+    TRY(validate(tile, frame_.panorama));
+    const int x = static_cast<int>(tile.x_px());
+    const int y = static_cast<int>(tile.y_px());
+    const int right = x + static_cast<int>(tile.width_px());
+    const int bottom = y + static_cast<int>(tile.height_px());
+    const auto refuse = [&](const char* what) {
+      return Error(ErrorCode::kBadData,
+                   fmt::format("the tile of {}x{} at ({}, {}) {}", right - x, bottom - y, x, y, what));
+    };
+    if ((right % kCutPx != 0 && right != picture_->width()) || (bottom % kCutPx != 0 && bottom != picture_->height())) {
+      return refuse("does not end on a cut of 16 pixels");
+    }
+    frame_.bytes += tile.jpeg().size();
+    if (frame_.bytes > kLargestFrameBytes) return refuse("makes the frame larger than 256 MiB");
+    for (int row = y / kCutPx; row < cuts(bottom); ++row) {
+      for (int column = x / kCutPx; column < cuts(right); ++column) {
+        const std::size_t cell =
+            static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+        if (covered_[cell]) return refuse("covers a place that another tile covers");
+        covered_[cell] = true;
+      }
+    }
+    ++tiles_;
+    return Done{};
+  }
+
+  /// On a decode thread; tiles never overlap, so jobs write to different pixels.
+  void decode(const wire::Tile& tile, JpegDecoder* decoder) {
+    if (has_failed_) return;
+    const auto jpeg = std::as_bytes(std::span(tile.jpeg()));
+    const Status decoded = decoder->decode_into(
+        jpeg, picture_->at(static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px())),
+        static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px()), picture_->row_values());
+    if (!decoded) fail(fmt::format("the tile at ({}, {}): {}", tile.x_px(), tile.y_px(), decoded.error().message()));
+  }
+
+  /// The end of the frame came.
+  void close(const wire::FrameEnd& end) {
+    is_complete_ = true;
+    const auto empty = std::count(covered_.begin(), covered_.end(), false);
+    if (!end.complete()) {
+      fail(end.reason().empty() ? "the farm gave the frame up"
+                                : "the farm gave the frame up: " + printable(end.reason(), 200));
+    } else if (end.tiles() != tiles_ || empty > 0) {
+      fail(fmt::format("{} of {} tiles came", tiles_, end.tiles()) +
+           (empty > 0 ? fmt::format(", and {} of {} cells of the picture are empty", empty, covered_.size()) : ""));
+    }
+  }
+
+ private:
+  Frame frame_;
+  std::shared_ptr<RgbImage> picture_;
+  FrameSink& sink_;
+  const Clock& clock_;
+  std::shared_ptr<std::atomic<int>> in_flight_;
+  int columns_;
+  std::vector<bool> covered_;
+  std::uint32_t tiles_ = 0;
+  bool is_complete_ = false;
+  std::atomic<bool> has_failed_{false};
+  std::mutex mutex_;
+  std::string failure_;  // Guarded by mutex_ until the destructor, which has no other holder beside it.
+};
+
+FrameAssembler::FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* clock)
+    : pool_(*pool),
+      sink_(*sink),
+      clock_(*clock),
+      pictures_(std::make_shared<PictureStore>()),
+      in_flight_(std::make_shared<std::atomic<int>>(0)) {}
+
+FrameAssembler::~FrameAssembler() { stream_lost(); }
+
+void FrameAssembler::take(wire::ShowMessage message) {
+  switch (message.message_case()) {
+    case wire::ShowMessage::kBegin:
+      return begin(message.begin());
+    case wire::ShowMessage::kTile:
+      return tile(std::move(*message.mutable_tile()));
+    case wire::ShowMessage::kEnd:
+      return end(message.end());
+    case wire::ShowMessage::kHeading:
+    case wire::ShowMessage::MESSAGE_NOT_SET:
+      CHECK(false);
+  }
+}
+
+void FrameAssembler::stream_lost() {
+  if (current_ != nullptr) current_->fail("the connection to the tour was lost");
+  current_.reset();
+  refused_number_ = 0;
+}
+
+void FrameAssembler::begin(const wire::View& view) {
+  if (current_ != nullptr) current_->fail("another frame began before its end");
+  current_.reset();
+  refused_number_ = view.number();
+  const auto drop = [&](const std::string& reason) { sink_.frame_dropped(view.number(), reason); };
+  if (const Status valid = validate(view); !valid) return drop(valid.error().message());
+  const Panorama panorama = *from_wire(view.panorama());
+  if (static_cast<std::size_t>(panorama.width_px) * static_cast<std::size_t>(panorama.height_px) > kLargestFramePx) {
+    return drop(fmt::format("a picture of {}x{} pixels; at most {} pixels are shown", panorama.width_px,
+                            panorama.height_px, kLargestFramePx));
+  }
+  if (*in_flight_ >= kMostFramesInFlight) return drop("frames come faster than this display decodes them");
+  refused_number_ = 0;
+  Frame frame;
+  frame.order = ++order_;
+  frame.number = view.number();
+  frame.heading_rad = view.heading_rad();
+  frame.shutter_ns = view.shutter_ns();
+  frame.panorama = panorama;
+  frame.begun_at = clock_.now();
+  current_ = std::make_shared<Assembly>(std::move(frame), pictures_->take(panorama.width_px, panorama.height_px),
+                                        &sink_, &clock_, in_flight_);
+}
+
+void FrameAssembler::tile(wire::Tile tile) {
+  if (current_ == nullptr) {
+    // What follows a refused begin was answered with it; anything else is answered once.
+    if (tile.view_number() != refused_number_)
+      sink_.frame_dropped(tile.view_number(), "a tile came without its frame's begin");
+    refused_number_ = tile.view_number();
+    return;
+  }
+  if (current_->has_failed()) return;
+  if (tile.view_number() != current_->number()) {
+    return current_->fail(fmt::format("a tile of frame {} came between its own", tile.view_number()));
+  }
+  if (const Status claimed = current_->claim(tile); !claimed) return current_->fail(claimed.error().message());
+  pool_.submit(
+      [assembly = current_, moved = std::move(tile)](JpegDecoder& decoder) { assembly->decode(moved, &decoder); });
+}
+
+void FrameAssembler::end(const wire::FrameEnd& end) {
+  if (current_ == nullptr) {
+    if (end.view_number() != refused_number_) sink_.frame_dropped(end.view_number(), "its end came without its begin");
+    refused_number_ = 0;
+    return;
+  }
+  if (end.view_number() != current_->number()) {
+    current_->fail(fmt::format("the end of frame {} came before its own", end.view_number()));
+  }
+  current_->close(end);
+  current_.reset();
+}
+
+}  // namespace cyclorama

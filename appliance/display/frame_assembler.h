@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+/// From the Show stream's messages to whole frames. A frame is shown whole or not at all.
+///
+///   begin ──► tiles ──► end(complete) ──► all decoded ──► frame_ready
+///     any missing, doubled, foreign, misplaced or damaged tile, an end that is not complete, a begin or a lost
+///     stream before the end  ──────────────────────────► frame_dropped, once, with the first reason
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "appliance/display/decode_pool.h"
+#include "appliance/display/frame.h"
+#include "common/wire/museum.pb.h"
+
+namespace cyclorama {
+
+/// Called on the assembler's thread or on a decode thread; calls may overlap, so it is thread-safe.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  virtual void frame_ready(Frame frame) = 0;
+  virtual void frame_dropped(std::uint64_t number, const std::string& reason) = 0;
+
+ protected:
+  FrameSink() = default;
+  FrameSink(const FrameSink&) = default;
+  FrameSink& operator=(const FrameSink&) = default;
+};
+
+/// The largest frame that is taken, and how many may be in the making at once: they bound the memory whatever comes.
+inline constexpr std::size_t kLargestFramePx = std::size_t{64} << 20;
+inline constexpr std::size_t kLargestFrameBytes = std::size_t{256} << 20;
+inline constexpr int kMostFramesInFlight = 3;
+
+/// Messages come from one thread at a time. Borrows the pool, the sink and the clock, which outlive it and its frames.
+class FrameAssembler {
+ public:
+  FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* clock);
+  ~FrameAssembler();
+  FrameAssembler(const FrameAssembler&) = delete;
+  FrameAssembler& operator=(const FrameAssembler&) = delete;
+
+  /// Precondition: the message is a begin, a tile or an end.
+  void take(wire::ShowMessage message);
+  /// The stream ended: what is unfinished will never be.
+  void stream_lost();
+
+ private:
+  class Assembly;
+  class PictureStore;
+
+  void begin(const wire::View& view);
+  void tile(wire::Tile tile);
+  void end(const wire::FrameEnd& end);
+
+  DecodePool& pool_;
+  FrameSink& sink_;
+  const Clock& clock_;
+  std::shared_ptr<PictureStore> pictures_;
+  std::shared_ptr<std::atomic<int>> in_flight_;
+  std::shared_ptr<Assembly> current_;  // Between begin and end; null when there is none or it was refused.
+  std::uint64_t refused_number_ = 0;   // The frame whose remaining messages are ignored.
+  std::uint64_t order_ = 0;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/show_stream.h"
+
+#include <utility>
+
+namespace cyclorama {
+namespace {
+constexpr std::size_t kMostReports = 256;
+}
+
+ShowStream::ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire::DisplayHello& hello,
+                       Listener listener)
+    : stub_(wire::Tour::NewStub(channel)), listener_(std::move(listener)) {
+  wire::DisplayReport first;
+  *first.mutable_hello() = hello;
+  stub_->async()->Show(&context_, this);
+  AddHold();  // Writes start on other threads than gRPC's, until OnReadDone says that there is nobody to write to.
+  StartRead(&message_);
+  StartCall();
+  report(std::move(first));
+}
+
+ShowStream::~ShowStream() {
+  context_.TryCancel();
+  std::unique_lock lock(mutex_);
+  // gRPC promises OnDone after a cancel; without it there is nothing safe left to do.
+  CHECK(changed_.wait_for(lock, std::chrono::seconds(30), [this] { return end_.has_value(); }));
+}
+
+void ShowStream::report(wire::DisplayReport report) {
+  const std::lock_guard lock(mutex_);
+  if (is_ending_ || reports_.size() >= kMostReports) return;
+  reports_.push_back(std::move(report));
+  if (!is_writing_) write_next();
+}
+
+void ShowStream::write_next() {
+  is_writing_ = !reports_.empty() && !is_ending_;
+  if (is_writing_) StartWrite(&reports_.front());
+}
+
+bool ShowStream::is_up() const {
+  const std::lock_guard lock(mutex_);
+  return is_up_ && !end_;
+}
+
+std::optional<Error> ShowStream::end() const {
+  const std::lock_guard lock(mutex_);
+  return end_;
+}
+
+void ShowStream::OnReadInitialMetadataDone(bool ok) {
+  const std::lock_guard lock(mutex_);
+  is_up_ = is_up_ || ok;
+}
+
+void ShowStream::OnReadDone(bool ok) {
+  if (ok) {
+    {
+      const std::lock_guard lock(mutex_);
+      is_up_ = true;
+    }
+    listener_(std::move(message_));
+    message_.Clear();
+    StartRead(&message_);
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+  }
+  RemoveHold();
+}
+
+void ShowStream::OnWriteDone(bool ok) {
+  const std::lock_guard lock(mutex_);
+  reports_.pop_front();
+  is_writing_ = false;
+  if (ok) write_next();
+}
+
+void ShowStream::OnDone(const grpc::Status& status) {
+  const std::lock_guard lock(mutex_);
+  end_ = status.ok() ? Error(ErrorCode::kUnavailable, "showing the tour: the tour closed the stream")
+                     : from_grpc(status, "showing the tour");
+  changed_.notify_all();  // Under the lock: the destructor frees this as soon as it has it.
+}
+
+}  // namespace cyclorama

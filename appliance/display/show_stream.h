@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "common/base/result.h"
+#include "common/wire/channel.h"
+#include "common/wire/museum.grpc.pb.h"
+
+namespace cyclorama {
+
+/// One call of Tour.Show, from dialling to its end. When it is over, make another.
+/// Thread-safe, but for the end of its life.
+class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::ShowMessage> {
+ public:
+  using Listener = std::function<void(wire::ShowMessage)>;
+
+  /// Says hello. `listener` is called on gRPC's threads, one message at a time, until the destructor returns.
+  ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire::DisplayHello& hello, Listener listener);
+  /// Hangs up, and waits until the last call of the listener is over.
+  ~ShowStream() override;
+  ShowStream(const ShowStream&) = delete;
+  ShowStream& operator=(const ShowStream&) = delete;
+
+  /// Sends when the connection takes it; never blocks. When 256 reports wait already, or the stream is over, it is
+  /// lost.
+  void report(wire::DisplayReport report);
+
+  /// The tour has answered.
+  [[nodiscard]] bool is_up() const;
+  /// Why the stream is over; nothing while it is not.
+  [[nodiscard]] std::optional<Error> end() const;
+
+ private:
+  void OnReadInitialMetadataDone(bool ok) override;
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnDone(const grpc::Status& status) override;
+  void write_next();  // Precondition: mutex_ is held.
+
+  std::unique_ptr<wire::Tour::Stub> stub_;
+  const Listener listener_;
+  grpc::ClientContext context_;
+  wire::ShowMessage message_;  // What gRPC reads into.
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<wire::DisplayReport> reports_;  // The first is being written while is_writing_.
+  bool is_writing_ = false;
+  bool is_up_ = false;
+  bool is_ending_ = false;  // No write may start any more.
+  std::optional<Error> end_;
+};
+
+}  // namespace cyclorama

@@ -66,7 +66,8 @@ class FrameAssembler::Assembly {
   /// Every holder is done: the assembler after the end, each job after its tile.
   ~Assembly() {
     --*in_flight_;
-    if (failure_.empty() && !is_complete_) failure_ = "the display stops";
+    // A pool that ends destroys jobs unrun.
+    if (failure_.empty() && (!is_complete_ || decoded_ != tiles_)) failure_ = "the display stops";
     if (!failure_.empty()) {
       sink_.frame_dropped(frame_.number, failure_);
       return;
@@ -122,6 +123,7 @@ class FrameAssembler::Assembly {
     const Status decoded = decoder->decode_into(
         jpeg, picture_->at(static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px())),
         static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px()), picture_->row_values());
+    ++decoded_;
     if (!decoded) fail(fmt::format("the tile at ({}, {}): {}", tile.x_px(), tile.y_px(), decoded.error().message()));
   }
 
@@ -147,6 +149,7 @@ class FrameAssembler::Assembly {
   int columns_;
   std::vector<bool> covered_;
   std::uint32_t tiles_ = 0;
+  std::atomic<std::uint32_t> decoded_{0};
   bool is_complete_ = false;
   std::atomic<bool> has_failed_{false};
   std::mutex mutex_;

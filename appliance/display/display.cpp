@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/display.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "appliance/display/attract_picture.h"
+#include "common/base/text.h"
+#include "common/wire/convert.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr auto kRedialAfter = std::chrono::milliseconds(250);
+constexpr auto kLongestRefresh = std::chrono::seconds(2);
+constexpr std::size_t kMostDropsWaiting = 256;
+
+Result<std::vector<HeadWarp>> make_warps(const Installation& installation, const Panorama& picture) {
+  const std::vector<ProjectorMap> maps = projector_maps(installation);
+  std::vector<MaskImage> masks = make_blend_masks(maps);
+  std::vector<HeadWarp> warps;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    auto mesh = make_warp_mesh(maps[i], picture);
+    if (!mesh)
+      return std::move(mesh).error().while_doing(fmt::format("projector '{}'", installation.projectors[i].name));
+    warps.push_back({*std::move(mesh), std::move(masks[i])});
+  }
+  return warps;
+}
+
+std::vector<HeadMode> heads_of(const Installation& installation) {
+  std::vector<HeadMode> heads;
+  for (const InstalledProjector& p : installation.projectors)
+    heads.push_back({p.name, p.lens.width_px, p.lens.height_px});
+  return heads;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Display>> Display::start(DisplayOptions options, const Clock& clock) {
+  std::unique_ptr<Display> display(new Display(std::move(options), clock));
+  TRY(display->prepare());
+  return display;
+}
+
+Display::Display(DisplayOptions options, const Clock& clock)
+    : options_(std::move(options)), clock_(clock), mailbox_(options_.installation.projectors.size()) {}
+
+Display::~Display() = default;
+
+Status Display::prepare() {
+  wanted_ = options_.installation.panorama(options_.width_px);
+  TRY(wanted_.validate());
+  TRY_ASSIGN(std::vector<HeadWarp> warps, make_warps(options_.installation, wanted_));
+  TRY_ASSIGN(channel_, make_channel(options_.tour));
+  TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_}));
+  describe(warps);
+
+  PresentPlan plan;
+  plan.open_output = [this] {
+    return open_headless_output(
+        {heads_of(options_.installation), options_.refresh_hz, options_.run_dir, options_.renderer}, clock_);
+  };
+  plan.warps = std::move(warps);
+  plan.first = attract_frame(wanted_);
+  plan.shown_span_rad = wanted_.azimuth_span_rad;
+  TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_));
+  inspection_.set_fact("output", present_->output_kind());
+  inspection_.set_fact("gl_renderer", present_->renderer());
+
+  pool_ = std::make_unique<DecodePool>(options_.decode_threads);
+  assembler_ = std::make_unique<FrameAssembler>(pool_.get(), static_cast<FrameSink*>(this), &clock_);
+  hello_.set_name(options_.installation.name);
+  hello_.set_heads(static_cast<std::uint32_t>(options_.installation.projectors.size()));
+  hello_.set_refresh_hz(options_.refresh_hz);
+  to_wire(wanted_, hello_.mutable_wanted());
+  return Done{};
+}
+
+void Display::describe(const std::vector<HeadWarp>& warps) {
+  std::size_t vertices = 0;
+  double worst_px = 0.0;
+  for (const HeadWarp& warp : warps) {
+    vertices += warp.mesh.vertices.size();
+    worst_px = std::max(worst_px, warp.mesh.worst_error_px);
+  }
+  inspection_.set_fact("heads", fmt::format("{}", warps.size()));
+  inspection_.set_fact("panorama", fmt::format("{}x{} px", wanted_.width_px, wanted_.height_px));
+  inspection_.set_fact("warp_vertices", fmt::format("{}", vertices));
+  inspection_.set_fact("warp_error_px", fmt::format("{:.3f}", worst_px));
+  inspection_.set_fact("wall_unlit_percent", fmt::format("{:.2f}", 100.0 * unlit_fraction(options_.installation)));
+}
+
+void Display::on_message(wire::ShowMessage message) {
+  if (message.message_case() == wire::ShowMessage::MESSAGE_NOT_SET) return;  // Of a newer tour; ignoring.
+  if (!message.has_heading()) return assembler_->take(std::move(message));
+  const wire::Heading& heading = message.heading();
+  if (!std::isfinite(heading.heading_rad())) return;
+  // Heading::shown is not needed: the warps know what the wall shows, and a frame says what it is.
+  mailbox_.heading.put(std::make_unique<HeadingNow>(HeadingNow{heading.heading_rad(), heading.shutter_ns()}));
+}
+
+void Display::frame_ready(Frame frame) {
+  const int largest = present_->largest_side_px();
+  if (frame.panorama.width_px > largest || frame.panorama.height_px > largest) {
+    return frame_dropped(frame.number, fmt::format("larger than {} px, the graphics card's most", largest));
+  }
+  std::unique_ptr<Frame> unseen;
+  {
+    // Two decode threads may finish two frames at once; the later frame must stay.
+    const std::lock_guard lock(mutex_);
+    auto handed = std::make_unique<Frame>(std::move(frame));
+    if (handed->order > newest_ready_) {
+      newest_ready_ = handed->order;
+      unseen = mailbox_.frame.put(std::move(handed));
+    } else {
+      unseen = std::move(handed);
+    }
+  }
+  if (unseen != nullptr) frame_dropped(unseen->number, "a newer frame was ready before it could be shown");
+}
+
+void Display::frame_dropped(std::uint64_t number, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (drops_.size() < kMostDropsWaiting) drops_.push_back({number, reason});
+}
+
+Status Display::serve(TimePoint deadline) {
+  do {
+    keep_dialling();
+    report_refreshes();
+    report_drops();
+    serve_watchers();
+    tell_state();
+    TRY(present_->state());
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - clock_.now());
+    pollfd entry{present_->event_fd(), POLLIN, 0};
+    ::poll(&entry, 1, static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1000)));
+    present_->drain();
+  } while (clock_.now() < deadline);
+  return Done{};
+}
+
+void Display::keep_dialling() {
+  if (stream_ != nullptr) {
+    if (stream_->is_up()) trouble_.reset();
+    const std::optional<Error> end = stream_->end();
+    if (!end) return;
+    trouble_ = end;
+    stream_.reset();
+    assembler_->stream_lost();
+    dial_at_ = clock_.now() + kRedialAfter;
+  }
+  if (clock_.now() < dial_at_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    drops_.clear();  // They mean nothing to the next connection.
+    reported_after_ = newest_ready_;
+  }
+  stream_ = std::make_unique<ShowStream>(channel_, hello_, [this](wire::ShowMessage m) { on_message(std::move(m)); });
+}
+
+void Display::report_refreshes() {
+  while (const auto event = mailbox_.refreshes.pop()) {
+    auto presented = reporter_.take(*event);
+    if (!presented || stream_ == nullptr || event->frame_order <= reported_after_) continue;
+    wire::DisplayReport report;
+    *report.mutable_presented() = *std::move(presented);
+    stream_->report(std::move(report));
+  }
+  reporter_.tick(clock_.now());
+}
+
+void Display::report_drops() {
+  std::vector<Drop> drops;
+  {
+    const std::lock_guard lock(mutex_);
+    drops.swap(drops_);
+  }
+  for (Drop& drop : drops) {
+    reporter_.frame_dropped(drop.reason);
+    if (stream_ == nullptr) continue;
+    wire::DisplayReport report;
+    report.mutable_dropped()->set_view_number(drop.number);
+    report.mutable_dropped()->set_reason(printable(drop.reason, 300));
+    stream_->report(std::move(report));
+  }
+}
+
+void Display::serve_watchers() {
+  mailbox_.panorama.is_wanted = inspection_.is_watched("panorama");
+  if (const auto picture = mailbox_.panorama.newest.take()) inspection_.set_picture("panorama", *picture);
+  for (std::size_t i = 0; i < mailbox_.heads.size(); ++i) {
+    const std::string name = "projector/" + options_.installation.projectors[i].name;
+    mailbox_.heads[i].is_wanted = inspection_.is_watched(name);
+    if (auto picture = mailbox_.heads[i].newest.take()) {
+      inspection_.set_picture(name, std::shared_ptr<const RgbImage>(std::move(picture)));
+    }
+  }
+}
+
+void Display::tell_state() {
+  if (!is_presenting()) {
+    inspection_.set_state("The output does not refresh; the graphics driver hangs.", false);
+  } else if (trouble_) {
+    inspection_.set_state(
+        fmt::format("Holds its last picture: the tour at {} does not answer ({}). Dialling again for ever.",
+                    options_.tour, trouble_->message()),
+        false);
+  } else if (stream_ == nullptr || !stream_->is_up()) {
+    inspection_.set_state(fmt::format("Dials the tour at {}.", options_.tour), false);
+  } else {
+    inspection_.set_state(
+        fmt::format("Shows the tour at {}: {:.1f} frames per second.", options_.tour, reporter_.frames_per_second()),
+        true);
+  }
+}
+
+bool Display::is_presenting() const {
+  const TimePoint last = reporter_.last_refresh_at();
+  return last == TimePoint{} || clock_.now() - last < kLongestRefresh;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "appliance/display/frame_assembler.h"
+#include "appliance/display/present_thread.h"
+#include "appliance/display/refresh_reporter.h"
+#include "appliance/display/show_stream.h"
+#include "common/room/installation.h"
+#include "common/wire/channel.h"
+#include "common/wire/inspection_service.h"
+#include "drivers/output/headless/headless_output.h"
+
+namespace cyclorama {
+
+struct DisplayOptions {
+  Installation installation;
+  std::string tour;                ///< HOST:PORT that is dialled.
+  std::string listen = "[::1]:0";  ///< HOST:PORT of the inspection service.
+  std::filesystem::path run_dir;   ///< For shared pictures; empty: none.
+  int width_px = 1024;             ///< Of the panorama that is asked for.
+  double refresh_hz = 30.0;
+  HeadlessOptions::Renderer renderer = HeadlessOptions::Renderer::kAny;
+  int decode_threads = 2;
+};
+
+/// One projection computer's picture, from the tour's tiles to the heads.
+///
+///   main     serve(): connection, reports, numbers       gRPC's threads  messages -> assembler, headings
+///   decode   x N: JPEG -> pixels                          present         owns GL: draws and shows
+///
+/// Keeps showing the last whole frame whatever happens to the tour, and dials it again for ever. Thread-bound to main.
+class Display : private FrameSink {
+ public:
+  /// Opens the output and starts to show. `clock` must outlive it.
+  /// kInvalidArgument  an option or the installation cannot work, and why.   kBusy  the port of `listen` is taken.
+  /// kUnavailable  no GL.
+  static Result<std::unique_ptr<Display>> start(DisplayOptions options, const Clock& clock);
+  ~Display() override;
+
+  /// Does main's part until `deadline`. An error means that the output is lost: end the process.
+  Status serve(TimePoint deadline);
+
+  /// True while the present thread keeps its pace; for the watchdog.
+  [[nodiscard]] bool is_presenting() const;
+  [[nodiscard]] InspectionService& inspection() { return inspection_; }
+  [[nodiscard]] int port() const { return server_->port(); }
+
+ private:
+  Display(DisplayOptions options, const Clock& clock);
+  Status prepare();
+  void describe(const std::vector<HeadWarp>& warps);
+  void on_message(wire::ShowMessage message);
+  void frame_ready(Frame frame) override;
+  void frame_dropped(std::uint64_t number, const std::string& reason) override;
+  void keep_dialling();
+  void report_refreshes();
+  void report_drops();
+  void serve_watchers();
+  void tell_state();
+
+  const DisplayOptions options_;
+  const Clock& clock_;
+  Panorama wanted_;
+  InspectionService inspection_{"display"};
+  RefreshReporter reporter_{&inspection_};
+  PresentMailbox mailbox_;
+  std::shared_ptr<grpc::Channel> channel_;
+  wire::DisplayHello hello_;
+
+  struct Drop {
+    std::uint64_t number;
+    std::string reason;
+  };
+  std::mutex mutex_;  // Guards the two below; never taken by the present thread.
+  std::vector<Drop> drops_;
+  std::uint64_t newest_ready_ = 0;  // Frame::order of the newest frame that was handed over.
+
+  std::optional<Error> trouble_;  // Why there is no connection.
+  TimePoint dial_at_{};
+  std::uint64_t reported_after_ = 0;  // Frames up to this Frame::order came by an earlier connection.
+
+  // Made in this order and gone in the reverse: nobody calls what is gone.
+  std::unique_ptr<WireServer> server_;
+  std::unique_ptr<PresentThread> present_;
+  std::unique_ptr<DecodePool> pool_;
+  std::unique_ptr<FrameAssembler> assembler_;
+  std::unique_ptr<ShowStream> stream_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "appliance/display/display.h"
+#include "common/process/log.h"
+#include "common/process/notify.h"
+#include "common/process/program.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr auto kTurn = std::chrono::milliseconds(100);  // How soon a stop is noticed.
+
+struct Options {
+  std::string installation;
+  std::string output = "headless";
+  DisplayOptions display;
+};
+
+void add_options(CLI::App* app, Options* options) {
+  DisplayOptions& display = options->display;
+  app->add_option("--installation", options->installation, "The room: wall, sweet spot and projectors (TOML)")
+      ->required();
+  app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7402")->required();
+  app->add_option("--listen", display.listen, "HOST:PORT for inspection; port 0 takes a free one")
+      ->capture_default_str();
+  app->add_option("--run-dir", display.run_dir, "Publish what each head shows as head-NAME.picture in this folder");
+  app->add_option("--width", display.width_px, "Width in pixels of the panorama to ask for")
+      ->check(CLI::Range(16, 16384))
+      ->capture_default_str();
+  app->add_option("--refresh-hz", display.refresh_hz, "Refreshes per second")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  app->add_option("--output", options->output, "Where to draw: headless (EGL, else OSMesa), egl or osmesa")
+      ->check(CLI::IsMember({"headless", "egl", "osmesa"}))
+      ->capture_default_str();
+  app->add_option("--decode-threads", display.decode_threads, "Threads that decode tiles")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+}
+
+/// Logs when what the process says of itself changes between well and unwell, once it has had time to find its tour.
+class StateLog {
+ public:
+  void see(const wire::ProcessStatus& status) {
+    if (status.healthy() == was_healthy_ || (!status.healthy() && status.uptime_s() < kTimeToConnect_s)) return;
+    was_healthy_ = status.healthy();
+    log(was_healthy_ ? LogLevel::kInfo : LogLevel::kWarning, status.state());
+  }
+
+ private:
+  static constexpr double kTimeToConnect_s = 2.0;
+  bool was_healthy_ = true;
+};
+
+Status run_display(Options options, const StopSignal& stop) {
+  TRY_ASSIGN(options.display.installation, read_installation(options.installation));
+  if (options.output == "egl") options.display.renderer = HeadlessOptions::Renderer::kEgl;
+  if (options.output == "osmesa") options.display.renderer = HeadlessOptions::Renderer::kOsMesa;
+  const SteadyClock clock;
+  const std::string tour = options.display.tour;
+  TRY_ASSIGN(const std::unique_ptr<Display> display, Display::start(std::move(options.display), clock));
+  Notify notify;
+  notify.ready();
+  const wire::ProcessStatus first = display->inspection().status();
+  for (const wire::Fact& fact : first.facts()) log(LogLevel::kDebug, fmt::format("{}: {}", fact.name(), fact.value()));
+  log(LogLevel::kInfo, fmt::format("showing the tour at {}; inspection on port {}", tour, display->port()));
+
+  StateLog state_log;
+  while (!stop.requested()) {
+    TRY(display->serve(clock.now() + kTurn));
+    if (display->is_presenting()) notify.keep_alive(clock.now());
+    state_log.see(display->inspection().status());
+  }
+  notify.stopping();
+  return Done{};
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  using namespace cyclorama;
+  Program program("cyclorama-display",
+                  "Shows the tour on the wall: decodes its tiles, warps and blends them for each projector.");
+  Options options;
+  options.display.decode_threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 4U));
+  add_options(&program.options(), &options);
+  return program.run(argc, argv, [&](const StopSignal& stop) { return run_display(std::move(options), stop); });
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/refresh_reporter.h"
+
+namespace cyclorama {
+namespace {
+constexpr auto kRatePeriod = std::chrono::seconds(1);
+}
+
+RefreshReporter::RefreshReporter(InspectionService* inspection) : inspection_(*inspection) {
+  for (const char* const gauge : {"refreshes_per_second", "frames_per_second", "frames_presented", "frames_dropped",
+                                  "missed_refreshes", "bytes_per_frame", "refreshes_past_guard_band"}) {
+    inspection_.set_gauge(gauge, 0.0);
+  }
+}
+
+std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& event) {
+  const TimePoint shown_at = event.presented.at;
+  if (last_refresh_ && event.presented.refresh > *last_refresh_ + 1) {
+    inspection_.count("missed_refreshes", static_cast<double>(event.presented.refresh - *last_refresh_ - 1));
+  }
+  last_refresh_ = event.presented.refresh;
+  last_refresh_at_ = shown_at;
+  ++refreshes_;
+  if (event.is_past_guard) inspection_.count("refreshes_past_guard_band");
+  if (event.heading_shutter_ns != 0) {
+    inspection_.add_stage_time("heading_to_photon", shown_at - from_nanoseconds(event.heading_shutter_ns));
+  }
+  if (!event.is_first_of_frame) return std::nullopt;
+
+  ++frames_;
+  inspection_.count("frames_presented");
+  inspection_.set_gauge("bytes_per_frame", static_cast<double>(event.frame_bytes));
+  if (event.frame_shutter_ns != 0) {
+    inspection_.add_stage_time("shutter_to_photon", shown_at - from_nanoseconds(event.frame_shutter_ns));
+  }
+  wire::FramePresented report;
+  report.set_view_number(event.frame_number);
+  report.set_presented_ns(to_nanoseconds(shown_at));
+  const auto add_stage = [&](const char* name, Duration duration) {
+    inspection_.add_stage_time(name, duration);
+    wire::StageTime* const stage = report.add_stages();
+    stage->set_name(name);
+    stage->set_seconds(to_seconds(duration));
+  };
+  add_stage("decode", event.decoded_at - event.begun_at);
+  add_stage("wait", event.drawing_at - event.decoded_at);
+  add_stage("draw", shown_at - event.drawing_at);
+  return report;
+}
+
+void RefreshReporter::frame_dropped(const std::string& reason) {
+  inspection_.count("frames_dropped");
+  inspection_.set_fact("last_drop", reason);
+}
+
+void RefreshReporter::tick(TimePoint now) {
+  if (counted_since_ == TimePoint{}) counted_since_ = now;
+  const Duration counted = now - counted_since_;
+  if (counted < kRatePeriod) return;
+  frames_per_second_ = frames_ / to_seconds(counted);
+  inspection_.set_gauge("refreshes_per_second", refreshes_ / to_seconds(counted));
+  inspection_.set_gauge("frames_per_second", frames_per_second_);
+  refreshes_ = 0;
+  frames_ = 0;
+  counted_since_ = now;
+}
+
+}  // namespace cyclorama

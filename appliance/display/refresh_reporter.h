@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "appliance/display/presenter.h"
+#include "common/wire/inspection_service.h"
+#include "common/wire/museum.pb.h"
+
+namespace cyclorama {
+
+/// From refreshes to numbers for the operator (docs/frame-timing.md names the stages) and reports for the tour.
+/// Thread-bound.
+class RefreshReporter {
+ public:
+  explicit RefreshReporter(InspectionService* inspection);
+
+  /// A report when the refresh was the first of a frame.
+  std::optional<wire::FramePresented> take(const RefreshEvent& event);
+  void frame_dropped(const std::string& reason);
+  /// Renews the rates about once a second; call it often.
+  void tick(TimePoint now);
+
+  [[nodiscard]] double frames_per_second() const { return frames_per_second_; }
+  [[nodiscard]] TimePoint last_refresh_at() const { return last_refresh_at_; }
+
+ private:
+  InspectionService& inspection_;
+  std::optional<std::uint64_t> last_refresh_;
+  TimePoint last_refresh_at_{};
+  TimePoint counted_since_{};
+  int refreshes_ = 0;
+  int frames_ = 0;
+  double frames_per_second_ = 0.0;
+};
+
+}  // namespace cyclorama

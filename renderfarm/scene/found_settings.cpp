@@ -2,60 +2,246 @@
 #include "renderfarm/scene/found_settings.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numbers>
+#include <optional>
+
+#include "renderfarm/scene/space_grid.h"
 
 namespace cyclorama {
 namespace {
 
 constexpr double kEyeHeightM = 1.6;
-constexpr double kLeastRoomM = 2.2;  ///< A visitor fits into a room of this height.
+constexpr double kHeadroomM = 0.15;
+constexpr double kStepOverM = 0.4;    ///< Lower things do not stop a visitor.
+constexpr double kLeastPlaceM = 2.2;  ///< In all three directions: less is no place for a visitor, but an object.
+constexpr double kLeastSiteM = 6.0;
+constexpr double kWallDistanceM = 0.3;
+constexpr int kDirections = 32;
 
-bool is_room(const Eigen::AlignedBox3d& bounds) {
-  const Eigen::Vector3d size = bounds.sizes();
-  return size.y() > kLeastRoomM && std::min(size.x(), size.z()) > kLeastRoomM;
+/// A heading's direction: 0 looks along -z, positive turns to the right.
+Eigen::Vector3d ahead(double heading_rad) { return {std::sin(heading_rad), 0.0, -std::cos(heading_rad)}; }
+
+double heading_of(int direction) { return 2.0 * std::numbers::pi * direction / kDirections; }
+
+/// What is seen from a place.
+struct Place {
+  Eigen::Vector3d eye;
+  double floor = 0.0;
+  int walls = 0;  ///< Of kDirections, how many end at something.
+  int from_behind = 0;
+  bool has_ceiling = false;
+  double nearest_m = 0.0;
+  double mean_m = 0.0;
+  double farthest_m = 0.0;
+  double farthest_heading_rad = 0.0;
+
+  [[nodiscard]] bool is_inside_solid() const { return 2 * from_behind > walls; }
+  [[nodiscard]] bool is_room() const { return has_ceiling && 4 * walls >= 3 * kDirections && !is_inside_solid(); }
+  /// Wide places are good ones, and a long view is better than a short one.
+  [[nodiscard]] double score() const { return std::min(nearest_m, 3.0) + 0.1 * std::min(mean_m, 15.0); }
+};
+
+Place look_around(const SpaceGrid& grid, const Eigen::Vector3d& eye, double floor) {
+  Place place{.eye = eye, .floor = floor};
+  place.has_ceiling = grid.cast(eye, Eigen::Vector3d::UnitY()).hits;
+  place.nearest_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kDirections; ++i) {
+    const SpaceGrid::Ray ray = grid.cast(eye, ahead(heading_of(i)));
+    place.walls += ray.hits ? 1 : 0;
+    place.from_behind += ray.hits && ray.from_behind ? 1 : 0;
+    place.nearest_m = std::min(place.nearest_m, ray.length_m);
+    place.mean_m += ray.length_m / kDirections;
+    if (ray.length_m > place.farthest_m) {
+      place.farthest_m = ray.length_m;
+      place.farthest_heading_rad = heading_of(i);
+    }
+  }
+  return place;
 }
 
-std::vector<Eigen::Vector2d> rectangle(double x0, double z0, double x1, double z1) {
-  return {{x0, z0}, {x1, z0}, {x1, z1}, {x0, z1}};
+/// Is a body's height free over `floor` in the column of `at`?
+bool is_free(const SpaceGrid& grid, const Eigen::Vector3d& at, double floor) {
+  Eigen::Vector3i cell = grid.cell_of({at.x(), floor + kStepOverM, at.z()});
+  const int above_floor = grid.cell_of({at.x(), floor, at.z()}).y() + 1;
+  const int last = grid.cell_of({at.x(), floor + kEyeHeightM + kHeadroomM, at.z()}).y();
+  for (cell.y() = std::max(cell.y(), above_floor); cell.y() <= last; ++cell.y()) {
+    if (grid.is_solid(cell)) return false;
+  }
+  return true;
+}
+
+/// Calls `use` for each place where a visitor could stand.
+template <typename Use>
+void for_each_place(const SpaceGrid& grid, const Use& use) {
+  Eigen::Vector3i cell;
+  for (cell.z() = 0; cell.z() < grid.cells().z(); cell.z() += 2) {
+    for (cell.x() = 0; cell.x() < grid.cells().x(); cell.x() += 2) {
+      for (cell.y() = 0; cell.y() < grid.cells().y(); ++cell.y()) {
+        if (!grid.is_solid(cell) || grid.is_solid(cell + Eigen::Vector3i::UnitY())) continue;
+        const Eigen::Vector3d centre = grid.centre_of(cell);
+        const double floor = grid.top_of(cell);
+        if (!is_free(grid, centre, floor)) continue;
+        use(look_around(grid, {centre.x(), floor + kEyeHeightM, centre.z()}, floor));
+      }
+    }
+  }
+}
+
+struct BestPlaces {
+  std::optional<Place> room;
+  std::optional<Place> site;
+};
+
+BestPlaces find_places(const SpaceGrid& grid) {
+  BestPlaces best;
+  for_each_place(grid, [&](const Place& place) {
+    if (place.is_inside_solid()) return;
+    std::optional<Place>& same_kind = place.is_room() ? best.room : best.site;
+    if (!same_kind || place.score() > same_kind->score()) same_kind = place;
+  });
+  return best;
+}
+
+/// How far one can walk from the eye, over ground that is neither too high nor missing.
+double walk_length(const SpaceGrid& grid, const Place& place, const Eigen::Vector3d& direction) {
+  constexpr double kFarthestM = 40.0;
+  constexpr double kUnevenM = 0.6;
+  const double step = 0.5 * grid.cell_m();
+  double solid_ground = 0.0;
+  for (double length = step; length < kFarthestM; length += step) {
+    const Eigen::Vector3d at = place.eye + length * direction;
+    Eigen::Vector3i cell = grid.cell_of({at.x(), place.floor - kUnevenM, at.z()});
+    const int highest = grid.cell_of({at.x(), place.floor + kStepOverM, at.z()}).y();
+    bool has_ground = false;
+    for (; cell.y() <= highest; ++cell.y()) has_ground = has_ground || grid.is_solid(cell);
+    if (!is_free(grid, at, place.floor)) break;
+    if (has_ground) solid_ground = length;
+    if (length - solid_ground > 2.0 * grid.cell_m()) break;  // Scans have small holes, and sites have edges.
+  }
+  return solid_ground;
+}
+
+std::vector<Eigen::Vector2d> walkable_around(const SpaceGrid& grid, const Place& place) {
+  const double margin = std::max(kWallDistanceM, 0.5 * grid.cell_m());
+  std::vector<Eigen::Vector2d> corners;
+  for (int i = 0; i < kDirections; ++i) {
+    const Eigen::Vector3d direction = ahead(heading_of(i));
+    const double length = std::max(walk_length(grid, place, direction) - margin, 0.25);
+    const Eigen::Vector3d corner = place.eye + length * direction;
+    corners.emplace_back(corner.x(), corner.z());
+  }
+  return corners;
+}
+
+/// A ring around the object, cut open behind it: an area has one outline.
+std::vector<Eigen::Vector2d> ring(const Eigen::Vector3d& middle, double inner, double outer) {
+  constexpr int kCorners = 32;
+  std::vector<Eigen::Vector2d> corners;
+  const auto add = [&](double radius, int i) {
+    const Eigen::Vector3d direction = ahead(2.0 * std::numbers::pi * i / kCorners);
+    corners.emplace_back(middle.x() + radius * direction.x(), middle.z() + radius * direction.z());
+  };
+  for (int i = 0; i <= kCorners; ++i) add(outer, i);
+  for (int i = kCorners; i >= 0; --i) add(inner, i);
+  return corners;
+}
+
+FoundSettings before_object(const Eigen::AlignedBox3d& bounds) {
+  constexpr double kDistanceByHeight = 1.3;  // Fits between tangents of -0.5 and 0.3: a wall 2.6 m high, 3 m away.
+  constexpr double kDistanceByWidth = 0.8;
+  constexpr double kUsualDistanceM = 2.5;  // Before an object of a man's size: there, steps are as long as they feel.
+  const Eigen::Vector3d size = bounds.sizes();
+  const Eigen::Vector3d middle = bounds.center();
+  const double distance =
+      std::max({kDistanceByHeight * size.y(), kDistanceByWidth * size.x(), 0.1 * size.maxCoeff(), 1e-3});
+  FoundSettings found;
+  found.kind = SceneKind::kObject;
+  found.eye = {middle.x(), middle.y() + 0.1 * size.y(), bounds.max().z() + distance};
+  found.eye_height_m = std::max(found.eye.y() - bounds.min().y(), 1e-3);
+  found.walking_scale = std::clamp(distance / kUsualDistanceM, 1e-4, 1e4);
+  found.view_m = distance;
+  const double around = 0.5 * std::hypot(size.x(), size.z());
+  const double eye_radius = 0.5 * size.z() + distance;
+  found.walkable = ring(middle, std::min(1.1 * around, 0.9 * eye_radius), std::max(around, eye_radius) + distance);
+  return found;
+}
+
+FoundSettings standing_at(const SpaceGrid& grid, const Place& place, SceneKind kind) {
+  FoundSettings found;
+  found.kind = kind;
+  found.eye = place.eye;
+  found.heading_rad = place.farthest_heading_rad;
+  found.eye_height_m = kEyeHeightM;
+  found.walkable = walkable_around(grid, place);
+  found.view_m = place.mean_m;
+  return found;
+}
+
+/// What lamp `light` gives to a surface at `p` that faces it.
+Eigen::Vector3d irradiance(const Light& light, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d intensity = light.intensity.cast<double>();
+  if (light.kind == LightKind::kDirectional) return intensity;
+  const Eigen::Vector3d away = p - light.position;
+  const double distance2 = std::max(away.squaredNorm(), 1e-4);
+  if (light.range_m > 0.0 && distance2 > light.range_m * light.range_m) return Eigen::Vector3d::Zero();
+  const double cosine = away.normalized().dot(light.direction);
+  if (light.kind == LightKind::kSpot && cosine < std::cos(light.outer_cone_rad)) return Eigen::Vector3d::Zero();
+  return intensity / distance2;
 }
 
 }  // namespace
 
-FoundSettings find_settings(const Model&, const Eigen::AlignedBox3d& bounds) {
-  const Eigen::Vector3d middle = bounds.center();
+FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds) {
   const Eigen::Vector3d size = bounds.sizes();
-  FoundSettings found;
-  if (is_room(bounds)) {
-    found.eye = {middle.x(), bounds.min().y() + kEyeHeightM, middle.z()};
-    found.heading_rad = size.x() > size.z() ? 0.5 * std::numbers::pi : 0.0;
-    found.walkable = rectangle(middle.x() - 0.3 * size.x(), middle.z() - 0.3 * size.z(), middle.x() + 0.3 * size.x(),
-                               middle.z() + 0.3 * size.z());
-    return found;
-  }
-  const double distance = std::max(1.6 * std::max(size.y(), 0.7 * size.x()), 1e-3);
-  found.eye = {middle.x(), middle.y(), bounds.max().z() + distance};
-  found.eye_height_m = std::max(found.eye.y() - bounds.min().y(), 1e-3);
-  found.walking_scale = distance / 2.0;
-  found.walkable = rectangle(middle.x() - distance, bounds.max().z() + 0.5 * distance, middle.x() + distance,
-                             bounds.max().z() + 2.0 * distance);
-  return found;
+  if (size.minCoeff() < kLeastPlaceM && std::min(size.x(), size.z()) < kLeastSiteM) return before_object(bounds);
+  const SpaceGrid grid(model, bounds);
+  const BestPlaces best = find_places(grid);
+  if (best.room) return standing_at(grid, *best.room, SceneKind::kRoom);
+  const bool is_wide = std::min(size.x(), size.z()) >= std::max(kLeastSiteM, 0.7 * size.y());
+  if (best.site && is_wide) return standing_at(grid, *best.site, SceneKind::kSite);
+  return before_object(bounds);
 }
 
 void add_light(const FoundSettings& found, Scene* scene) {
-  if (is_room(scene->bounds)) {
-    const double reach = 0.25 * std::min(scene->bounds.sizes().x(), scene->bounds.sizes().z());
-    scene->eye_lamp.setConstant(static_cast<float>(3.0 * reach * reach));
-    scene->ambient.setConstant(0.08f);
+  if (found.kind == SceneKind::kRoom) {
+    const double reach = std::max(0.6 * found.view_m, 0.5);
+    scene->eye_lamp.setConstant(static_cast<float>(2.0 * reach * reach));
+    scene->ambient.setConstant(0.1f);
     return;
   }
-  scene->sky = {Eigen::Vector3f::Constant(0.6f), Eigen::Vector3f::Constant(0.4f), Eigen::Vector3f::Constant(0.2f)};
-  Light key;
+  scene->sky = {Eigen::Vector3f::Constant(0.45f), Eigen::Vector3f::Constant(0.2f), Eigen::Vector3f::Constant(0.1f)};
+  Light key;  // From the visitor's upper left, as painters have it.
   key.name = "key";
   key.kind = LightKind::kDirectional;
-  key.direction = Eigen::Vector3d(0.5, -0.7, scene->bounds.center().z() < found.eye.z() ? -0.6 : 0.6).normalized();
-  key.intensity.setConstant(1.5f);
+  key.direction = (0.5 * ahead(found.heading_rad + 0.5 * std::numbers::pi) + 0.6 * ahead(found.heading_rad) -
+                   0.7 * Eigen::Vector3d::UnitY())
+                      .normalized();
+  key.intensity.setConstant(2.2f);
   key.radius_m = 0.05;
   scene->model.lights.push_back(std::move(key));
+}
+
+double find_exposure(const FoundSettings& found, const Scene& scene) {
+  constexpr double kMiddle = 0.25;  // Radiance of a surface that reflects half of what it gets.
+  constexpr int kSamples = 256;
+  if (scene.model.lights.empty()) return 1.0;
+  std::vector<double> levels;
+  for (int i = 0; i < kSamples; ++i) {
+    // On a spiral around the eye, at the distances where walls and things are.
+    const double angle = 2.399963 * i;
+    const double distance = found.view_m * std::sqrt((i + 0.5) / kSamples);
+    const double height = (i % 5 - 2) * 0.2 * std::min(found.view_m, 3.0);
+    const Eigen::Vector3d p = found.eye + distance * ahead(angle) + height * Eigen::Vector3d::UnitY();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Light& light : scene.model.lights) sum += 0.5 * irradiance(light, p);  // Half of what faces it squarely.
+    levels.push_back(sum.dot(Eigen::Vector3d(0.2126, 0.7152, 0.0722)));
+  }
+  std::nth_element(levels.begin(), levels.begin() + kSamples / 2, levels.end());
+  const double radiance = 0.5 * levels[kSamples / 2] / std::numbers::pi;
+  if (!(radiance > 1e-9)) return 1.0;
+  return std::clamp(kMiddle / radiance, 1e-6, 1e6);
 }
 
 }  // namespace cyclorama

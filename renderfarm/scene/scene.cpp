@@ -58,12 +58,24 @@ Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& 
   return Error(ErrorCode::kBadData, fmt::format("'{}' is not a geometry file that can be read", path.string()));
 }
 
+bool shines(const Eigen::Vector3f& light) { return light.maxCoeff() > 0.0f; }
+
 bool has_light(const Scene& scene) {
-  const auto shines = [](const Material& m) { return m.emissive.maxCoeff() > 0.0f; };
-  return !scene.model.lights.empty() || scene.eye_lamp.maxCoeff() > 0.0f || scene.ambient.maxCoeff() > 0.0f ||
-         scene.sky.zenith.maxCoeff() > 0.0f || scene.sky.horizon.maxCoeff() > 0.0f ||
-         scene.sky.ground.maxCoeff() > 0.0f ||
-         std::any_of(scene.model.materials.begin(), scene.model.materials.end(), shines);
+  return !scene.model.lights.empty() || shines(scene.eye_lamp) || shines(scene.ambient) || shines(scene.sky.zenith) ||
+         shines(scene.sky.horizon) || shines(scene.sky.ground);
+}
+
+/// Light and exposure, as far as the package leaves them open.
+void light(const ScenePackage& package, const FoundSettings& found, Scene* scene) {
+  constexpr float kShadow = 0.04f;  // Of white: what no lamp reaches directly is not black in the world.
+  const bool package_says = package.sky || package.ambient || package.eye_lamp || !package.lamps.empty();
+  if (!package_says && !has_light(*scene)) {
+    add_light(found, scene);
+    scene->exposure = package.exposure.value_or(1.0);
+    return;
+  }
+  scene->exposure = package.exposure ? *package.exposure : find_exposure(found, *scene);
+  if (!package_says) scene->ambient.setConstant(kShadow / static_cast<float>(scene->exposure));
 }
 
 /// What the package leaves open is found from the geometry.
@@ -86,10 +98,8 @@ Result<Scene> furnish(ScenePackage package, Model model, const std::filesystem::
   scene.sky = package.sky.value_or(Sky{});
   scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());
   scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());
-  scene.exposure = package.exposure.value_or(1.0);
   scene.model.lights.insert(scene.model.lights.end(), package.lamps.begin(), package.lamps.end());
-  const bool says_light = package.sky || package.ambient || package.eye_lamp || !package.lamps.empty();
-  if (!says_light && !has_light(scene)) add_light(found, &scene);
+  light(package, found, &scene);
   return scene;
 }
 

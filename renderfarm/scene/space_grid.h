@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A coarse picture of where a scene is solid: enough to find a place to stand and a way to look, without a BVH.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+/// Cubic cells over the bounds, 96 along the longest side. Immutable once made; reentrant.
+class SpaceGrid {
+ public:
+  /// `bounds` is bounds_of(model), not empty. Takes some nanoseconds per triangle; never more than a second or two,
+  /// since huge or countless triangles are sampled more sparsely.
+  SpaceGrid(const Model& model, const Eigen::AlignedBox3d& bounds);
+
+  [[nodiscard]] double cell_m() const { return cell_m_; }
+  [[nodiscard]] const Eigen::Vector3i& cells() const { return cells_; }
+  [[nodiscard]] Eigen::Vector3d centre_of(const Eigen::Vector3i& cell) const {
+    return least_ + (cell.cast<double>().array() + 0.5).matrix() * cell_m_;
+  }
+  /// May lie outside of the grid.
+  [[nodiscard]] Eigen::Vector3i cell_of(const Eigen::Vector3d& p) const {
+    return ((p - least_) / cell_m_).array().floor().cast<int>();
+  }
+  [[nodiscard]] bool contains(const Eigen::Vector3i& cell) const {
+    return (cell.array() >= 0).all() && (cell.array() < cells_.array()).all();
+  }
+  /// False outside.
+  [[nodiscard]] bool is_solid(const Eigen::Vector3i& cell) const { return contains(cell) && at(cell).top > -kNowhere; }
+  /// Height of the highest surface in a solid cell.
+  [[nodiscard]] double top_of(const Eigen::Vector3i& cell) const { return double{at(cell).top}; }
+
+  struct Ray {
+    double length_m = 0.0;  ///< To what it hits, or to where it leaves the grid.
+    bool hits = false;
+    bool from_behind = false;  ///< Hits a surface that faces away: the ray comes from inside of something solid.
+  };
+  /// From `from` along `direction` (unit length). What is in the cell of `from` is not seen.
+  [[nodiscard]] Ray cast(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const;
+
+ private:
+  static constexpr float kNowhere = 1e30f;
+  struct Cell {
+    float top = -kNowhere;
+    Eigen::Vector3f facing = Eigen::Vector3f::Zero();  ///< Sum of the unit normals of what was marked here.
+  };
+  [[nodiscard]] const Cell& at(const Eigen::Vector3i& cell) const { return data_[index_of(cell)]; }
+  [[nodiscard]] std::size_t index_of(const Eigen::Vector3i& cell) const;
+  void mark(const Eigen::Vector3d& p, const Eigen::Vector3f& normal);
+  void mark_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+  void mark_instance(const Mesh& mesh, const Instance& instance);
+
+  Eigen::Vector3d least_;
+  double cell_m_ = 1.0;
+  Eigen::Vector3i cells_;
+  std::vector<Cell> data_;
+  std::size_t marks_left_;
+};
+
+}  // namespace cyclorama

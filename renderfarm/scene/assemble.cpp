@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/scene/assemble.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -23,6 +24,11 @@ Light placed(Light light, const Eigen::Affine3d& T_whole_file, double unit_m) {
   light.radius_m *= scale;
   light.range_m *= scale;
   return light;
+}
+
+Eigen::Vector3d corner_of(const Mesh& mesh, std::size_t index) {
+  const auto& p = mesh.positions[index];
+  return mesh.origin + Eigen::Vector3d(double{p[0]}, double{p[1]}, double{p[2]});
 }
 
 /// By vertex: does a triangle use it?
@@ -65,6 +71,27 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
   move_to_end(&part.notes, &whole->notes);
 }
 
+void free_lamps(Model* model) {
+  constexpr double kLargestGlobeM = 2.0;  // What is larger is a glowing room.
+  constexpr std::size_t kMostCorners = 100'000;
+  for (const Instance& instance : model->instances) {
+    const Mesh& mesh = model->meshes[static_cast<std::size_t>(instance.mesh)];
+    const Material& material = model->materials[static_cast<std::size_t>(mesh.material)];
+    if (!(material.emissive.maxCoeff() > 0.0f) || mesh.positions.size() > kMostCorners) continue;
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) box.extend(instance.T_model_mesh * corner_of(mesh, i));
+    if (box.isEmpty() || box.sizes().maxCoeff() > kLargestGlobeM) continue;
+    for (Light& light : model->lights) {
+      if (light.kind == LightKind::kDirectional || !box.contains(light.position)) continue;
+      double farthest = 0.0;
+      for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        farthest = std::max(farthest, (instance.T_model_mesh * corner_of(mesh, i) - light.position).norm());
+      }
+      light.radius_m = std::max(light.radius_m, 1.01 * farthest);
+    }
+  }
+}
+
 Eigen::AlignedBox3d bounds_of(const Model& model) {
   std::vector<std::vector<const Instance*>> instances_of(model.meshes.size());
   for (const Instance& instance : model.instances)
@@ -76,9 +103,7 @@ Eigen::AlignedBox3d bounds_of(const Model& model) {
     for (const Instance* const instance : instances_of[m]) {
       for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         if (!used[i]) continue;
-        const auto& p = mesh.positions[i];
-        bounds.extend(instance->T_model_mesh *
-                      (mesh.origin + Eigen::Vector3d(double{p[0]}, double{p[1]}, double{p[2]})));
+        bounds.extend(instance->T_model_mesh * corner_of(mesh, i));
       }
     }
   }

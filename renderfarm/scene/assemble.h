@@ -16,6 +16,10 @@ namespace cyclorama {
 /// The candelas of a file are taken as what its author saw in the file's own unit, so they shrink with its square.
 void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_whole_file, Model* whole);
 
+/// A lamp that stands inside of something that glows, as a bulb in its globe, shines from around it: else the globe would
+/// keep all its light. `model` is in metres.
+void free_lamps(Model* model);
+
 /// Of the corners of all triangles, in the model's frame; empty when there are none.
 [[nodiscard]] Eigen::AlignedBox3d bounds_of(const Model& model);
 

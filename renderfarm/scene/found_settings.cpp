@@ -32,10 +32,10 @@ struct Place {
   int walls = 0;  ///< Of kDirections, how many end at something.
   int from_behind = 0;
   bool has_ceiling = false;
+  double ceiling_m = 0.0;  ///< Above the eye.
   double nearest_m = 0.0;
   double mean_m = 0.0;
-  double farthest_m = 0.0;
-  double farthest_heading_rad = 0.0;
+  double view_heading_rad = 0.0;  ///< Where one sees farthest.
 
   [[nodiscard]] bool is_inside_solid() const { return 2 * from_behind > walls; }
   [[nodiscard]] bool is_room() const { return has_ceiling && 4 * walls >= 3 * kDirections && !is_inside_solid(); }
@@ -45,17 +45,26 @@ struct Place {
 
 Place look_around(const SpaceGrid& grid, const Eigen::Vector3d& eye, double floor) {
   Place place{.eye = eye, .floor = floor};
-  place.has_ceiling = grid.cast(eye, Eigen::Vector3d::UnitY()).hits;
+  const SpaceGrid::Ray up = grid.cast(eye, Eigen::Vector3d::UnitY());
+  place.has_ceiling = up.hits;
+  place.ceiling_m = up.length_m;
   place.nearest_m = std::numeric_limits<double>::infinity();
+  std::array<double, kDirections> lengths{};
   for (int i = 0; i < kDirections; ++i) {
     const SpaceGrid::Ray ray = grid.cast(eye, ahead(heading_of(i)));
     place.walls += ray.hits ? 1 : 0;
     place.from_behind += ray.hits && ray.from_behind ? 1 : 0;
     place.nearest_m = std::min(place.nearest_m, ray.length_m);
     place.mean_m += ray.length_m / kDirections;
-    if (ray.length_m > place.farthest_m) {
-      place.farthest_m = ray.length_m;
-      place.farthest_heading_rad = heading_of(i);
+    lengths[static_cast<std::size_t>(i)] = ray.length_m;
+  }
+  double best_view = 0.0;
+  for (int i = 0; i < kDirections; ++i) {
+    double view = 0.0;  // Over some 50 degrees: a gap between two things is no view.
+    for (int k = -2; k <= 2; ++k) view += lengths[static_cast<std::size_t>((i + k + kDirections) % kDirections)];
+    if (view > best_view) {
+      best_view = view;
+      place.view_heading_rad = heading_of(i);
     }
   }
   return place;
@@ -172,10 +181,11 @@ FoundSettings standing_at(const SpaceGrid& grid, const Place& place, SceneKind k
   FoundSettings found;
   found.kind = kind;
   found.eye = place.eye;
-  found.heading_rad = place.farthest_heading_rad;
+  found.heading_rad = place.view_heading_rad;
   found.eye_height_m = kEyeHeightM;
   found.walkable = walkable_around(grid, place);
   found.view_m = place.mean_m;
+  found.ceiling_m = place.ceiling_m;
   return found;
 }
 
@@ -207,8 +217,15 @@ FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bound
 void add_light(const FoundSettings& found, Scene* scene) {
   if (found.kind == SceneKind::kRoom) {
     const double reach = std::max(0.6 * found.view_m, 0.5);
-    scene->eye_lamp.setConstant(static_cast<float>(2.0 * reach * reach));
-    scene->ambient.setConstant(0.1f);
+    const auto candela = static_cast<float>(4.0 * reach * reach);
+    scene->eye_lamp.setConstant(0.5f * candela);
+    scene->ambient.setConstant(0.08f);
+    Light hanging;  // Shapes need shadows, which a lamp at the eye has none of.
+    hanging.name = "hanging";
+    hanging.position = found.eye + (0.4 * found.ceiling_m) * Eigen::Vector3d::UnitY();
+    hanging.intensity.setConstant(0.7f * candela);
+    hanging.radius_m = std::min(0.1, 0.2 * found.ceiling_m);
+    scene->model.lights.push_back(std::move(hanging));
     return;
   }
   scene->sky = {Eigen::Vector3f::Constant(0.45f), Eigen::Vector3f::Constant(0.2f), Eigen::Vector3f::Constant(0.1f)};

@@ -26,13 +26,14 @@ struct FoundSettings {
   double walking_scale = 1.0;
   std::vector<Eigen::Vector2d> walkable;  ///< (x, z); the eye is inside.
   double view_m = 1.0;                    ///< How far the eye sees, as a rule.
+  double ceiling_m = 0.0;                 ///< Rooms: above the eye.
 };
 
 /// Precondition: `bounds` is bounds_of(model), not empty. In metres, y up. Reentrant.
 [[nodiscard]] FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds);
 
-/// Gives light to a scene that has none: the sky and a sun-like lamp outside and around objects, a lamp at the eye in
-/// rooms. What shines by itself does not count: it lights nothing else.
+/// Gives light to a scene that has none: the sky and a sun-like lamp outside and around objects, one lamp at the
+/// eye and one above in rooms. What shines by itself does not count: it lights nothing else.
 void add_light(const FoundSettings& found, Scene* scene);
 
 /// The exposure at which what the lamps fall on around the eye is of middle brightness: files mean anything from one

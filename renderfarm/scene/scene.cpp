@@ -100,6 +100,7 @@ Result<Scene> furnish(ScenePackage package, Model model, const std::filesystem::
   scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());
   scene.model.lights.insert(scene.model.lights.end(), package.lamps.begin(), package.lamps.end());
   light(package, found, &scene);
+  free_lamps(&scene.model);
   return scene;
 }
 

@@ -186,6 +186,7 @@ FoundSettings standing_at(const SpaceGrid& grid, const Place& place, SceneKind k
   found.walkable = walkable_around(grid, place);
   found.view_m = place.mean_m;
   found.ceiling_m = place.ceiling_m;
+  found.free_m = std::min(place.nearest_m, 3.0);
   return found;
 }
 
@@ -217,14 +218,15 @@ FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bound
 void add_light(const FoundSettings& found, Scene* scene) {
   if (found.kind == SceneKind::kRoom) {
     const double reach = std::max(0.6 * found.view_m, 0.5);
-    const auto candela = static_cast<float>(4.0 * reach * reach);
-    scene->eye_lamp.setConstant(0.5f * candela);
+    const auto candela = static_cast<float>(3.0 * reach * reach);
+    scene->eye_lamp.setConstant(0.4f * candela);
     scene->ambient.setConstant(0.08f);
     Light hanging;  // Shapes need shadows, which a lamp at the eye has none of.
     hanging.name = "hanging";
-    hanging.position = found.eye + (0.4 * found.ceiling_m) * Eigen::Vector3d::UnitY();
-    hanging.intensity.setConstant(0.7f * candela);
-    hanging.radius_m = std::min(0.1, 0.2 * found.ceiling_m);
+    hanging.position = found.eye + (0.5 * found.ceiling_m) * Eigen::Vector3d::UnitY() +
+                       (0.5 * found.free_m) * ahead(found.heading_rad - 0.5 * std::numbers::pi);
+    hanging.intensity.setConstant(0.6f * candela);
+    hanging.radius_m = std::min({0.1, 0.2 * found.ceiling_m, 0.2 * found.free_m});
     scene->model.lights.push_back(std::move(hanging));
     return;
   }

@@ -27,6 +27,7 @@ struct FoundSettings {
   std::vector<Eigen::Vector2d> walkable;  ///< (x, z); the eye is inside.
   double view_m = 1.0;                    ///< How far the eye sees, as a rule.
   double ceiling_m = 0.0;                 ///< Rooms: above the eye.
+  double free_m = 0.0;                    ///< Rooms: nothing is nearer at eye height.
 };
 
 /// Precondition: `bounds` is bounds_of(model), not empty. In metres, y up. Reentrant.

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Where geometry goes as it is made. The program writes PLY files; tests count.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace cyclorama::grotto {
+
+struct Vertex {
+  std::array<float, 3> position;       ///< Metres.
+  std::array<float, 3> normal;         ///< Unit length.
+  std::array<std::uint8_t, 3> colour;  ///< sRGB.
+};
+using Triangle = std::array<std::uint32_t, 3>;
+
+struct GeometryCounts {
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
+};
+
+/// One file: exactly the promised vertices, then exactly the promised triangles, then finish(). Thread-bound.
+class GeometryFile {
+ public:
+  virtual ~GeometryFile() = default;
+  virtual Status add_vertices(std::span<const Vertex> vertices) = 0;
+  virtual Status add_triangles(std::span<const Triangle> triangles) = 0;
+  virtual Status finish() = 0;
+};
+
+/// Thread-safe: several files may be open at a time, each on its own thread.
+class GeometrySink {
+ public:
+  virtual ~GeometrySink() = default;
+  virtual Result<std::unique_ptr<GeometryFile>> open(const std::string& name, const GeometryCounts& counts) = 0;
+};
+
+}  // namespace cyclorama::grotto

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Binary PLY, little-endian, written as it comes: float x y z nx ny nz, uchar red green blue; faces of three int.
+/// Source: G. Turk, "The PLY Polygon File Format", 1994.
+#pragma once
+
+#include <filesystem>
+
+#include "renderfarm/tools/grotto/geometry_sink.h"
+
+namespace cyclorama::grotto {
+
+/// The size of the file that these counts make.
+[[nodiscard]] std::uint64_t ply_bytes(const GeometryCounts& counts);
+
+/// Makes files in one existing folder. kSystem when the disk is full or refuses, with the file's name.
+class PlySink final : public GeometrySink {
+ public:
+  explicit PlySink(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  Result<std::unique_ptr<GeometryFile>> open(const std::string& name, const GeometryCounts& counts) override;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace cyclorama::grotto

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Frame: x from head (-5) to feet (+5), y up from the bed, z towards the visitor; metres.
+#include <array>
+
+#include "renderfarm/tools/grotto/figures.h"
+#include "renderfarm/tools/grotto/head.h"
+#include "renderfarm/tools/grotto/motifs.h"
+#include "renderfarm/tools/grotto/noise.h"
+#include "renderfarm/tools/grotto/paint.h"
+#include "renderfarm/tools/grotto/solid.h"
+
+namespace cyclorama::grotto {
+namespace {
+
+using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
+
+const Vec3 kSkin{0.86f, 0.67f, 0.43f};
+
+const Vec3 kLeftShoulder{-2.72f, 1.62f, 0.05f};
+const Vec3 kLeftElbow{-0.95f, 1.70f, 0.36f};
+const Vec3 kLeftWrist{0.75f, 1.55f, 0.42f};
+const Vec3 kRightShoulder{-2.60f, 0.52f, 0.25f};
+const Vec3 kRightElbow{-2.30f, 0.30f, 0.88f};
+const Vec3 kRightWrist{-3.35f, 0.36f, 0.92f};
+
+float left_arm(const Vec3& p) {
+  return blend(limb(p, kLeftShoulder, 0.40f, kLeftElbow, 0.29f), limb(p, kLeftElbow, 0.29f, kLeftWrist, 0.20f), 0.12f);
+}
+
+float body(const Vec3& p) {
+  float d = ellipsoid(p, {-2.40f, 1.03f, 0.0f}, {1.00f, 0.92f, 0.62f});               // Chest.
+  d = blend(d, ellipsoid(p, {-1.00f, 0.86f, 0.08f}, {1.20f, 0.76f, 0.60f}), 0.40f);   // Waist.
+  d = blend(d, ellipsoid(p, {0.45f, 0.90f, 0.02f}, {1.15f, 0.90f, 0.66f}), 0.40f);    // Hip.
+  float upper = limb(p, {0.70f, 1.18f, 0.05f}, 0.55f, {2.50f, 0.98f, 0.26f}, 0.41f);  // Left leg, on top.
+  upper = blend(upper, limb(p, {2.50f, 0.98f, 0.26f}, 0.41f, {4.50f, 0.60f, 0.0f}, 0.23f), 0.20f);
+  float lower = limb(p, {0.70f, 0.60f, 0.05f}, 0.58f, {2.60f, 0.44f, 0.38f}, 0.42f);  // Right leg.
+  lower = blend(lower, limb(p, {2.60f, 0.44f, 0.38f}, 0.42f, {4.60f, 0.27f, 0.08f}, 0.24f), 0.20f);
+  d = blend(d, blend(upper, lower, 0.16f), 0.35f);
+  d = blend(d, left_arm(p), 0.14f);
+  d = blend(d, limb(p, kRightShoulder, 0.42f, kRightElbow, 0.33f), 0.22f);
+  // The robe spreads over the bed.
+  const float hem = rounded_box(p, {0.85f, 0.02f, 0.18f}, {3.95f, 0.09f, 0.86f - 0.04f * (p.x() + 1.0f)}, 0.08f);
+  return blend(d, hem, 0.22f);
+}
+
+/// Distance from the throat over the breast: the robe's neckline is one of its circles.
+float from_throat(const Vec3& p) {
+  const Vec3 q = p - Vec3(-3.42f, 1.12f, 0.18f);
+  return std::sqrt(q.x() * q.x() + 1.3f * q.y() * q.y() + 0.5f * q.z() * q.z());
+}
+
+constexpr float kNeckline = 0.92f;
+
+/// Folds hang in circles round the throat, run along the legs, and wind round the arm.
+float fold_phase(const Vec3& p) {
+  const float torso = from_throat(p) / 0.215f;
+  const float middle = mix(1.0f, 0.52f, smooth_step(0.0f, 4.6f, p.x()));
+  const float around = std::atan2(p.y() - middle, p.z() + 0.25f);
+  const float wave = 0.55f * std::sin(1.3f * p.x() + 0.8f) + 0.35f * noise(p * 0.8f, 71u);
+  const float legs = around * 5.6f + wave + 0.55f * p.x();
+  return mix(torso, legs, smooth_step(-1.5f, 1.2f, p.x()));
+}
+
+float arm_share(const Vec3& p) { return smooth_step(0.16f, 0.02f, left_arm(p)); }
+
+float fold(const Vec3& p) {
+  const float cloth = std::pow(0.5f + 0.5f * std::cos(2.0f * kPi * fold_phase(p)), 0.65f);
+  const float arm = arm_share(p);
+  if (arm <= 0.0f) return cloth;
+  const float sleeve_phase = (0.75f * p.x() + 0.9f * p.y() - 0.5f * p.z()) / 0.23f + 0.4f * noise(p * 1.5f, 72u);
+  return mix(cloth, std::pow(0.5f + 0.5f * std::cos(2.0f * kPi * sleeve_phase), 0.65f), arm);
+}
+
+/// Positive where cloth covers the body.
+float covered(const Vec3& p) { return p.z() > -0.2f ? from_throat(p) - kNeckline : 1.0f; }
+
+float fold_height(const Vec3& p) {
+  const float calm = 0.75f + 0.25f * noise(p * 0.7f, 73u);
+  const float cloth = smooth_step(0.0f, 0.12f, covered(p));
+  const float collar = 0.035f * smooth_window(0.02f, 0.17f, 0.02f, covered(p));
+  return cloth * calm * 0.050f * (fold(p) - 0.45f) + collar;
+}
+
+/// The patchwork of a monk's robe: panels parted by bands.
+void lay_patchwork(const Vec3& p, float spacing, Spot& spot) {
+  const float along = p.x() + 0.25f * std::sin(1.1f * p.x());
+  const float around = std::atan2(p.y() - 0.6f, p.z() + 0.4f) * 0.95f + 0.10f * p.x();
+  const auto [row, y] = repeat(around, 0.46f);
+  const auto [column, x] = repeat(along + 0.37f * static_cast<float>(cycle(row, 2)), 0.95f);
+  const std::array<Vec3, 3> panels = {mix(kCinnabar, kRust, 0.35f), kRust * 1.1f, mix(kCinnabar, kOchre, 0.25f)};
+  spot.lay(panels[static_cast<std::size_t>(cycle(column + 2 * row, 3))], 1.0f);
+  const float blossom = std::hypot(repeat(x, 0.235f).offset, repeat(y + 0.115f, 0.23f).offset);
+  spot.lay(kOchre, 0.65f * coverage(std::abs(blossom - 0.045f) - 0.012f, spacing));
+  spot.lay(kGold, 0.8f * coverage(blossom - 0.018f, spacing));
+  const float seam = std::min(0.475f - std::abs(x), 0.23f - std::abs(y));
+  spot.lay(kGold, coverage(seam - 0.065f, spacing));
+  spot.lay(mix(kMalachite, kInk, 0.25f), coverage(seam - 0.050f, spacing));
+}
+
+Vec3 robe_colour(const Vec3& p, float spacing) {
+  Spot spot(kCinnabar);
+  lay_patchwork(p, spacing, spot);
+  // Under robe at the ankles, with its hem.
+  const float ankles = 4.15f + 0.10f * std::sin(9.0f * p.y()) - p.x();
+  spot.lay(kPaleGreen, coverage(ankles, spacing));
+  spot.lay(kGold, line_coverage(ankles, 0.05f, spacing));
+  spot.lay(kCinnabar, coverage(4.55f - p.x(), spacing));
+  // The collar, with a scroll on it; inside it, skin.
+  const float over = covered(p);
+  spot.lay(kMalachite, coverage(over - 0.17f, spacing));
+  const float turn = std::atan2(p.y() - 1.1f, p.x() + 3.4f);
+  const float pearl = std::hypot(repeat(turn, 0.14f).offset * 1.0f, over - 0.085f) - 0.042f;
+  spot.lay(kGold, coverage(pearl, spacing));
+  spot.lay(kCinnabar, coverage(pearl + 0.022f, spacing));
+  spot.lay(kGold, line_coverage(over - 0.17f, 0.03f, spacing));
+  spot.lay(kGold, line_coverage(over - 0.01f, 0.03f, spacing));
+  const float shade = (1.0f - fold(p)) * smooth_step(0.0f, 0.2f, over);
+  spot.darken(0.50f * shade);
+  spot.lay(kSkin, coverage(over, spacing));
+  spot.darken(0.45f * smooth_step(0.25f, 0.0f, p.y()));  // Contact with the bed.
+  spot.darken(0.25f * smooth_window(-0.12f, 0.05f, 0.06f, left_arm(p)) * (1.0f - arm_share(p)));
+  spot.lay(kPlaster, 0.26f * unit_clamp(fractal_noise(p * 1.6f, 4, 74u) + 0.05f));
+  return spot.colour();
+}
+
+Vec3 skin_colour(const Vec3& p) {
+  Spot spot(kSkin);
+  spot.darken(0.12f * unit_clamp(fractal_noise(p * 3.0f, 3, 75u) + 0.2f));
+  spot.darken(0.40f * smooth_step(0.22f, 0.02f, p.y()));
+  return spot.colour();
+}
+
+Sculpture robe() {
+  Sculpture s;
+  s.distance = body;
+  s.relief = fold_height;
+  s.colour = robe_colour;
+  s.from = {-2.45f, 0.95f, 0.0f};
+  s.to = {4.25f, 0.42f, 0.05f};
+  s.front = Vec3(0.0f, 0.5f, 1.0f);
+  s.reach = 2.0f;
+  s.front_focus = 0.45f;
+  s.girth = 4.4f;
+  return s;
+}
+
+/// A limb of bare skin, wrapped round the axis from `from` to `to`.
+Sculpture skin_part(std::function<float(const Vec3&)> distance, const Vec3& from, const Vec3& to, const Vec3& front,
+                    float reach, float girth) {
+  Sculpture s;
+  s.distance = std::move(distance);
+  s.colour = [](const Vec3& p, float) { return skin_colour(p); };
+  s.from = from;
+  s.to = to;
+  s.front = front;
+  s.reach = reach;
+  s.girth = girth;
+  return s;
+}
+
+/// The right forearm and the hand on which the cheek rests.
+Sculpture right_hand() {
+  return skin_part(
+      [](const Vec3& p) {
+        float d = limb(p, kRightElbow + Vec3(0.05f, 0.0f, 0.0f), 0.26f, kRightWrist, 0.17f);
+        d = blend(d, ellipsoid(p, {-3.72f, 0.40f, 0.86f}, {0.36f, 0.13f, 0.23f}), 0.12f);
+        for (int i = 0; i < 4; ++i) {
+          const float k = static_cast<float>(i);
+          const Vec3 root{-3.95f, 0.42f, 0.99f - 0.10f * k};
+          const Vec3 tip = root + Vec3(-0.52f + 0.05f * std::abs(k - 1.0f), 0.06f, -0.16f);
+          d = blend(d, limb(p, root, 0.068f, tip, 0.052f), 0.02f);
+        }
+        return blend(d, limb(p, {-3.55f, 0.48f, 1.02f}, 0.075f, {-3.86f, 0.62f, 1.02f}, 0.055f), 0.04f);  // Thumb.
+      },
+      kRightElbow, {-4.05f, 0.42f, 0.84f}, Vec3(0.0f, 0.6f, 1.0f), 0.75f, 1.5f);
+}
+
+/// The left hand, lying on the thigh.
+Sculpture left_hand() {
+  return skin_part(
+      [](const Vec3& p) {
+        float d = limb(p, kLeftWrist - Vec3(0.15f, 0.0f, 0.0f), 0.16f, {1.10f, 1.53f, 0.44f}, 0.14f);
+        d = blend(d, ellipsoid(p, {1.20f, 1.53f, 0.44f}, {0.30f, 0.11f, 0.22f}), 0.10f);
+        for (int i = 0; i < 4; ++i) {
+          const float k = static_cast<float>(i);
+          const Vec3 root{1.38f, 1.57f - 0.035f * k * k * 0.5f, 0.30f + 0.095f * k};
+          const Vec3 tip = root + Vec3(0.52f - 0.06f * std::abs(k - 1.0f), -0.10f, 0.02f * k);
+          d = blend(d, limb(p, root, 0.066f, tip, 0.050f), 0.02f);
+        }
+        return blend(d, limb(p, {1.05f, 1.50f, 0.62f}, 0.07f, {1.38f, 1.40f, 0.70f}, 0.05f), 0.05f);  // Thumb.
+      },
+      kLeftWrist, {1.45f, 1.53f, 0.44f}, Vec3(0.0f, 0.6f, 1.0f), 0.75f, 1.4f);
+}
+
+/// Both feet, soles to +x, toes to +z.
+Sculpture foot(float height, float back) {
+  return skin_part(
+      [height, back](const Vec3& p) {
+        const Vec3 q = p - Vec3(back, height, 0.0f);
+        float d = limb(q, {-0.30f, 0.02f, -0.02f}, 0.20f, {0.02f, 0.0f, -0.10f}, 0.20f);
+        d = blend(d, sphere(q, {0.10f, 0.0f, -0.16f}, 0.165f), 0.1f);
+        d = blend(d, ellipsoid(q, {0.07f, 0.0f, 0.22f}, {0.13f, 0.175f, 0.36f}), 0.16f);
+        d = blend(d, ellipsoid(q, {0.13f, 0.0f, 0.42f}, {0.10f, 0.19f, 0.17f}), 0.08f);
+        for (int i = 0; i < 5; ++i) {
+          const float k = static_cast<float>(i);
+          const float size = i == 0 ? 0.062f : 0.046f - 0.003f * k;
+          const Vec3 toe{0.14f, -0.145f + 0.078f * k, 0.62f - 0.022f * k * k * 0.6f};
+          d = blend(d, limb(q, toe - Vec3(0.0f, 0.0f, 0.12f), size, toe, size), 0.02f);
+        }
+        return d;
+      },
+      {back + 0.02f, height, -0.10f}, {back + 0.08f, height, 0.45f}, Vec3::UnitX(), 0.62f, 1.3f);
+}
+
+Sculpture pillow() {
+  Sculpture s;
+  s.distance = [](const Vec3& p) {
+    const float sag = 0.06f * std::exp(-(p - Vec3(-4.2f, 0.4f, 0.2f)).squaredNorm() / 0.3f);
+    return rounded_box(p, {-4.18f, 0.19f, 0.10f}, {0.80f, 0.21f, 0.98f}, 0.17f) + sag;
+  };
+  s.colour = [](const Vec3& p, float spacing) {
+    Spot spot(brocade({p.x() + 0.12f, p.z() + p.y()}, kPaleGreen, kWhite, spacing));
+    const float end = std::abs(p.z() - 0.10f) - 0.80f;
+    spot.lay(kCinnabar, coverage(-end, spacing));
+    spot.lay(kGold, line_coverage(end, 0.04f, spacing));
+    spot.darken(0.5f * smooth_step(0.16f, 0.0f, p.y()));
+    return spot.colour();
+  };
+  s.from = {-4.18f, 0.19f, -0.5f};
+  s.to = {-4.18f, 0.19f, 0.7f};
+  s.front = Vec3(1.0f, 1.0f, 0.0f);
+  s.reach = 1.2f;
+  s.girth = 2.6f;
+  return s;
+}
+
+Pose head_pose() {
+  Pose pose;
+  pose.position = {-4.13f, 1.04f, 0.16f};
+  pose.scale = 0.74f;
+  Eigen::Matrix3f lying;  // Crown to -x, left ear up, face to +z.
+  lying.col(0) = Vec3::UnitY();
+  lying.col(1) = -Vec3::UnitX();
+  lying.col(2) = Vec3::UnitZ();
+  pose.rotation =
+      lying * (Eigen::AngleAxisf(0.16f, Vec3::UnitY()) * Eigen::AngleAxisf(0.14f, Vec3::UnitX())).toRotationMatrix();
+  return pose;
+}
+
+Pose composed(const Pose& outer, const Pose& inner) {
+  return {outer.to_room(inner.position), outer.rotation * inner.rotation, outer.scale * inner.scale};
+}
+
+}  // namespace
+
+std::vector<Patch> reclining_buddha(const Pose& pose, float density) {
+  Pose nimbus;
+  nimbus.position = {-4.35f, 1.30f, -0.62f};
+  return {wrapped(robe(), pose, density),
+          wrapped(head({.skin = kSkin}), composed(pose, head_pose()), 1.7f * density),
+          wrapped(right_hand(), pose, 1.1f * density),
+          wrapped(left_hand(), pose, 1.1f * density),
+          wrapped(foot(0.22f, 4.72f), pose, 1.1f * density),
+          wrapped(foot(0.57f, 4.66f), pose, 1.1f * density),
+          wrapped(pillow(), pose, 0.8f * density),
+          nimbus_disc(composed(pose, nimbus), {1.45f, 1.45f}, 0, 1.1f * density)};
+}
+
+}  // namespace cyclorama::grotto

@@ -7,11 +7,10 @@
 #include <array>
 #include <mutex>
 
+#include "renderfarm/render/alpha_filter.h"
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/memory.h"
 #include "renderfarm/render/requirements.h"
-#include "renderfarm/render/sampler.h"
-#include "renderfarm/render/surface.h"
 
 namespace cyclorama {
 namespace {
@@ -21,72 +20,6 @@ constexpr std::size_t kPeakBytesPerTriangle = 160;
 constexpr std::size_t kBytesPerInstance = 1024;
 /// Left for the rest of the machine.
 constexpr std::size_t kReserveBytes = std::size_t{64} << 20;
-
-/// Whether the ray goes through at this hit. `seed` decides half-transparent surfaces: each by itself, and alike for
-/// every order in which the traversal meets them.
-bool lets_through(const SurfaceMesh& mesh, const RTCFilterFunctionNArguments& arguments) {
-  TriangleHit hit;
-  hit.mesh = &mesh;
-  const unsigned triangle = RTCHitN_primID(arguments.hit, arguments.N, 0);
-  const float u = RTCHitN_u(arguments.hit, arguments.N, 0);
-  const float v = RTCHitN_v(arguments.hit, arguments.N, 0);
-  hit.corners = mesh.triangles[triangle];
-  hit.weights = Vec3(std::max(0.0f, 1.0f - u - v), u, v);
-  const float alpha = alpha_at(hit);
-  if (mesh.material->cut_out) return alpha < mesh.material->source->alpha_cutoff;
-  const std::uint32_t seed = RTCRayN_id(arguments.ray, arguments.N, 0);
-  const std::uint32_t instance = RTCHitN_instID(arguments.hit, arguments.N, 0, 0);
-  const std::uint32_t geometry = RTCHitN_geomID(arguments.hit, arguments.N, 0);
-  return alpha <= to_unit_float(mix_bits(seed ^ mix_bits(triangle ^ mix_bits(geometry ^ mix_bits(instance)))));
-}
-
-void filter(const RTCFilterFunctionNArguments* arguments) {
-  if (arguments->valid[0] != -1) return;
-  const auto& mesh = *static_cast<const SurfaceMesh*>(arguments->geometryUserPtr);
-  if (lets_through(mesh, *arguments)) arguments->valid[0] = 0;
-}
-
-const Texture* texture_of(const Model& model, const TextureUse& use) {
-  return use.texture >= 0 ? &model.textures[static_cast<std::size_t>(use.texture)] : nullptr;
-}
-
-SurfaceMaterial trace_material(const Model& model, const Material& source) {
-  SurfaceMaterial material;
-  material.source = &source;
-  material.base_colour = texture_of(model, source.base_colour_texture);
-  material.metallic_roughness = texture_of(model, source.metallic_roughness_texture);
-  material.normal = texture_of(model, source.normal_texture);
-  material.emissive = texture_of(model, source.emissive_texture);
-  material.glossy = is_glossy(source);
-  material.cut_out = source.alpha_mode == AlphaMode::kMask;
-  return material;
-}
-
-template <typename T>
-const T* data_or_null(const std::vector<T>& values) {
-  return values.empty() ? nullptr : values.data();
-}
-
-SurfaceMesh trace_mesh(const Mesh& mesh) {
-  SurfaceMesh traced;
-  traced.positions = mesh.positions.data();
-  traced.triangles = mesh.triangles.data();
-  traced.normals = data_or_null(mesh.normals);
-  traced.texcoords = {data_or_null(mesh.texcoords[0]), data_or_null(mesh.texcoords[1])};
-  traced.tangents = data_or_null(mesh.tangents);
-  traced.colours = data_or_null(mesh.colours);
-  return traced;
-}
-
-Placement place(const SurfaceMesh& mesh, const Eigen::Affine3d& T_render_mesh) {
-  Placement placement;
-  placement.mesh = &mesh;
-  placement.baked = false;
-  placement.linear = T_render_mesh.linear().cast<float>();
-  placement.translation = T_render_mesh.translation().cast<float>();
-  placement.normal_matrix = normal_matrix_of(T_render_mesh.linear());
-  return placement;
-}
 
 /// What is flattened has no inside for a ray to reach, and Embree cannot invert it.
 bool is_placeable(const Placement& placement) {
@@ -182,74 +115,77 @@ RTCGeometry Accelerator::make_triangles(const Mesh& mesh, SurfaceMesh* traced) {
                              sizeof(mesh.triangles[0]), mesh.triangles.size());
   rtcSetGeometryUserData(geometry, traced);
   // Eye rays go through half-transparent surfaces in order and see each of them; other rays by lot.
-  if (traced->material->cut_out) rtcSetGeometryIntersectFilterFunction(geometry, &filter);
-  if (traced->material->cut_out || traced->material->blends) rtcSetGeometryOccludedFilterFunction(geometry, &filter);
+  if (traced->material->cut_out) rtcSetGeometryIntersectFilterFunction(geometry, &alpha_filter);
+  if (traced->material->cut_out || traced->material->blends)
+    rtcSetGeometryOccludedFilterFunction(geometry, &alpha_filter);
   rtcCommitGeometry(geometry);
   return geometry;
+}
+
+void Accelerator::add_mesh(const Model& model, Mesh& mesh, int uses, TraceScene* ret_traced) {
+  // Embree reads the last vertex with a 16-byte load: four bytes beyond it must be there to read.
+  mesh.positions.reserve(mesh.positions.size() + 1);
+  ret_traced->meshes.push_back(trace_mesh(mesh));
+  SurfaceMesh& traced = ret_traced->meshes.back();
+  const auto material = static_cast<std::size_t>(mesh.material);
+  traced.material = &ret_traced->materials[material];
+  if (blends(model.materials[material], mesh, see_through_)) {
+    ret_traced->materials.push_back(*traced.material);
+    ret_traced->materials.back().blends = true;
+    traced.material = &ret_traced->materials.back();
+  }
+  part_of_mesh_.push_back(nullptr);
+  if (uses < 2 || mesh.triangles.empty()) return;
+  const RTCScene part = rtcNewScene(device_);
+  rtcSetSceneFlags(part, RTC_SCENE_FLAG_ROBUST);
+  const RTCGeometry geometry = make_triangles(mesh, &traced);
+  rtcAttachGeometry(part, geometry);
+  rtcReleaseGeometry(geometry);
+  part_of_mesh_.back() = part;
+  parts_.push_back({part, mesh.triangles.size()});
+}
+
+void Accelerator::add_instance(Model& model, Instance& instance, const Eigen::Vector3d& origin,
+                               TraceScene* ret_traced) {
+  const auto index = static_cast<std::size_t>(instance.mesh);
+  Mesh& mesh = model.meshes[index];
+  SurfaceMesh& traced = ret_traced->meshes[index];
+  if (mesh.triangles.empty()) return;
+  Placement placement;
+  RTCGeometry geometry = nullptr;
+  if (part_of_mesh_[index] == nullptr) {
+    bake(mesh, instance.T_model_mesh, origin);
+    instance.T_model_mesh = Eigen::Affine3d::Identity();
+    placement.mesh = &traced;
+    geometry = make_triangles(mesh, &traced);
+    top_triangles_ += mesh.triangles.size();
+  } else {
+    placement =
+        place(traced, Eigen::Translation3d(-origin) * instance.T_model_mesh * Eigen::Translation3d(mesh.origin));
+    if (!is_placeable(placement)) return;
+    Eigen::Matrix<float, 3, 4> columns;
+    columns << placement.linear, placement.translation;
+    geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, part_of_mesh_[index]);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+    rtcCommitGeometry(geometry);
+  }
+  rtcAttachGeometryByID(top_, geometry, static_cast<unsigned>(ret_traced->placements.size()));
+  rtcReleaseGeometry(geometry);
+  ret_traced->placements.push_back(placement);
 }
 
 Status Accelerator::add_meshes(Scene& scene, TraceScene* ret_traced) {
   Model& model = scene.model;
   const Eigen::Vector3d origin = render_origin(scene);
   const std::vector<int> uses = uses_of_meshes(model);
-  for (const Material& material : model.materials) ret_traced->materials.push_back(trace_material(model, material));
-  // One mesh's alpha may differ from another's of the same material, so each mesh may need its own.
+  see_through_ = see_through_textures(model);
+  // Reserved, because the tables point at each other. A material that blends only on some meshes is there twice.
   ret_traced->materials.reserve(model.materials.size() + model.meshes.size());
   ret_traced->meshes.reserve(model.meshes.size());
-
-  std::vector<RTCScene> scene_of_mesh(model.meshes.size(), nullptr);
-  for (std::size_t i = 0; i < model.meshes.size(); ++i) {
-    Mesh& mesh = model.meshes[i];
-    // Embree reads the last vertex with a 16-byte load: four bytes beyond it must be there to read.
-    mesh.positions.reserve(mesh.positions.size() + 1);
-    ret_traced->meshes.push_back(trace_mesh(mesh));
-    SurfaceMesh& traced = ret_traced->meshes.back();
-    const auto material = static_cast<std::size_t>(mesh.material);
-    traced.material = &ret_traced->materials[material];
-    if (blends(model, model.materials[material], mesh)) {
-      ret_traced->materials.push_back(*traced.material);
-      ret_traced->materials.back().blends = true;
-      traced.material = &ret_traced->materials.back();
-    }
-    if (uses[i] < 2 || mesh.triangles.empty()) continue;
-    const RTCScene part = rtcNewScene(device_);
-    rtcSetSceneFlags(part, RTC_SCENE_FLAG_ROBUST);
-    const RTCGeometry geometry = make_triangles(mesh, &traced);
-    rtcAttachGeometry(part, geometry);
-    rtcReleaseGeometry(geometry);
-    scene_of_mesh[i] = part;
-    parts_.push_back({part, mesh.triangles.size()});
-  }
-
-  for (Instance& instance : model.instances) {
-    const auto index = static_cast<std::size_t>(instance.mesh);
-    Mesh& mesh = model.meshes[index];
-    if (mesh.triangles.empty()) continue;
-    Placement placement;
-    RTCGeometry geometry = nullptr;
-    if (uses[index] == 1) {
-      bake(mesh, instance.T_model_mesh, origin);
-      instance.T_model_mesh = Eigen::Affine3d::Identity();
-      placement.mesh = &ret_traced->meshes[index];
-      geometry = make_triangles(mesh, &ret_traced->meshes[index]);
-      top_triangles_ += mesh.triangles.size();
-    } else {
-      const Eigen::Affine3d T_render_mesh =
-          Eigen::Translation3d(-origin) * instance.T_model_mesh * Eigen::Translation3d(mesh.origin);
-      placement = place(ret_traced->meshes[index], T_render_mesh);
-      if (!is_placeable(placement)) continue;
-      Eigen::Matrix<float, 3, 4> columns;
-      columns << placement.linear, placement.translation;
-      geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
-      rtcSetGeometryInstancedScene(geometry, scene_of_mesh[index]);
-      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
-      rtcCommitGeometry(geometry);
-    }
-    const auto id = static_cast<unsigned>(ret_traced->placements.size());
-    rtcAttachGeometryByID(top_, geometry, id);
-    rtcReleaseGeometry(geometry);
-    ret_traced->placements.push_back(placement);
-  }
+  for (const Material& material : model.materials) ret_traced->materials.push_back(trace_material(model, material));
+  for (std::size_t i = 0; i < model.meshes.size(); ++i) add_mesh(model, model.meshes[i], uses[i], ret_traced);
+  for (Instance& instance : model.instances) add_instance(model, instance, origin, ret_traced);
   ret_traced->top = top_;
   return check("adding the scene's meshes");
 }

@@ -33,6 +33,10 @@ class Accelerator {
   /// What went wrong in Embree since the last time, as one sentence.
   Status check(const char* doing) const;
   Status add_meshes(Scene& scene, TraceScene* ret_traced);
+  /// Meshes that are used more than once get a BVH of their own, which instances share.
+  void add_mesh(const Model& model, Mesh& mesh, int uses, TraceScene* ret_traced);
+  /// Bakes what is used once.
+  void add_instance(Model& model, Instance& instance, const Eigen::Vector3d& origin, TraceScene* ret_traced);
   RTCGeometry make_triangles(const Mesh& mesh, SurfaceMesh* traced);
   Status commit(const std::function<void(double)>& progress);
   static bool count_memory(void* self, ssize_t bytes, bool post);
@@ -43,7 +47,9 @@ class Accelerator {
     RTCScene scene;
     std::size_t triangles;
   };
-  std::vector<Part> parts_;  ///< The scenes of meshes that are used more than once.
+  std::vector<Part> parts_;
+  std::vector<RTCScene> part_of_mesh_;  ///< Null for meshes that are used once.
+  std::vector<bool> see_through_;       ///< Of the model's textures.
   std::size_t top_triangles_ = 0;
   std::atomic<std::int64_t> bytes_ = 0;
   std::int64_t limit_bytes_ = 0;

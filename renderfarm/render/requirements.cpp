@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <vector>
 
 #include "renderfarm/render/lamps.h"
 #include "renderfarm/render/sky.h"
@@ -15,18 +14,29 @@ namespace cyclorama {
 
 bool is_glossy(const Material& material) { return material.metallic > 0.0f || material.roughness < 1.0f; }
 
-bool blends(const Model& model, const Material& material, const Mesh& mesh) {
+std::vector<bool> see_through_textures(const Model& model) {
+  std::vector<bool> used(model.textures.size(), false);
+  for (const Material& material : model.materials) {
+    const int texture = material.base_colour_texture.texture;
+    if (material.alpha_mode == AlphaMode::kBlend && texture >= 0) used[static_cast<std::size_t>(texture)] = true;
+  }
+  for (std::size_t i = 0; i < used.size(); ++i) used[i] = used[i] && has_transparency(model.textures[i]);
+  return used;
+}
+
+bool blends(const Material& material, const Mesh& mesh, const std::vector<bool>& see_through) {
   if (material.alpha_mode != AlphaMode::kBlend) return false;
   if (material.base_colour.w() < 1.0f) return true;
   const auto sees_through = [](const std::array<std::uint8_t, 4>& colour) { return colour[3] != 255; };
   if (std::any_of(mesh.colours.begin(), mesh.colours.end(), sees_through)) return true;
   const int texture = material.base_colour_texture.texture;
-  return texture >= 0 && has_transparency(model.textures[static_cast<std::size_t>(texture)]);
+  return texture >= 0 && see_through[static_cast<std::size_t>(texture)];
 }
 
 SceneNeeds needs_of(const Scene& scene) {
   const Model& model = scene.model;
   SceneNeeds needs;
+  const std::vector<bool> see_through = see_through_textures(model);
   std::vector<bool> used(model.meshes.size(), false);
   for (const Instance& instance : model.instances) used[static_cast<std::size_t>(instance.mesh)] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
@@ -37,7 +47,7 @@ SceneNeeds needs_of(const Scene& scene) {
     needs.textures |= needs.normal_maps || material.base_colour_texture.texture >= 0 ||
                       material.metallic_roughness_texture.texture >= 0 || material.emissive_texture.texture >= 0;
     needs.gloss |= is_glossy(material);
-    needs.blending |= blends(model, material, mesh);
+    needs.blending |= blends(material, mesh, see_through);
   }
   needs.lamps = !make_lamps(model.lights, Eigen::Vector3d::Zero()).empty();
   needs.sky = shines(scene.sky);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "renderfarm/scene/scene.h"
 
@@ -30,7 +31,9 @@ struct SceneNeeds {
 
 /// A metal, or smoother than paper. A dielectric of roughness 1, as scans without a material have it, is pure Lambert.
 [[nodiscard]] bool is_glossy(const Material& material);
-/// Whether anything of `mesh` with this material is neither opaque nor invisible. For AlphaMode::kBlend.
-[[nodiscard]] bool blends(const Model& model, const Material& material, const Mesh& mesh);
+/// For each texture, whether it has texels that are not opaque; looked at only where a material blends by it.
+[[nodiscard]] std::vector<bool> see_through_textures(const Model& model);
+/// Whether light goes through any of `mesh`: many a file says AlphaMode::kBlend and has nothing but opaque texels.
+[[nodiscard]] bool blends(const Material& material, const Mesh& mesh, const std::vector<bool>& see_through);
 
 }  // namespace cyclorama

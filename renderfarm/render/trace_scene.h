@@ -57,4 +57,11 @@ struct TraceScene {
   Vec3 eye_lamp = Vec3::Zero();
 };
 
+/// The same as importers have it, with its textures found. Borrows `model`.
+[[nodiscard]] SurfaceMaterial trace_material(const Model& model, const Material& source);
+/// Without its material. Borrows the arrays of `mesh`.
+[[nodiscard]] SurfaceMesh trace_mesh(const Mesh& mesh);
+/// An instance of a mesh that is not baked.
+[[nodiscard]] Placement place(const SurfaceMesh& mesh, const Eigen::Affine3d& T_render_mesh);
+
 }  // namespace cyclorama

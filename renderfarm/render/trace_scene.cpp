@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/trace_scene.h"
+
+#include "renderfarm/render/requirements.h"
+
+namespace cyclorama {
+namespace {
+
+const Texture* texture_of(const Model& model, const TextureUse& use) {
+  return use.texture >= 0 ? &model.textures[static_cast<std::size_t>(use.texture)] : nullptr;
+}
+
+template <typename T>
+const T* data_or_null(const std::vector<T>& values) {
+  return values.empty() ? nullptr : values.data();
+}
+
+}  // namespace
+
+SurfaceMaterial trace_material(const Model& model, const Material& source) {
+  SurfaceMaterial material;
+  material.source = &source;
+  material.base_colour = texture_of(model, source.base_colour_texture);
+  material.metallic_roughness = texture_of(model, source.metallic_roughness_texture);
+  material.normal = texture_of(model, source.normal_texture);
+  material.emissive = texture_of(model, source.emissive_texture);
+  material.glossy = is_glossy(source);
+  material.cut_out = source.alpha_mode == AlphaMode::kMask;
+  return material;
+}
+
+SurfaceMesh trace_mesh(const Mesh& mesh) {
+  SurfaceMesh traced;
+  traced.positions = mesh.positions.data();
+  traced.triangles = mesh.triangles.data();
+  traced.normals = data_or_null(mesh.normals);
+  traced.texcoords = {data_or_null(mesh.texcoords[0]), data_or_null(mesh.texcoords[1])};
+  traced.tangents = data_or_null(mesh.tangents);
+  traced.colours = data_or_null(mesh.colours);
+  return traced;
+}
+
+Placement place(const SurfaceMesh& mesh, const Eigen::Affine3d& T_render_mesh) {
+  Placement placement;
+  placement.mesh = &mesh;
+  placement.baked = false;
+  placement.linear = T_render_mesh.linear().cast<float>();
+  placement.translation = T_render_mesh.translation().cast<float>();
+  placement.normal_matrix = normal_matrix_of(T_render_mesh.linear());
+  return placement;
+}
+
+}  // namespace cyclorama

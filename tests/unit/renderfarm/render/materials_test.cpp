@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What materials look like, in scenes whose picture is known.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "renderfarm/render/renderer.h"
+#include "tests/doubles/simple_scenes.h"
+
+namespace cyclorama {
+namespace {
+
+std::unique_ptr<Renderer> built(Scene scene) {
+  auto renderer = Renderer::build(std::move(scene), 1, nullptr);
+  EXPECT_TRUE(renderer.has_value()) << renderer.error().message();
+  return *std::move(renderer);
+}
+
+Sky even_sky(float radiance) {
+  const Eigen::Vector3f light = Eigen::Vector3f::Constant(radiance);
+  return {light, light, light};
+}
+
+/// A wall one metre before the eye, uv (0, 0) in its upper left corner, `size` wide.
+Eigen::Affine3d upright(double z = -1.0) {
+  return Eigen::Affine3d(Eigen::Translation3d(0, 0, z)) *
+         Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX());
+}
+Scene wall(const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f)) {
+  Scene scene;
+  scene.model.materials.push_back(matte_material(albedo));
+  add_mesh(scene, square_mesh(2.0f), upright());
+  return scene;
+}
+
+/// The colour seen straight along (x, y) on the wall, from a narrow view.
+Eigen::Vector3f seen(const Renderer& renderer, double x, double y, int samples = 1) {
+  PanoramaView view = view_from({x, y, 0}, 1, 1, 1e-4, -1e-4);
+  view.panorama.azimuth_span_rad = 2e-4;
+  view.samples = samples;
+  const RadianceImage image = radiance_of(renderer, view);
+  return {image.at(0, 0)[0], image.at(0, 0)[1], image.at(0, 0)[2]};
+}
+
+/// Upper left red, upper right green, lower left blue, lower right white.
+Texture four_colours() {
+  Texture texture;
+  texture.pixels = RgbaImage(2, 2, 255);
+  texture.nearest = true;
+  const std::array<std::array<std::uint8_t, 4>, 4> colours = {
+      {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {255, 255, 255, 255}}};
+  for (int i = 0; i < 4; ++i)
+    std::copy_n(colours[static_cast<std::size_t>(i)].begin(), 4, texture.pixels.at(i % 2, i / 2));
+  return texture;
+}
+
+TEST(Materials, a_texture_lies_on_the_wall_the_right_way_round) {
+  Scene scene = wall(Eigen::Vector3f::Ones());
+  scene.model.textures.push_back(four_colours());
+  scene.model.materials[0].base_colour_texture.texture = 0;
+  scene.ambient = Eigen::Vector3f::Ones();
+  const auto renderer = built(std::move(scene));
+  EXPECT_TRUE(seen(*renderer, -0.5, 0.5).isApprox(Eigen::Vector3f(1, 0, 0)));
+  EXPECT_TRUE(seen(*renderer, 0.5, 0.5).isApprox(Eigen::Vector3f(0, 1, 0)));
+  EXPECT_TRUE(seen(*renderer, -0.5, -0.5).isApprox(Eigen::Vector3f(0, 0, 1)));
+  EXPECT_TRUE(seen(*renderer, 0.5, -0.5).isApprox(Eigen::Vector3f(1, 1, 1)));
+}
+
+TEST(Materials, a_texture_transform_moves_what_is_looked_up) {
+  Scene scene = wall(Eigen::Vector3f::Ones());
+  scene.model.textures.push_back(four_colours());
+  TextureUse& use = scene.model.materials[0].base_colour_texture;
+  use.texture = 0;
+  use.transform << 1, 0, 0.5f, 0, 1, 0;  // Half a picture to the right.
+  scene.ambient = Eigen::Vector3f::Ones();
+  const auto renderer = built(std::move(scene));
+  EXPECT_TRUE(seen(*renderer, -0.5, 0.5).isApprox(Eigen::Vector3f(0, 1, 0)));
+  EXPECT_TRUE(seen(*renderer, 0.5, 0.5).isApprox(Eigen::Vector3f(1, 0, 0)));
+}
+
+TEST(Materials, vertex_colours_are_srgb_and_multiply) {
+  Scene scene = wall({0.5f, 1.0f, 1.0f});
+  scene.model.meshes[0].colours.assign(4, {255, 128, 0, 255});
+  scene.ambient = Eigen::Vector3f::Ones();
+  EXPECT_TRUE(seen(*built(std::move(scene)), 0.1, 0.2).isApprox(Eigen::Vector3f(0.5f, 0.2158605f, 0.0f), 1e-4f));
+}
+
+TEST(Materials, a_hole_shows_what_is_behind_and_lets_light_through) {
+  for (const bool twice : {false, true}) {  // Baked, and as instances.
+    Scene scene = wall();
+    Texture mask = four_colours();
+    mask.pixels.at(0, 0)[3] = 100;  // Upper left: below the cut-off.
+    scene.model.textures.push_back(mask);
+    scene.model.materials[0].base_colour_texture.texture = 0;
+    scene.model.materials[0].alpha_mode = AlphaMode::kMask;
+    if (twice) scene.model.instances.push_back({0, Eigen::Affine3d(Eigen::Translation3d(100, 0, 0))});
+    scene.model.materials.push_back(matte_material(Eigen::Vector3f::Ones()));
+    add_mesh(scene, square_mesh(2.0f, 1), upright(-2.0));
+    scene.model.lights = {point_light({-0.5, 0.5, 0}, static_cast<float>(4.0 * std::numbers::pi))};
+    const auto renderer = built(std::move(scene));
+    // Straight through the hole: the wall behind, 2 m from the lamp, albedo 1.
+    EXPECT_NEAR(seen(*renderer, -0.5, 0.5).x(), 1.0f, 1e-3f);
+    // Where the mask is whole, it is seen itself: green.
+    EXPECT_EQ(seen(*renderer, 0.5, 0.5).x(), 0.0f);
+    EXPECT_GT(seen(*renderer, 0.5, 0.5).y(), 0.0f);
+  }
+}
+
+TEST(Materials, half_transparent_layers_add_up_in_order) {
+  Scene scene;
+  scene.model.materials.push_back(matte_material({1, 0, 0}));
+  scene.model.materials.push_back(matte_material({0, 1, 0}));
+  scene.model.materials.push_back(matte_material({0, 0, 1}));
+  scene.model.materials[0].base_colour.w() = 0.5f;
+  scene.model.materials[0].alpha_mode = AlphaMode::kBlend;
+  scene.model.materials[1].base_colour.w() = 0.25f;
+  scene.model.materials[1].alpha_mode = AlphaMode::kBlend;
+  for (int i = 0; i < 3; ++i) add_mesh(scene, square_mesh(2.0f, i), upright(-1.0 - i));
+  scene.ambient = Eigen::Vector3f::Ones();
+  const Eigen::Vector3f expected(0.5f, 0.5f * 0.25f, 0.5f * 0.75f);
+  EXPECT_TRUE(seen(*built(std::move(scene)), 0.1, 0.2).isApprox(expected, 1e-5f));
+}
+
+TEST(Materials, many_half_transparent_layers_end_and_keep_the_mean) {
+  Scene scene;
+  scene.model.materials.push_back(matte_material({0, 0, 0}));
+  scene.model.materials[0].base_colour.w() = 0.05f;
+  scene.model.materials[0].alpha_mode = AlphaMode::kBlend;
+  for (int i = 0; i < 40; ++i) add_mesh(scene, square_mesh(20.0f), upright(-1.0 - 0.1 * i));
+  scene.sky = even_sky(1.0f);
+  EXPECT_NEAR(seen(*built(std::move(scene)), 0, 0, 4096).x(), std::pow(0.95f, 40.0f), 0.02f);
+}
+
+TEST(Materials, half_transparent_glass_dims_the_light_behind_it) {
+  Scene scene = wall(Eigen::Vector3f::Ones());
+  scene.model.materials.push_back(matte_material({0, 0, 0}));
+  scene.model.materials[1].base_colour.w() = 0.3f;
+  scene.model.materials[1].alpha_mode = AlphaMode::kBlend;
+  // Between lamp and wall, but not between eye and wall.
+  add_mesh(scene, square_mesh(0.2f, 1),
+           Eigen::Affine3d(Eigen::Translation3d(0, 0.9, -0.5)) *
+               Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitX()));
+  scene.model.lights = {point_light({0, 1.8, 0}, 10.0f)};
+  Scene open = scene;
+  open.model.instances.pop_back();
+  const float with = seen(*built(std::move(scene)), 0, 0, 4096).x();
+  const float without = seen(*built(std::move(open)), 0, 0, 4096).x();
+  EXPECT_NEAR(with / without, 0.7f, 0.03f);
+}
+
+TEST(Materials, what_shines_is_seen) {
+  Scene scene = wall();
+  scene.model.materials[0].emissive = {2.0f, 0.5f, 0.0f};
+  EXPECT_TRUE(seen(*built(std::move(scene)), 0, 0).isApprox(Eigen::Vector3f(2.0f, 0.5f, 0.0f)));
+}
+
+TEST(Materials, both_sides_are_lit_whatever_the_winding) {
+  for (const bool flipped : {false, true}) {
+    for (const float normal : {1.0f, -1.0f}) {
+      Scene scene = wall();
+      Mesh& mesh = scene.model.meshes[0];
+      mesh.normals.assign(4, {0, normal, 0});
+      if (flipped) {
+        for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+      }
+      scene.model.lights = {point_light({0, 0, 0}, static_cast<float>(2.0 * std::numbers::pi))};
+      EXPECT_NEAR(seen(*built(std::move(scene)), 0, 0).x(), 1.0f, 1e-3f);
+    }
+  }
+}
+
+/// The bump leans to +x in texture space, which is to the right on this wall: a lamp from the right makes it brighter.
+TEST(Materials, a_normal_map_leans_the_way_its_texture_runs) {
+  for (const bool tangents : {false, true}) {
+    for (const bool mirrored : {false, true}) {
+      Scene scene = wall();
+      Texture bump;
+      bump.pixels = RgbaImage(1, 1, 255);
+      // Right by 0.6, up by 0.3.
+      const std::array<std::uint8_t, 4> texel = {204, 166, 222, 255};
+      std::copy(texel.begin(), texel.end(), bump.pixels.at(0, 0));
+      scene.model.textures.push_back(bump);
+      scene.model.materials[0].normal_texture.texture = 0;
+      Mesh& mesh = scene.model.meshes[0];
+      mesh.normals.assign(4, {0, 1, 0});
+      if (tangents) mesh.tangents.assign(4, {1, 0, 0, 1});
+      if (mirrored) {  // The same wall, its mesh mirrored and placed by a mirror: the bump leans the other way.
+        scene.model.instances[0].T_model_mesh = upright() * Eigen::Scaling(-1.0, 1.0, 1.0);
+      }
+      const auto lit_from = [&](double x, double y) {
+        Scene lit = scene;
+        lit.model.lights = {point_light({x, y, 0}, 10.0f)};
+        return seen(*built(std::move(lit)), 0, 0).x();
+      };
+      const double right = mirrored ? -1.0 : 1.0;
+      SCOPED_TRACE(testing::Message() << (tangents ? "tangents given" : "tangents derived")
+                                      << (mirrored ? ", mirrored" : ""));
+      EXPECT_GT(lit_from(right, 0), 2.0f * lit_from(-right, 0));
+      EXPECT_GT(lit_from(0, 1), 1.3f * lit_from(0, -1));
+    }
+  }
+}
+
+TEST(Materials, a_polished_metal_mirrors_the_lamp_and_a_matte_wall_does_not) {
+  const auto lit = [](float roughness, double lamp_x) {
+    Scene scene = wall(Eigen::Vector3f::Constant(0.9f));
+    scene.model.materials[0].metallic = 1.0f;
+    scene.model.materials[0].roughness = roughness;
+    scene.model.lights = {point_light({lamp_x, 0, 0}, 1.0f)};
+    return seen(*built(std::move(scene)), 0, 0).x();
+  };
+  EXPECT_GT(lit(0.1f, 0.0), 100.0f * lit(0.1f, 1.0));
+  EXPECT_LT(lit(0.9f, 0.0), 10.0f * lit(0.9f, 1.0));
+}
+
+TEST(Materials, a_white_metal_under_an_even_sky_is_nearly_as_bright) {
+  for (const float roughness : {0.1f, 0.3f}) {
+    Scene scene = wall(Eigen::Vector3f::Ones());
+    scene.model.materials[0].metallic = 1.0f;
+    scene.model.materials[0].roughness = roughness;
+    scene.sky = even_sky(1.0f);
+    const float radiance = seen(*built(std::move(scene)), 0, 0, 4096).x();
+    EXPECT_LE(radiance, 1.005f);
+    EXPECT_GE(radiance, 0.95f);
+  }
+}
+
+/// A board half a metre wide, 1 m above the floor, under a lamp of radius r, 2 m above it: full shadow in the middle,
+/// none far out, and in between a penumbra where geometry says.
+TEST(Materials, a_sphere_light_makes_a_penumbra_within_its_bounds) {
+  Scene scene = scene_of(square_mesh(20.0f));
+  add_mesh(scene, square_mesh(1.0f), Eigen::Affine3d(Eigen::Translation3d(0, 1, 0)));
+  scene.model.lights = {point_light({0, 2, 0}, 10.0f)};
+  scene.model.lights[0].radius_m = 0.2;
+  Scene open = scene;
+  open.model.instances.pop_back();
+  const auto shaded = built(std::move(scene));
+  const auto unshaded = built(std::move(open));
+  // The edge at x = 0.5 throws its shadow's edge to x = 1; the lamp's width spreads it by about 0.2 to each side.
+  const auto part = [&](double x) {
+    PanoramaView view = view_from({x, 0.5, 0.001}, 1, 1, -500.0, -500.5);
+    view.panorama.azimuth_span_rad = 1e-3;
+    view.samples = 1024;
+    return radiance_of(*shaded, view).at(0, 0)[0] / radiance_of(*unshaded, view).at(0, 0)[0];
+  };
+  EXPECT_EQ(part(0.0), 0.0f);
+  EXPECT_EQ(part(0.75), 0.0f);
+  EXPECT_NEAR(part(1.0), 0.5f, 0.1f);
+  EXPECT_GT(part(0.9), 0.02f);
+  EXPECT_LT(part(0.9), part(1.0));
+  EXPECT_LT(part(1.0), part(1.1));
+  EXPECT_LT(part(1.1), 0.98f);
+  EXPECT_NEAR(part(1.3), 1.0f, 1e-3f);
+}
+
+TEST(Materials, the_eye_lamp_follows_the_inverse_square_and_throws_no_shadow) {
+  Scene scene = wall();
+  scene.eye_lamp = Eigen::Vector3f::Constant(static_cast<float>(2.0 * std::numbers::pi));
+  const auto renderer = built(std::move(scene));
+  EXPECT_NEAR(seen(*renderer, 0, 0).x(), 1.0f, 1e-3f);
+  PanoramaView view = view_from({0, 0, 1}, 1, 1, 1e-4, -1e-4);
+  view.panorama.azimuth_span_rad = 2e-4;
+  EXPECT_NEAR(radiance_of(*renderer, view).at(0, 0)[0], 0.25f, 1e-3f);
+}
+
+TEST(Materials, no_light_leaks_into_a_closed_room) {
+  Scene scene = scene_of(sphere_mesh(3.0f, 24));
+  scene.sky = even_sky(1000.0f);
+  scene.model.lights = {point_light({0, 10, 0}, 1e6f)};
+  PanoramaView view = view_from({0.3, 0.2, 0.1}, 128, 64, 2.0, -2.0);
+  view.samples = 8;
+  EXPECT_EQ(mean_of(radiance_of(*built(std::move(scene)), view)), 0.0);
+}
+
+}  // namespace
+}  // namespace cyclorama

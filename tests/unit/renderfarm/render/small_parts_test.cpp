@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "renderfarm/render/memory.h"
+#include "renderfarm/render/requirements.h"
+#include "renderfarm/render/sky.h"
+#include "renderfarm/render/tone.h"
+#include "tests/doubles/simple_scenes.h"
+
+namespace cyclorama {
+namespace {
+
+TEST(ToneMapped, keeps_the_lower_half_and_never_reaches_white) {
+  for (const float x : {0.0f, 0.01f, 0.18f, 0.5f}) EXPECT_EQ(tone_mapped(x), x);
+  float before = 0.5f;
+  for (float x = 0.51f; x < 5.0f; x += 0.01f) {
+    EXPECT_GT(tone_mapped(x), before);
+    EXPECT_LE(tone_mapped(x), 1.0f);
+    EXPECT_LE(tone_mapped(x) - before, 0.0101f);
+    before = tone_mapped(x);
+  }
+  EXPECT_EQ(tone_mapped(std::numeric_limits<float>::infinity()), 1.0f);
+}
+
+TEST(ToneMapped, what_is_no_light_is_black) {
+  EXPECT_EQ(tone_mapped(-1.0f), 0.0f);
+  EXPECT_EQ(tone_mapped(std::numeric_limits<float>::quiet_NaN()), 0.0f);
+}
+
+TEST(Sky, is_a_gradient_from_ground_over_horizon_to_zenith) {
+  const Sky sky{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  EXPECT_TRUE(sky_radiance(sky, {0, 1, 0}).isApprox(Vec3(1, 0, 0)));
+  EXPECT_TRUE(sky_radiance(sky, {1, 0, 0}).isApprox(Vec3(0, 1, 0)));
+  EXPECT_TRUE(sky_radiance(sky, {0, -1, 0}).isApprox(Vec3(0, 0, 1)));
+  EXPECT_TRUE(sky_radiance(sky, {0.8660254f, 0.5f, 0}).isApprox(Vec3(0.5f, 0.5f, 0)));
+}
+
+TEST(Memory, is_read_from_the_line_that_says_available) {
+  EXPECT_EQ(parse_available_memory("MemTotal:  8 kB\nMemAvailable:     123 kB\nBuffers: 1 kB\n"), 123u * 1024u);
+  EXPECT_EQ(parse_available_memory("MemTotal: 8 kB\n"), std::nullopt);
+  EXPECT_EQ(parse_available_memory("MemAvailable:"), std::nullopt);
+  EXPECT_EQ(parse_available_memory("MemAvailable: many kB"), std::nullopt);
+  EXPECT_EQ(parse_available_memory("MemAvailable: -5 kB"), std::nullopt);
+  EXPECT_EQ(parse_available_memory(""), std::nullopt);
+  EXPECT_GT(available_memory().value_or(0), 0u);
+}
+
+TEST(SceneNeeds, are_those_of_what_is_used) {
+  Scene scene = scene_of(square_mesh(1.0f));
+  EXPECT_EQ(needs_of(scene), SceneNeeds{});
+  EXPECT_EQ(describe(needs_of(scene)), "nothing");
+  scene.sky.horizon = {0.1f, 0, 0};
+  EXPECT_EQ(describe(needs_of(scene)), "sky");
+  scene.model.lights.push_back(point_light({0, 1, 0}, 1.0f));
+  scene.model.materials[0].roughness = 0.5f;
+  EXPECT_EQ(describe(needs_of(scene)), "gloss, lamps, sky");
+  scene.model.materials.emplace_back();
+  scene.model.materials.back().normal_texture.texture = 0;  // Nothing has this material.
+  EXPECT_FALSE(needs_of(scene).normal_maps);
+  scene.model.meshes[0].material = 1;
+  EXPECT_EQ(describe(needs_of(scene)), "textures, normal maps, gloss, lamps, sky");
+  scene.model.instances.clear();
+  EXPECT_FALSE(needs_of(scene).textures);
+}
+
+TEST(SceneNeeds, blending_needs_something_to_see_through) {
+  Scene scene = scene_of(square_mesh(1.0f));
+  scene.model.textures.emplace_back();
+  scene.model.textures[0].pixels = RgbaImage(2, 2, 255);
+  Material& material = scene.model.materials[0];
+  material.base_colour_texture.texture = 0;
+  material.alpha_mode = AlphaMode::kBlend;
+  EXPECT_FALSE(needs_of(scene).blending);
+  scene.model.textures[0].pixels.at(1, 1)[3] = 100;
+  EXPECT_TRUE(needs_of(scene).blending);
+  material.alpha_mode = AlphaMode::kMask;
+  EXPECT_FALSE(needs_of(scene).blending);
+}
+
+}  // namespace
+}  // namespace cyclorama

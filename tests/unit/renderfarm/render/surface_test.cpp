@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/surface.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "renderfarm/render/accelerator.h"
+#include "renderfarm/render/bake.h"
+#include "tests/doubles/simple_scenes.h"
+
+namespace cyclorama {
+namespace {
+
+/// A scene with its BVH, for rays of one's own.
+struct Traced {
+  explicit Traced(Scene s) : scene(std::move(s)) {
+    auto built = Accelerator::build(scene, 1, nullptr, &traced);
+    EXPECT_TRUE(built.has_value());
+    accelerator = *std::move(built);
+  }
+  Scene scene;
+  TraceScene traced;
+  std::unique_ptr<Accelerator> accelerator;
+};
+
+/// Rays from inside a closed sphere: each must hit it, and a second one from the hit, to any side, must behave: inwards
+/// it hits again (closed: no leak) and never the same triangle (no self-hit), outwards it meets nothing.
+void expect_tight(const Traced& t, const Vec3& centre, int rays) {
+  std::mt19937 random(9);
+  std::normal_distribution<float> normal;
+  int missed = 0, self_hits = 0, leaks = 0, inside_out = 0;
+  for (int i = 0; i < rays; ++i) {
+    const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+    RTCRayHit ray;
+    ray.ray = make_ray(centre.data(), direction.data(), std::numeric_limits<float>::infinity(), 0);
+    trace_nearest(t.traced.top, &ray, Coherence::kIncoherent);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+      ++missed;
+      continue;
+    }
+    const SurfacePoint point = surface_at(triangle_at(t.traced, ray.hit), direction);
+    const Vec3 onward =
+        from_frame_of(point.facing, cosine_hemisphere({std::abs(std::sin(static_cast<float>(i))), 0.3f}));
+    RTCRayHit next;
+    const Vec3 inside = start_off_surface(point, point.facing);
+    next.ray = make_ray(inside.data(), onward.data(), std::numeric_limits<float>::infinity(), 0);
+    trace_nearest(t.traced.top, &next, Coherence::kIncoherent);
+    if (next.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+      ++leaks;
+    } else if (next.hit.primID == ray.hit.primID && next.hit.instID[0] == ray.hit.instID[0]) {
+      ++self_hits;
+    }
+    const Vec3 outside = start_off_surface(point, -point.facing);
+    const Vec3 away = -onward;
+    RTCRay out = make_ray(outside.data(), away.data(), std::numeric_limits<float>::infinity(), 0);
+    if (trace_any(t.traced.top, &out)) ++inside_out;
+  }
+  EXPECT_EQ(missed, 0);
+  EXPECT_EQ(self_hits, 0);
+  EXPECT_EQ(leaks, 0);
+  EXPECT_EQ(inside_out, 0);
+}
+
+/// A second thing at the start eye keeps the render origin there while the sphere is `distance` away.
+Scene far_sphere(double distance, float radius, bool instanced) {
+  Mesh sphere = sphere_mesh(radius, 40);
+  const Eigen::Vector3d place = Eigen::Vector3d(0.6, 0.48, 0.64) * distance;
+  Scene scene = scene_of(square_mesh(0.01f));
+  add_mesh(scene, std::move(sphere), Eigen::Affine3d(Eigen::Translation3d(place)));
+  if (instanced) scene.model.instances.push_back({1, Eigen::Affine3d(Eigen::Translation3d(-1000.0 - distance, 0, 0))});
+  return scene;
+}
+
+TEST(Surface, a_closed_sphere_has_no_leak_and_no_self_hit_near_or_far) {
+  for (const double distance : {100.0, 1e3, 1e4, 1.48e5}) {
+    for (const bool instanced : {false, true}) {
+      SCOPED_TRACE(testing::Message() << distance << " m away, " << (instanced ? "instanced" : "baked"));
+      const Traced t(far_sphere(distance, 10.0f, instanced));
+      const Vec3 centre = (Eigen::Vector3d(0.6, 0.48, 0.64) * distance).cast<float>();
+      expect_tight(t, centre, 20000);
+    }
+  }
+}
+
+TEST(Surface, size_does_not_matter) {
+  for (const float radius : {1e-3f, 1.0f, 1e3f, 1e5f}) {
+    SCOPED_TRACE(radius);
+    const Traced t(scene_of(sphere_mesh(radius, 40)));
+    expect_tight(t, Vec3::Zero(), 20000);
+  }
+}
+
+TEST(Surface, a_turned_and_stretched_instance_is_as_tight) {
+  Eigen::Affine3d placed = Eigen::Affine3d(Eigen::Translation3d(30, -20, 10)) *
+                           Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()) *
+                           Eigen::Scaling(3.0, 0.2, -1.0);
+  Scene scene = scene_of(sphere_mesh(1.0f, 40));
+  scene.model.instances = {{0, placed}, {0, Eigen::Affine3d(Eigen::Translation3d(500, 0, 0))}};
+  scene.bounds = Eigen::AlignedBox3d(Eigen::Vector3d(-500, -100, -100), Eigen::Vector3d(500, 100, 100));
+  const Traced t(std::move(scene));
+  expect_tight(t, placed.translation().cast<float>(), 20000);
+}
+
+TEST(Surface, baked_equals_instanced) {
+  Mesh sphere = sphere_mesh(1.0f, 20);
+  for (const auto& p : sphere.positions) sphere.normals.push_back(p);
+  sphere.origin = {5, 0, 0};
+  const Eigen::Affine3d placed = Eigen::Affine3d(Eigen::Translation3d(1, 2, -3)) *
+                                 Eigen::AngleAxisd(0.7, Eigen::Vector3d(3, 1, 2).normalized()) *
+                                 Eigen::Scaling(-2.0, 0.5, 1.0);
+  Scene once = scene_of(sphere);
+  once.model.instances = {{0, placed}};
+  Scene twice = once;
+  twice.model.instances.push_back({0, Eigen::Affine3d(Eigen::Translation3d(0, 1000, 0))});
+  const Traced a(std::move(once));
+  const Traced b(std::move(twice));
+  const Vec3 centre = (placed * Eigen::Vector3d(5, 0, 0) - render_origin(a.scene)).cast<float>();
+  std::mt19937 random(4);
+  std::normal_distribution<float> normal;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+    SurfacePoint points[2];
+    for (const auto& [traced, point] : {std::pair{&a, &points[0]}, std::pair{&b, &points[1]}}) {
+      RTCRayHit ray;
+      ray.ray = make_ray(centre.data(), direction.data(), std::numeric_limits<float>::infinity(), 0);
+      trace_nearest(traced->traced.top, &ray, Coherence::kIncoherent);
+      ASSERT_NE(ray.hit.geomID, RTC_INVALID_GEOMETRY_ID);
+      *point = surface_at(triangle_at(traced->traced, ray.hit), direction);
+    }
+    EXPECT_LT((points[0].position - points[1].position).norm(), 1e-4f);
+    EXPECT_GT(points[0].facing.dot(points[1].facing), 0.99f);
+    EXPECT_GT(points[0].normal.dot(points[1].normal), 0.99f);
+  }
+}
+
+/// The scattering of NaN starts where a triangle has no area, a normal no length or a texture no extent.
+TEST(Surface, degenerate_triangles_give_directions) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0},      {0, 0, 0},      {0, 0, 0},     {1, 0, 0},    {2, 0, 0},
+                    {1e-38f, 0, 0}, {0, 1e-38f, 0}, {3e38f, 0, 0}, {0, 3e38f, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 4}, {0, 5, 6}, {0, 7, 8}};
+  mesh.normals.assign(9, {0, 0, 0});
+  mesh.texcoords[0].assign(9, {0.5f, 0.5f});
+  Scene scene = scene_of(std::move(mesh));
+  scene.model.textures.emplace_back();
+  scene.model.textures[0].pixels = RgbaImage(1, 1, 10);
+  scene.model.materials[0].normal_texture.texture = 0;
+  const SurfaceMaterial material = trace_material(scene.model, scene.model.materials[0]);
+  SurfaceMesh traced = trace_mesh(scene.model.meshes[0]);
+  traced.material = &material;
+  const Placement placement = place(traced, Eigen::Affine3d::Identity());
+  Placement baked;
+  baked.mesh = &traced;
+  for (const Placement* const at : {&placement, static_cast<const Placement*>(&baked)}) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      TriangleHit hit{&traced, at, scene.model.meshes[0].triangles[i], Vec3(0.2f, 0.3f, 0.5f)};
+      const SurfacePoint point = surface_at(hit, Vec3(0, 0, -1));
+      EXPECT_NEAR(point.facing.norm(), 1.0f, 1e-3f) << i;
+      EXPECT_NEAR(point.normal.norm(), 1.0f, 1e-3f) << i;
+      EXPECT_NEAR(mapped_normal(hit, point).norm(), 1.0f, 1e-3f) << i;
+      EXPECT_GE(point.facing.z(), 0.0f);
+    }
+  }
+}
+
+TEST(Bake, a_mirror_keeps_normals_outside) {
+  Mesh sphere = sphere_mesh(1.0f, 10);
+  for (const auto& p : sphere.positions) sphere.normals.push_back(p);
+  bake(sphere, Eigen::Affine3d(Eigen::Scaling(-1.0, 1.0, 1.0)), Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < sphere.positions.size(); ++i) {
+    EXPECT_GT(to_vec3(sphere.positions[i]).dot(to_vec3(sphere.normals[i])), 0.9f);
+  }
+  for (const auto& t : sphere.triangles) {
+    const Vec3 a = to_vec3(sphere.positions[t[0]]), b = to_vec3(sphere.positions[t[1]]),
+               c = to_vec3(sphere.positions[t[2]]);
+    EXPECT_GT((b - a).cross(c - a).dot(a + b + c), 0.0f);
+  }
+}
+
+TEST(Bake, large_coordinates_keep_their_millimetres) {
+  Mesh mesh = square_mesh(1.0f);
+  mesh.origin = {4.5e6, 300.0, 5.2e6};
+  bake(mesh, Eigen::Affine3d::Identity(), {4.5e6 + 0.001, 300.0, 5.2e6});
+  EXPECT_NEAR(mesh.positions[0][0], -0.501f, 1e-6f);
+  EXPECT_NEAR(mesh.positions[1][0], 0.499f, 1e-6f);
+}
+
+TEST(RenderOrigin, is_the_start_eye_if_it_is_in_the_scene) {
+  Scene scene = scene_of(square_mesh(2.0f));
+  scene.info.start_eye = {0.5, 0, 0};
+  EXPECT_EQ(render_origin(scene), Eigen::Vector3d(0.5, 0, 0));
+  scene.info.start_eye = {50, 0, 0};
+  EXPECT_EQ(render_origin(scene), Eigen::Vector3d::Zero());
+  EXPECT_EQ(render_origin(Scene{}), Eigen::Vector3d::Zero());
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <thread>
 
 namespace cyclorama {
 
@@ -15,6 +16,8 @@ class Clock {
  public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual TimePoint now() const = 0;
+  /// Returns once now() has reached `t`; blocks. A test's clock moves itself there instead.
+  virtual void wait_until(TimePoint t) const { std::this_thread::sleep_until(t); }
 
  protected:
   Clock() = default;

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/tracker/pose_chooser.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+/// One picture says no more than this: its error may be a reflection rather than noise.
+constexpr double kMostPerPicture = 4.0;
+/// Nor all of them together, so that a wrong belief is left within a few pictures.
+constexpr double kMostLogOdds = 12.0;
+/// A hand may have done anything in this time.
+constexpr Duration kForgetAfter = std::chrono::milliseconds(500);
+/// Closer than this, which explanation continues which cannot be told from one picture to the next.
+constexpr double kDistinctRad = 0.17;
+
+double sum_of_squares(const TagPose& pose) { return 4.0 * pose.reprojection_px * pose.reprojection_px; }
+
+double fading(const ChooserSettings& settings, const Hypotheses& last, TimePoint at) {
+  const double distinct = last.second ? std::min(1.0, last.first.angularDistance(*last.second) / kDistinctRad) : 1.0;
+  return distinct * std::exp(-std::max(0.0, to_seconds(at - last.at)) / settings.memory_s);
+}
+
+}  // namespace
+
+ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypotheses>& last, const TagPoses& measured,
+                  TimePoint at) {
+  const Eigen::Quaterniond& best = measured.best.T_camera_tag.rotation();
+  if (!measured.other) {
+    // A near tag has one explanation only, which settles it.
+    return {measured.best, 1.0, {best, std::nullopt, kMostLogOdds, at}};
+  }
+  const Eigen::Quaterniond& other = measured.other->T_camera_tag.rotation();
+  const double noise = settings.corner_noise_px * settings.corner_noise_px;
+  const double gain = std::min(kMostPerPicture,
+                               (sum_of_squares(*measured.other) - sum_of_squares(measured.best)) / (2.0 * noise));
+  const bool known = last && at - last->at < kForgetAfter && last->at - at < kForgetAfter;
+  bool best_is_first = true;
+  double log_odds = 0.0;
+  if (known) {
+    const Eigen::Quaterniond& first = last->first;
+    // With one explanation before, the one that continues it is the first.
+    const double straight = first.angularDistance(best) + (last->second ? last->second->angularDistance(other) : 0.0);
+    const double crossed = first.angularDistance(other) + (last->second ? last->second->angularDistance(best) : 0.0);
+    best_is_first = straight <= crossed;
+    log_odds = last->log_odds * fading(settings, *last, at);
+  }
+  log_odds = std::clamp(log_odds + (best_is_first ? gain : -gain), -kMostLogOdds, kMostLogOdds);
+  const bool first_wins = log_odds >= 0.0;
+  ChosenPose chosen;
+  chosen.pose = first_wins == best_is_first ? measured.best : *measured.other;
+  chosen.probability = 1.0 / (1.0 + std::exp(-std::abs(log_odds)));
+  chosen.state = {best_is_first ? best : other, best_is_first ? other : best, log_odds, at};
+  return chosen;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/image/image.h"
+
+namespace cyclorama {
+
+/// What the detector trades. The curve "decimation against tags found and milliseconds" is in docs/design/tracker.md.
+struct DetectorSettings {
+  std::string family = "tag36h11";  ///< One of tag_families().
+  double decimate = 1.5;            ///< Quads are sought in a picture this many times smaller: 1 to 8.
+  int threads = 1;                  ///< 1 to 16.
+  bool refine_edges = true;         ///< Snaps edges to the full picture's gradients; wanted with any decimation.
+  int most_hamming = 0;             ///< Wrong bits that are corrected, 0 or 1. At 1 clutter begins to look like tags.
+  double least_margin = 20.0;       ///< Mean contrast between a bit and its threshold, in grey levels.
+};
+
+/// "tag36h11", "tag25h9", "tag16h5", ...
+[[nodiscard]] const std::vector<std::string>& tag_families();
+
+/// One tag in one picture.
+struct TagDetection {
+  int id = 0;
+  int hamming = 0;
+  double margin = 0.0;
+  /// Where the corners of the black square are, in pixels (frames.h), in the Tag frame's order:
+  /// (-x, -y), (+x, -y), (+x, +y), (-x, +y); clockwise in the picture, starting left above when the tag is upright.
+  std::array<Eigen::Vector2d, 4> corners;
+};
+
+/// AprilTag 3 (Wang and Olson, "AprilTag 2", IROS 2016; Krogius et al., "Flexible Layouts for Fiducial Tags", IROS 2019),
+/// by libapriltag. Thread-bound: one per thread; it keeps its worker threads between pictures.
+class TagDetector {
+ public:
+  /// kInvalidArgument  a setting is out of range, or the family is unknown.
+  static Result<TagDetector> create(const DetectorSettings& settings);
+  TagDetector(TagDetector&&) noexcept;
+  TagDetector& operator=(TagDetector&&) noexcept;
+  ~TagDetector();
+
+  /// Every tag that passes the settings, the largest first. A picture too small to hold a tag, or empty, holds none.
+  /// kInvalidArgument  a side is longer than kLongestSidePx: libapriltag counts half pixels in 16 bits.
+  Result<std::vector<TagDetection>> detect(const GreyImage& picture);
+  static constexpr int kLongestSidePx = 16384;
+
+ private:
+  struct Library;
+  TagDetector(std::unique_ptr<Library> library, double least_margin, double decimate);
+  std::unique_ptr<Library> library_;
+  double least_margin_;
+  double decimate_;
+};
+
+/// Twice the signed area of the quadrilateral, positive when its corners go clockwise in the picture.
+[[nodiscard]] double doubled_area_px2(const std::array<Eigen::Vector2d, 4>& corners);
+
+}  // namespace cyclorama

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "drivers/camera/camera.h"
+#include "drivers/camera/file/recording.h"
+#include "drivers/camera/pace.h"
+
+namespace cyclorama {
+
+struct FileCameraOptions {
+  std::optional<double> frames_per_second;  ///< 0.01 to 1000; the recording's own when not given.
+  bool loop = true;  ///< Else the camera fails after the last picture, as one that was unplugged.
+};
+
+/// A photo, a folder of photos or a video, replayed in real time as if a camera saw it now. What the file is, is told by
+/// its first bytes and not by its name. Thread-bound, but for id().
+class FileCamera final : public Camera {
+ public:
+  /// Reads the first picture. Borrows `clock` for its whole life.
+  ///
+  /// kNotFound         no such file or folder, or a folder without photos.
+  /// kBadData          damaged, or neither photo nor video; the message says what it is and what to do.
+  /// kInvalidArgument  the rate.
+  static Result<std::unique_ptr<Camera>> open(const std::filesystem::path& path, const FileCameraOptions& options,
+                                              const Clock& clock);
+
+  [[nodiscard]] const std::string& id() const override { return id_; }
+  Status start() override;
+  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override;
+  void stop() override { streaming_ = false; }
+
+ private:
+  FileCamera(std::string id, std::unique_ptr<Recording> recording, Duration period, bool loop, const Clock& clock)
+      : id_(std::move(id)), recording_(std::move(recording)), loop_(loop), clock_(clock) {
+    pace_.period = period;
+  }
+  Result<std::optional<GreyImage>> picture(std::uint64_t sequence);
+
+  std::string id_;
+  std::unique_ptr<Recording> recording_;
+  bool loop_;
+  const Clock& clock_;
+  Pace pace_;
+  std::optional<std::uint64_t> last_;
+  bool streaming_ = false;
+  std::optional<Error> failure_;
+};
+
+}  // namespace cyclorama

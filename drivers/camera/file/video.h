@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "drivers/camera/file/recording.h"
+
+namespace cyclorama {
+
+/// A video file (MP4, Matroska or AVI, with a codec that libavcodec knows) as a recording of grey pictures. Decodes
+/// forwards, so an index below the last one starts again from the beginning.
+class Video final : public Recording {
+ public:
+  /// kNotFound  no such file.     kBadData  not such a video, damaged, without pictures, or larger than a photo may be.
+  static Result<std::unique_ptr<Recording>> open(const std::filesystem::path& path);
+  ~Video() override;
+
+  /// The mean rate: a recording of varying rate is replayed evenly.
+  [[nodiscard]] double frames_per_second() const override { return frames_per_second_; }
+  Result<std::optional<GreyImage>> picture(std::uint64_t index) override;
+  [[nodiscard]] std::optional<std::uint64_t> count() const override { return count_; }
+
+ private:
+  struct Decoder;
+  Video();
+  Status reopen();
+
+  std::filesystem::path path_;
+  std::unique_ptr<Decoder> decoder_;
+  double frames_per_second_ = 0.0;
+  std::uint64_t next_ = 0;  ///< Index of the picture that the decoder gives next.
+  std::optional<std::uint64_t> count_;
+  GreyImage newest_;
+};
+
+}  // namespace cyclorama

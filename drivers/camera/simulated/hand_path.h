@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How a visitor's hand moves a tag before a camera: a pure function of time, for simulated cameras and their tests.
+///
+///   The visitor faces the camera. Camera frame: x right, y down, z forward; so the visitor's right is -x, and
+///   yaw    turns about the camera's y: positive when the visitor turns to the own right (clockwise seen from above),
+///   pitch  turns about the camera's x: positive when the upper edge of the tag leans away from the camera,
+///   roll   turns about the camera's z: positive when the tag turns clockwise as the camera sees it.
+///   R_camera_tag = R_y(yaw) R_x(-pitch) R_z(roll); all zero shows the tag upright and flat to the camera.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/geometry/rigid_transform.h"
+
+namespace cyclorama {
+
+/// The tag's pose at one moment.
+struct KeyPose {
+  double time_s = 0.0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Tag's centre in the Camera frame.
+  double yaw_rad = 0.0;
+  double pitch_rad = 0.0;
+  double roll_rad = 0.0;
+};
+
+/// A smooth movement through key poses. It passes through every key, and never beyond what two neighbours span, so a
+/// hand that is held still stays still. Cubic Hermite pieces with the slopes of Fritsch and Butland, "A Method for
+/// Constructing Local Monotone Piecewise Cubic Interpolants", SIAM J. Sci. Stat. Comput. 5 (1984). Immutable; reentrant.
+class HandPath {
+ public:
+  /// `loop_s`: the movement returns to the first key at that time and begins again; without it the last pose is held.
+  /// kInvalidArgument  no key, a number that is not finite, times that do not grow, or a loop that ends before the last.
+  static Result<HandPath> make(std::vector<KeyPose> keys, std::optional<double> loop_s);
+  /// What the demo replays, 28 s: stand, walk on, turn right, walk, turn left, step aside, back.
+  static HandPath demo();
+
+  /// Any time, also before the first key; a time that is not finite is the first key's.
+  [[nodiscard]] RigidTransform<frame::Camera, frame::Tag> at(double time_s) const;
+  /// From first key to the end of the loop, or to the last key.
+  [[nodiscard]] double duration_s() const { return keys_.back().time_s - keys_.front().time_s; }
+
+ private:
+  using Values = Eigen::Matrix<double, 6, 1>;  ///< x, y, z, yaw, pitch, roll
+  HandPath(std::vector<KeyPose> keys, bool loops) : keys_(std::move(keys)), loops_(loops) {}
+  [[nodiscard]] static Values values_of(const KeyPose& key);
+  [[nodiscard]] Values slope_of(std::size_t piece) const;
+  [[nodiscard]] Values slope_at(std::size_t key) const;
+
+  std::vector<KeyPose> keys_;  ///< A looping path ends with a copy of its first key.
+  bool loops_;
+};
+
+/// The rotation that the three angles stand for.
+[[nodiscard]] Eigen::Quaterniond rotation_of(const KeyPose& key);
+
+}  // namespace cyclorama

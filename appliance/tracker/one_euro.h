@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The One-Euro filter: a low-pass whose cut-off rises with speed, so that a hand at rest is calm and a hand in motion is
-/// not late. Source: Casiez, Roussel and Vogel, "1 € Filter", CHI 2012, algorithm 1; the rotation's speed is the length of
-/// its angular velocity, and it is blended along the shortest arc.
+/// The One-Euro filter: a low-pass whose cut-off rises with speed, so that a hand at rest is calm and a hand in motion
+/// is not late. Source: Casiez, Roussel and Vogel, "1 € Filter", CHI 2012, algorithm 1; the rotation's speed is the
+/// length of its angular velocity, and it is blended along the shortest arc.
 ///
 /// Pure functions of (settings, state, measurement, time). Whatever the time stamps do, what comes out is finite:
 ///   repeated, or earlier by less than kRestartAfter   the measurement is ignored and the last result returned
@@ -17,9 +17,9 @@
 namespace cyclorama {
 
 struct OneEuroSettings {
-  double least_cutoff_hz = 1.0;        ///< At rest: lower is calmer and later. More than 0.
-  double cutoff_per_speed = 0.0;       ///< Beta: Hz per unit of speed (metre or radian per second). 0 or more.
-  double speed_cutoff_hz = 1.0;        ///< Of the speed itself; 1 Hz as in the paper. More than 0.
+  double least_cutoff_hz = 1.0;   ///< At rest: lower is calmer and later. More than 0.
+  double cutoff_per_speed = 0.0;  ///< Beta: Hz per unit of speed (metre or radian per second). 0 or more.
+  double speed_cutoff_hz = 1.0;   ///< Of the speed itself; 1 Hz as in the paper. More than 0.
 };
 
 inline constexpr Duration kRestartAfter = std::chrono::milliseconds(500);
@@ -31,7 +31,8 @@ struct FilteredPosition {
 };
 struct FilteredRotation {
   Eigen::Quaterniond value = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d speed = Eigen::Vector3d::Zero();  ///< Angular velocity in the rotation's From frame, radians per second.
+  Eigen::Vector3d speed =
+      Eigen::Vector3d::Zero();  ///< Angular velocity in the rotation's From frame, radians per second.
   TimePoint at{};
 };
 

@@ -34,8 +34,8 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
   }
   const Eigen::Quaterniond& other = measured.other->T_camera_tag.rotation();
   const double noise = settings.corner_noise_px * settings.corner_noise_px;
-  const double gain = std::min(kMostPerPicture,
-                               (sum_of_squares(*measured.other) - sum_of_squares(measured.best)) / (2.0 * noise));
+  const double gain =
+      std::min(kMostPerPicture, (sum_of_squares(*measured.other) - sum_of_squares(measured.best)) / (2.0 * noise));
   const bool known = last && at - last->at < kForgetAfter && last->at - at < kForgetAfter;
   bool best_is_first = true;
   double log_odds = 0.0;

@@ -29,8 +29,9 @@ struct ChosenPose {
 };
 
 /// Decides between the two poses of a flat tag over time: each explanation is followed from picture to picture by its
-/// rotation, and how much better one fits than the other is added up (a sequential likelihood ratio test: Wald, "Sequential
-/// Tests of Statistical Hypotheses", 1945). One picture of a small tag often prefers the wrong one; ten rarely do.
+/// rotation, and how much better one fits than the other is added up (a sequential likelihood ratio test: Wald,
+/// "Sequential Tests of Statistical Hypotheses", 1945). One picture of a small tag often prefers the wrong one; ten
+/// rarely do.
 ///
 /// Evidence fades, and faster while the two are so close that nobody can follow which is which; that is also where the
 /// choice matters least. A pure function of (settings, state, measurement, time).

@@ -21,10 +21,9 @@ struct Family {
   apriltag_family_t* (*create)();
   void (*destroy)(apriltag_family_t*);
 };
-constexpr std::array kFamilies{Family{"tag36h11", tag36h11_create, tag36h11_destroy},
-                               Family{"tag25h9", tag25h9_create, tag25h9_destroy},
-                               Family{"tag16h5", tag16h5_create, tag16h5_destroy},
-                               Family{"tag36h10", tag36h10_create, tag36h10_destroy}};
+constexpr std::array kFamilies{
+    Family{"tag36h11", tag36h11_create, tag36h11_destroy}, Family{"tag25h9", tag25h9_create, tag25h9_destroy},
+    Family{"tag16h5", tag16h5_create, tag16h5_destroy}, Family{"tag36h10", tag36h10_create, tag36h10_destroy}};
 
 /// A tag has at least this many cells across; with fewer pixels than that there is nothing to find, and libapriltag
 /// divides its picture into tiles of 4 pixels that must exist.
@@ -83,7 +82,8 @@ Result<TagDetector> TagDetector::create(const DetectorSettings& settings) {
   const auto* const family = std::find_if(kFamilies.begin(), kFamilies.end(),
                                           [&](const Family& known) { return settings.family == known.name; });
   if (family == kFamilies.end()) {
-    return refuse(fmt::format("no tag family '{}'; the families are {}", settings.family, fmt::join(tag_families(), ", ")));
+    return refuse(
+        fmt::format("no tag family '{}'; the families are {}", settings.family, fmt::join(tag_families(), ", ")));
   }
   auto library = std::make_unique<Library>(*family, settings.most_hamming);
   library->detector->nthreads = settings.threads;
@@ -102,18 +102,22 @@ Result<std::vector<TagDetection>> TagDetector::detect(const GreyImage& picture) 
   std::vector<TagDetection> tags;
   if (std::min(picture.width(), picture.height()) < kLeastSidePx * decimate_) return tags;
   if (std::max(picture.width(), picture.height()) > kLongestSidePx) {
-    return Error(ErrorCode::kInvalidArgument, fmt::format("a picture of {}x{} pixels; the longest side that can be searched "
-                                                          "is {}", picture.width(), picture.height(), kLongestSidePx));
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("a picture of {}x{} pixels; the longest side that can be searched "
+                             "is {}",
+                             picture.width(), picture.height(), kLongestSidePx));
   }
   // libapriltag reads the picture only, but its type has no const.
-  image_u8_t view = {picture.width(), picture.height(), picture.width(), const_cast<std::uint8_t*>(picture.data().data())};
+  image_u8_t view = {picture.width(), picture.height(), picture.width(),
+                     const_cast<std::uint8_t*>(picture.data().data())};
   const std::unique_ptr<zarray_t, DestroyDetections> found(apriltag_detector_detect(library_->detector, &view));
   for (int i = 0; i < zarray_size(found.get()); ++i) {
     apriltag_detection_t* detection = nullptr;
     zarray_get(found.get(), i, &detection);
     TagDetection tag{detection->id, detection->hamming, static_cast<double>(detection->decision_margin),
                      corners_of(*detection)};
-    const bool finite = std::all_of(tag.corners.begin(), tag.corners.end(), [](const auto& c) { return c.allFinite(); });
+    const bool finite =
+        std::all_of(tag.corners.begin(), tag.corners.end(), [](const auto& c) { return c.allFinite(); });
     if (finite && tag.margin >= least_margin_) tags.push_back(tag);
   }
   std::sort(tags.begin(), tags.end(), [](const TagDetection& a, const TagDetection& b) {

@@ -35,8 +35,8 @@ struct TagDetection {
   std::array<Eigen::Vector2d, 4> corners;
 };
 
-/// AprilTag 3 (Wang and Olson, "AprilTag 2", IROS 2016; Krogius et al., "Flexible Layouts for Fiducial Tags", IROS 2019),
-/// by libapriltag. Thread-bound: one per thread; it keeps its worker threads between pictures.
+/// AprilTag 3 (Wang and Olson, "AprilTag 2", IROS 2016; Krogius et al., "Flexible Layouts for Fiducial Tags", IROS
+/// 2019), by libapriltag. Thread-bound: one per thread; it keeps its worker threads between pictures.
 class TagDetector {
  public:
   /// kInvalidArgument  a setting is out of range, or the family is unknown.

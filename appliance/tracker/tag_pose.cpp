@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/tracker/tag_pose.h"
 
-extern "C" {
-#include <apriltag/apriltag_pose.h>
-#include <apriltag/common/homography.h>
-}
-
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
-#include <memory>
+#include <limits>
 #include <utility>
 
 #include "common/base/check.h"
@@ -16,104 +12,179 @@ extern "C" {
 namespace cyclorama {
 namespace {
 
-/// libapriltag's own number; more changes nothing that a corner's noise would not hide.
-constexpr int kIterations = 50;
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Corners2 = std::array<Vector2d, 4>;
+using Corners3 = std::array<Vector3d, 4>;
+
 /// Below this a quadrilateral is a line or a point to a camera.
 constexpr double kLeastDoubledAreaPx2 = 2.0;
 /// Two minima that differ by less are one.
 constexpr double kSamePoseRad = 1e-3;
+constexpr int kMostIterations = 30;
 
-struct DestroyMatrix { void operator()(matd_t* matrix) const { matd_destroy(matrix); } };
-using Matrix = std::unique_ptr<matd_t, DestroyMatrix>;
-
-bool is_convex(const std::array<Eigen::Vector2d, 4>& corners) {
+bool is_usable(const Corners2& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d a = corners[(i + 1) % 4] - corners[i];
-    const Eigen::Vector2d b = corners[(i + 2) % 4] - corners[(i + 1) % 4];
-    if (!(a.x() * b.y() - a.y() * b.x() > 0.0)) return false;
+    if (!corners[i].allFinite()) return false;
+    const Vector2d a = corners[(i + 1) % 4] - corners[i];
+    const Vector2d b = corners[(i + 2) % 4] - corners[(i + 1) % 4];
+    if (!(a.x() * b.y() - a.y() * b.x() > 0.0)) return false;  // Not convex, or seen from behind.
   }
-  return true;
+  return doubled_area_px2(corners) > kLeastDoubledAreaPx2;
 }
 
-/// From the corners of (-1, -1) to (1, 1) to the picture: exact for four points.
-Matrix homography_of(const std::array<Eigen::Vector2d, 4>& corners) {
-  constexpr std::array<std::array<double, 2>, 4> kUnit{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+/// From the tag's plane, in metres, to normalised image coordinates: exact for four points.
+std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays) {
   Eigen::Matrix<double, 8, 8> a = Eigen::Matrix<double, 8, 8>::Zero();
   Eigen::Matrix<double, 8, 1> b;
   for (Eigen::Index i = 0; i < 4; ++i) {
-    const auto [x, y] = kUnit[static_cast<std::size_t>(i)];
-    const Eigen::Vector2d& corner = corners[static_cast<std::size_t>(i)];
-    a.row(2 * i) << x, y, 1, 0, 0, 0, -corner.x() * x, -corner.x() * y;
-    a.row(2 * i + 1) << 0, 0, 0, x, y, 1, -corner.y() * x, -corner.y() * y;
-    b.segment<2>(2 * i) = corner;
+    const double x = tag[static_cast<std::size_t>(i)].x();
+    const double y = tag[static_cast<std::size_t>(i)].y();
+    const Vector2d& ray = rays[static_cast<std::size_t>(i)];
+    a.row(2 * i) << x, y, 1, 0, 0, 0, -ray.x() * x, -ray.x() * y;
+    a.row(2 * i + 1) << 0, 0, 0, x, y, 1, -ray.y() * x, -ray.y() * y;
+    b.segment<2>(2 * i) = ray;
   }
   const Eigen::Matrix<double, 8, 1> h = a.fullPivLu().solve(b);
-  if (!h.allFinite()) return nullptr;
-  Matrix matrix(matd_create(3, 3));
-  for (unsigned i = 0; i < 8; ++i) matd_put(matrix.get(), i / 3, i % 3, h[i]);
-  matd_put(matrix.get(), 2, 2, 1.0);
-  return matrix;
+  if (!h.allFinite()) return std::nullopt;
+  Matrix3d homography;
+  homography << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0;
+  return homography;
 }
 
-std::optional<TagPose> checked(const Matrix& r, const Matrix& t, const std::array<Eigen::Vector2d, 4>& corners,
-                               double tag_size_m, const Pinhole& lens) {
-  if (r == nullptr || t == nullptr) return std::nullopt;
-  const Eigen::Matrix3d rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r->data);
-  const Eigen::Vector3d translation = Eigen::Map<const Eigen::Vector3d>(t->data);
-  if (!rotation.allFinite() || !translation.allFinite() || !(rotation.determinant() > 0.5)) return std::nullopt;
-  TagPose pose{{Eigen::Quaterniond(rotation), translation}, 0.0};
-  const std::array<Eigen::Vector3d, 4> tag = corners_of_tag(tag_size_m);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto pixel = lens.pixel_of((pose.T_camera_tag * Point<frame::Tag>{tag[i]}).xyz);
-    if (!pixel) return std::nullopt;
-    sum += (*pixel - corners[i]).squaredNorm();
+/// Both rotations that the homography's behaviour at the tag's centre allows. Collins and Bartoli, section 4.
+std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
+  const Vector2d centre(h(0, 2), h(1, 2));  // h(2, 2) is 1.
+  const Matrix2d jacobian = h.topLeftCorner<2, 2>() - centre * h.block<1, 2>(2, 0);
+  const Matrix3d turned =
+      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), Vector3d(centre.x(), centre.y(), 1.0)).toRotationMatrix();
+  const Matrix2d b = turned.topLeftCorner<2, 2>() - centre * turned.block<1, 2>(2, 0);
+  const Matrix2d a = b.inverse() * jacobian;
+  const double scale = Eigen::JacobiSVD<Matrix2d>(a).singularValues()[0];
+  if (!(std::isfinite(scale) && scale > 1e-12)) return std::nullopt;
+  const Matrix2d r = a / scale;
+  // What is missing to unit columns is their depth; its sign is free, but for both columns together.
+  double p = std::sqrt(std::max(0.0, 1.0 - r.col(0).squaredNorm()));
+  double q = std::sqrt(std::max(0.0, 1.0 - r.col(1).squaredNorm()));
+  if (r.col(0).dot(r.col(1)) > 0.0) q = -q;
+  std::array<Matrix3d, 2> rotations;
+  for (Matrix3d& rotation : rotations) {
+    const Vector3d x = Vector3d(r(0, 0), r(1, 0), p).normalized();
+    const Vector3d z = x.cross(Vector3d(r(0, 1), r(1, 1), q)).normalized();
+    Matrix3d columns;
+    columns << x, z.cross(x), z;
+    rotation = turned * columns;
+    if (!rotation.allFinite()) return std::nullopt;
+    p = -p;
+    q = -q;
   }
-  pose.reprojection_px = std::sqrt(sum / 4.0);
-  return pose;
+  return rotations;
+}
+
+/// The translation that fits best in the algebraic sense.
+Vector3d translation_for(const Matrix3d& rotation, const Corners3& tag, const Corners2& rays) {
+  Eigen::Matrix<double, 8, 3> a;
+  Eigen::Matrix<double, 8, 1> b;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const Vector3d p = rotation * tag[static_cast<std::size_t>(i)];
+    const Vector2d& ray = rays[static_cast<std::size_t>(i)];
+    a.row(2 * i) << 1.0, 0.0, -ray.x();
+    a.row(2 * i + 1) << 0.0, 1.0, -ray.y();
+    b.segment<2>(2 * i) = ray * p.z() - p.head<2>();
+  }
+  return a.colPivHouseholderQr().solve(b);
+}
+
+struct Fit {
+  Eigen::Quaterniond rotation;
+  Vector3d translation;
+  double cost = 0.0;  ///< Sum of squared pixel distances; infinite when a corner is behind the lens.
+  Eigen::Matrix<double, 6, 6> normal;
+  Eigen::Matrix<double, 6, 1> gradient;
+};
+
+/// Cost, normal matrix and gradient for a turn (in the camera's axes) and a shift.
+void evaluate(const Corners3& tag, const Corners2& corners, const Pinhole& lens, Fit* ret_fit) {
+  ret_fit->cost = 0.0;
+  ret_fit->normal.setZero();
+  ret_fit->gradient.setZero();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vector3d turned = ret_fit->rotation * tag[i];
+    const Vector3d p = turned + ret_fit->translation;
+    const auto pixel = lens.pixel_of(p);
+    if (!pixel) {
+      ret_fit->cost = std::numeric_limits<double>::infinity();
+      return;
+    }
+    const Vector2d error = *pixel - corners[i];
+    Eigen::Matrix<double, 2, 3> by_point;
+    const double f = lens.focal_px / p.z();
+    by_point << f, 0.0, -f * p.x() / p.z(), 0.0, f, -f * p.y() / p.z();
+    Matrix3d cross;
+    cross << 0.0, -turned.z(), turned.y(), turned.z(), 0.0, -turned.x(), -turned.y(), turned.x(), 0.0;
+    Eigen::Matrix<double, 2, 6> jacobian;
+    jacobian << -by_point * cross, by_point;
+    ret_fit->cost += error.squaredNorm();
+    ret_fit->normal += jacobian.transpose() * jacobian;
+    ret_fit->gradient += jacobian.transpose() * error;
+  }
+}
+
+std::optional<TagPose> refine(const Matrix3d& rotation, const Corners3& tag, const Corners2& rays,
+                              const Corners2& corners, const Pinhole& lens) {
+  Fit fit{Eigen::Quaterniond(rotation), translation_for(rotation, tag, rays), 0.0, {}, {}};
+  evaluate(tag, corners, lens, &fit);
+  if (!std::isfinite(fit.cost)) return std::nullopt;
+  double damping = 1e-4;
+  for (int i = 0; i < kMostIterations; ++i) {
+    Eigen::Matrix<double, 6, 6> damped = fit.normal;
+    damped.diagonal() *= 1.0 + damping;
+    const Eigen::Matrix<double, 6, 1> step = -damped.ldlt().solve(fit.gradient);
+    if (!step.allFinite()) break;
+    Fit next = fit;
+    const double angle = step.head<3>().norm();
+    if (angle > 0.0) {
+      next.rotation =
+          (Eigen::Quaterniond(Eigen::AngleAxisd(angle, step.head<3>() / angle)) * fit.rotation).normalized();
+    }
+    next.translation += step.tail<3>();
+    evaluate(tag, corners, lens, &next);
+    const bool better = next.cost < fit.cost;
+    damping *= better ? 0.1 : 10.0;
+    const bool settled = better && angle < 1e-9;
+    if (better) fit = next;
+    if (settled || damping > 1e8) break;
+  }
+  return TagPose{{fit.rotation, fit.translation}, std::sqrt(fit.cost / 4.0)};
 }
 
 }  // namespace
 
-std::array<Eigen::Vector3d, 4> corners_of_tag(double tag_size_m) {
+std::array<Vector3d, 4> corners_of_tag(double tag_size_m) {
   const double half = 0.5 * tag_size_m;
-  return {Eigen::Vector3d(-half, -half, 0), Eigen::Vector3d(half, -half, 0), Eigen::Vector3d(half, half, 0),
-          Eigen::Vector3d(-half, half, 0)};
+  return {Vector3d(-half, -half, 0), Vector3d(half, -half, 0), Vector3d(half, half, 0), Vector3d(-half, half, 0)};
 }
 
-std::optional<TagPoses> estimate_poses(const std::array<Eigen::Vector2d, 4>& corners, double tag_size_m,
-                                       const Pinhole& lens) {
+std::optional<TagPoses> estimate_poses(const Corners2& corners, double tag_size_m, const Pinhole& lens) {
   CHECK(tag_size_m > 0.0 && lens.focal_px > 0.0);
-  for (const Eigen::Vector2d& corner : corners) {
-    if (!corner.allFinite()) return std::nullopt;
+  if (!is_usable(corners)) return std::nullopt;
+  const Corners3 tag = corners_of_tag(tag_size_m);
+  Corners2 rays;
+  for (std::size_t i = 0; i < 4; ++i) rays[i] = lens.direction_at(corners[i].x(), corners[i].y()).head<2>();
+  const auto homography = homography_of(tag, rays);
+  if (!homography) return std::nullopt;
+  const auto rotations = rotations_of(*homography);
+  if (!rotations) return std::nullopt;
+  std::optional<TagPose> first = refine((*rotations)[0], tag, rays, corners, lens);
+  std::optional<TagPose> second = refine((*rotations)[1], tag, rays, corners, lens);
+  if (!first || (second && second->reprojection_px < first->reprojection_px)) std::swap(first, second);
+  if (!first) return std::nullopt;
+  if (second && first->T_camera_tag.rotation().angularDistance(second->T_camera_tag.rotation()) < kSamePoseRad) {
+    second.reset();
   }
-  if (!(doubled_area_px2(corners) > kLeastDoubledAreaPx2) || !is_convex(corners)) return std::nullopt;
-  const Matrix homography = homography_of(corners);
-  if (homography == nullptr) return std::nullopt;
-
-  apriltag_detection_t detection{};
-  detection.H = homography.get();
-  for (std::size_t i = 0; i < 4; ++i) {  // libapriltag's order is the reverse of ours.
-    detection.p[i][0] = corners[3 - i].x();
-    detection.p[i][1] = corners[3 - i].y();
-  }
-  apriltag_detection_info_t info{&detection, tag_size_m, lens.focal_px, lens.focal_px, lens.centre_u_px, lens.centre_v_px};
-  std::array<double, 2> object_space_error{};
-  std::array<apriltag_pose_t, 2> raw{};
-  estimate_tag_pose_orthogonal_iteration(&info, &object_space_error[0], &raw[0], &object_space_error[1], &raw[1],
-                                         kIterations);
-  std::array<std::optional<TagPose>, 2> poses;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Matrix r(raw[i].R);
-    const Matrix t(raw[i].t);
-    poses[i] = checked(r, t, corners, tag_size_m, lens);
-  }
-  if (!poses[0] || (poses[1] && poses[1]->reprojection_px < poses[0]->reprojection_px)) std::swap(poses[0], poses[1]);
-  if (!poses[0]) return std::nullopt;
-  if (poses[1] && poses[0]->T_camera_tag.rotation().angularDistance(poses[1]->T_camera_tag.rotation()) < kSamePoseRad) {
-    poses[1].reset();
-  }
-  return TagPoses{*poses[0], poses[1]};
+  return TagPoses{*first, second};
 }
 
 }  // namespace cyclorama

@@ -25,9 +25,12 @@ struct TagPoses {
   std::optional<TagPose> other;
 };
 
-/// Orthogonal iteration (Lu, Hager and Mjolsness 2000) for both minima (Schweighofer and Pinz 2006), by libapriltag.
-/// Reentrant. Nothing when the corners are degenerate (not finite, not convex, of no area) or no pose is in front of the
-/// camera. Precondition: tag_size_m > 0, the edge of the black square.
+/// Both minima of the reprojection error: IPPE's two closed forms (Collins and Bartoli, "Infinitesimal Plane-Based Pose
+/// Estimation", IJCV 109, 2014), each refined by Levenberg and Marquardt's method. (Debian's libapriltag exports only
+/// the better of its two solutions, and minimises an error in space; the tests compare the two.)
+///
+/// Reentrant. Nothing when the corners are degenerate (not finite, not convex, of no area) or no pose is in front of
+/// the camera. Preconditions: tag_size_m > 0, the edge of the black square; the lens has a focal length.
 [[nodiscard]] std::optional<TagPoses> estimate_poses(const std::array<Eigen::Vector2d, 4>& corners, double tag_size_m,
                                                      const Pinhole& lens);
 

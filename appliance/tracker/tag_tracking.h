@@ -30,9 +30,9 @@ struct TrackingState {
 /// The followed tag in one picture.
 struct TrackedTag {
   TagDetection detection;
-  TagPoses measured;          ///< Both explanations, unfiltered, with their reprojection errors.
-  ChosenPose chosen;          ///< Which of them is believed, and how firmly.
-  T_CameraTag T_camera_tag;   ///< The chosen one, filtered: what the tour steers by.
+  TagPoses measured;         ///< Both explanations, unfiltered, with their reprojection errors.
+  ChosenPose chosen;         ///< Which of them is believed, and how firmly.
+  T_CameraTag T_camera_tag;  ///< The chosen one, filtered: what the tour steers by.
 };
 
 struct TrackingResult {
@@ -42,7 +42,8 @@ struct TrackingResult {
 
 /// Follows one tag: the same as before while it is seen or was lost for less than kKeepFor, else the largest. Pure.
 [[nodiscard]] TrackingResult track(const TrackingSettings& settings, const TrackingState& last,
-                                   std::span<const TagDetection> detections, const Pinhole& lens, TimePoint captured_at);
+                                   std::span<const TagDetection> detections, const Pinhole& lens,
+                                   TimePoint captured_at);
 
 inline constexpr Duration kKeepFor = std::chrono::milliseconds(300);
 

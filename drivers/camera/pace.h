@@ -9,7 +9,8 @@
 
 namespace cyclorama {
 
-/// When a camera that is made of software has its pictures: one every period, the newest for a late caller, and none twice.
+/// When a camera that is made of software has its pictures: one every period, the newest for a late caller, and none
+/// twice.
 struct Pace {
   TimePoint first_at{};  ///< Picture 0 is ready then.
   Duration period{};     ///< More than zero.

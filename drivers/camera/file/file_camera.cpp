@@ -30,8 +30,8 @@ bool looks_like_a_video(const std::filesystem::path& path) {
 Result<std::unique_ptr<Camera>> FileCamera::open(const std::filesystem::path& path, const FileCameraOptions& options,
                                                  const Clock& clock) {
   if (options.frames_per_second && !(*options.frames_per_second >= 0.01 && *options.frames_per_second <= 1000.0)) {
-    return Error(ErrorCode::kInvalidArgument, fmt::format("a rate of {} frames per second; it must be 0.01 to 1000",
-                                                          *options.frames_per_second));
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("a rate of {} frames per second; it must be 0.01 to 1000", *options.frames_per_second));
   }
   std::error_code ignored;
   const bool video = std::filesystem::is_regular_file(path, ignored) && looks_like_a_video(path);
@@ -70,9 +70,7 @@ Result<std::shared_ptr<const Frame>> FileCamera::next_frame(TimePoint deadline) 
 }
 
 Result<std::optional<GreyImage>> FileCamera::picture(std::uint64_t sequence) {
-  const auto folded = [&] {
-    return loop_ && recording_->count() ? sequence % *recording_->count() : sequence;
-  };
+  const auto folded = [&] { return loop_ && recording_->count() ? sequence % *recording_->count() : sequence; };
   auto pixels = recording_->picture(folded());
   // The end of a video becomes known when it is reached.
   if (loop_ && pixels && !pixels->has_value()) return recording_->picture(folded());

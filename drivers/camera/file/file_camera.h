@@ -17,8 +17,8 @@ struct FileCameraOptions {
   bool loop = true;  ///< Else the camera fails after the last picture, as one that was unplugged.
 };
 
-/// A photo, a folder of photos or a video, replayed in real time as if a camera saw it now. What the file is, is told by
-/// its first bytes and not by its name. Thread-bound, but for id().
+/// A photo, a folder of photos or a video, replayed in real time as if a camera saw it now. What the file is, is told
+/// by its first bytes and not by its name. Thread-bound, but for id().
 class FileCamera final : public Camera {
  public:
   /// Reads the first picture. Borrows `clock` for its whole life.

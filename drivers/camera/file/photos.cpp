@@ -32,8 +32,8 @@ Result<std::vector<std::filesystem::path>> photos_in(const std::filesystem::path
     return Error(ErrorCode::kSystem, fmt::format("listing folder '{}': {}", folder.string(), error.message()));
   }
   if (files.empty()) {
-    return Error(ErrorCode::kNotFound, fmt::format("folder '{}' holds no photo; put .png or .jpg files there",
-                                                   folder.string()));
+    return Error(ErrorCode::kNotFound,
+                 fmt::format("folder '{}' holds no photo; put .png or .jpg files there", folder.string()));
   }
   std::sort(files.begin(), files.end());
   return files;

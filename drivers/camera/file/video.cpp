@@ -23,11 +23,21 @@ namespace {
 /// Where the container does not say: what most cameras record at.
 constexpr double kUsualFramesPerSecond = 30.0;
 
-struct CloseFormat { void operator()(AVFormatContext* format) const { avformat_close_input(&format); } };
-struct FreeCodec { void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); } };
-struct FreeFrame { void operator()(AVFrame* frame) const { av_frame_free(&frame); } };
-struct FreePacket { void operator()(AVPacket* packet) const { av_packet_free(&packet); } };
-struct FreeScaler { void operator()(SwsContext* scaler) const { sws_freeContext(scaler); } };
+struct CloseFormat {
+  void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
+};
+struct FreeCodec {
+  void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); }
+};
+struct FreeFrame {
+  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+};
+struct FreePacket {
+  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+};
+struct FreeScaler {
+  void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
+};
 
 Error bad(const std::filesystem::path& path, const std::string& what) {
   return Error(ErrorCode::kBadData, fmt::format("video '{}': {}", path.string(), what));

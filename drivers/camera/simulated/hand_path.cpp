@@ -21,8 +21,7 @@ KeyPose key(double time_s, const Vector3d& position_m, double yaw_deg, double pi
 }
 
 bool is_finite(const KeyPose& pose) {
-  return pose.position_m.allFinite() &&
-         std::isfinite(pose.time_s + pose.yaw_rad + pose.pitch_rad + pose.roll_rad);
+  return pose.position_m.allFinite() && std::isfinite(pose.time_s + pose.yaw_rad + pose.pitch_rad + pose.roll_rad);
 }
 
 }  // namespace
@@ -43,7 +42,8 @@ Result<HandPath> HandPath::make(std::vector<KeyPose> keys, std::optional<double>
   }
   if (loop_s) {
     if (!(*loop_s - keys.back().time_s >= kLeastStepS) || !std::isfinite(*loop_s)) {
-      return refuse(fmt::format("the loop ends at {} s, before the last key pose at {} s", *loop_s, keys.back().time_s));
+      return refuse(
+          fmt::format("the loop ends at {} s, before the last key pose at {} s", *loop_s, keys.back().time_s));
     }
     keys.push_back(keys.front());
     keys.back().time_s = *loop_s;
@@ -54,13 +54,13 @@ Result<HandPath> HandPath::make(std::vector<KeyPose> keys, std::optional<double>
 HandPath HandPath::demo() {
   // At rest the tag is 0.8 m away, a little below the camera, and leans back as hands hold things.
   const std::vector<KeyPose> keys{
-      key(0.0, {0.00, 0.05, 0.80}, 0, 8, 0),     key(1.0, {0.00, 0.05, 0.80}, 0, 8, 1),
-      key(2.5, {0.00, 0.04, 0.62}, 2, 10, 0),    key(5.5, {0.02, 0.04, 0.62}, -2, 10, -1),
-      key(6.5, {0.02, 0.05, 0.78}, 16, 8, 1),    key(9.0, {0.02, 0.05, 0.80}, 24, 8, 2),
-      key(10.5, {0.01, 0.05, 0.66}, 4, 9, 0),    key(13.0, {0.00, 0.05, 0.64}, 3, 9, 0),
+      key(0.0, {0.00, 0.05, 0.80}, 0, 8, 0),      key(1.0, {0.00, 0.05, 0.80}, 0, 8, 1),
+      key(2.5, {0.00, 0.04, 0.62}, 2, 10, 0),     key(5.5, {0.02, 0.04, 0.62}, -2, 10, -1),
+      key(6.5, {0.02, 0.05, 0.78}, 16, 8, 1),     key(9.0, {0.02, 0.05, 0.80}, 24, 8, 2),
+      key(10.5, {0.01, 0.05, 0.66}, 4, 9, 0),     key(13.0, {0.00, 0.05, 0.64}, 3, 9, 0),
       key(14.5, {-0.02, 0.05, 0.80}, -20, 8, -2), key(18.0, {-0.02, 0.05, 0.82}, -26, 8, -2),
-      key(19.5, {0.00, 0.05, 0.80}, -2, 8, 0),   key(21.0, {-0.16, 0.05, 0.80}, 0, 8, 0),
-      key(23.0, {-0.15, 0.05, 0.79}, 1, 8, 1),   key(24.5, {0.00, 0.05, 0.96}, 0, 8, 0),
+      key(19.5, {0.00, 0.05, 0.80}, -2, 8, 0),    key(21.0, {-0.16, 0.05, 0.80}, 0, 8, 0),
+      key(23.0, {-0.15, 0.05, 0.79}, 1, 8, 1),    key(24.5, {0.00, 0.05, 0.96}, 0, 8, 0),
       key(26.5, {0.01, 0.05, 0.98}, 10, 8, 0),
   };
   Result<HandPath> path = make(keys, 28.0);

@@ -28,11 +28,13 @@ struct KeyPose {
 
 /// A smooth movement through key poses. It passes through every key, and never beyond what two neighbours span, so a
 /// hand that is held still stays still. Cubic Hermite pieces with the slopes of Fritsch and Butland, "A Method for
-/// Constructing Local Monotone Piecewise Cubic Interpolants", SIAM J. Sci. Stat. Comput. 5 (1984). Immutable; reentrant.
+/// Constructing Local Monotone Piecewise Cubic Interpolants", SIAM J. Sci. Stat. Comput. 5 (1984). Immutable;
+/// reentrant.
 class HandPath {
  public:
   /// `loop_s`: the movement returns to the first key at that time and begins again; without it the last pose is held.
-  /// kInvalidArgument  no key, a number that is not finite, times that do not grow, or a loop that ends before the last.
+  /// kInvalidArgument  no key, a number that is not finite, times that do not grow, or a loop that ends before the
+  /// last.
   static Result<HandPath> make(std::vector<KeyPose> keys, std::optional<double> loop_s);
   /// What the demo replays, 28 s: stand, walk on, turn right, walk, turn left, step aside, back.
   static HandPath demo();

@@ -11,10 +11,13 @@ namespace {
 
 constexpr std::size_t kNoiseValues = std::size_t{1} << 16;
 
-/// Furniture: rectangles of any grey, some of them dark quads on light ground as tags are, so that a detector has to work.
+/// Furniture: rectangles of any grey, some of them dark quads on light ground as tags are, so that a detector has to
+/// work.
 void add_clutter(std::uint32_t seed, Image<float, 1>* ret_picture) {
   std::mt19937 random(seed);
-  const auto uniform = [&](int below) { return static_cast<int>(random() % static_cast<unsigned>(std::max(below, 1))); };
+  const auto uniform = [&](int below) {
+    return static_cast<int>(random() % static_cast<unsigned>(std::max(below, 1)));
+  };
   const int width = ret_picture->width();
   const int height = ret_picture->height();
   for (int i = 0; i < 60; ++i) {
@@ -23,7 +26,8 @@ void add_clutter(std::uint32_t seed, Image<float, 1>* ret_picture) {
     const int right = std::min(width, left + 4 + uniform(width / 6));
     const int bottom = std::min(height, top + 4 + uniform(height / 6));
     const auto grey = static_cast<float>(20 + uniform(200));
-    for (int y = top; y < bottom; ++y) std::fill(ret_picture->at(left, y), ret_picture->at(left, y) + (right - left), grey);
+    for (int y = top; y < bottom; ++y)
+      std::fill(ret_picture->at(left, y), ret_picture->at(left, y) + (right - left), grey);
   }
 }
 
@@ -65,7 +69,8 @@ GreyImage SimulatedView::picture(std::uint64_t sequence) const {
   }
   painter_.paint(poses, simulation_.lens, &light);
 
-  std::seed_seq seeds{simulation_.seed, static_cast<std::uint32_t>(sequence), static_cast<std::uint32_t>(sequence >> 32)};
+  std::seed_seq seeds{simulation_.seed, static_cast<std::uint32_t>(sequence),
+                      static_cast<std::uint32_t>(sequence >> 32)};
   std::mt19937 random(seeds);
   const auto gain = static_cast<float>(simulation_.brightness);
   GreyImage grey(light.width(), light.height());

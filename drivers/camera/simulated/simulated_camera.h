@@ -12,8 +12,8 @@
 
 namespace cyclorama {
 
-/// Makes the pictures of a simulation. Picture n begins its exposure at n / frames_per_second on the path, and depends on
-/// nothing but the simulation and n. Immutable; reentrant.
+/// Makes the pictures of a simulation. Picture n begins its exposure at n / frames_per_second on the path, and depends
+/// on nothing but the simulation and n. Immutable; reentrant.
 class SimulatedView {
  public:
   explicit SimulatedView(Simulation simulation);
@@ -27,7 +27,8 @@ class SimulatedView {
   std::vector<float> noise_;  ///< Normal deviates, read from another place for every row of every picture.
 };
 
-/// A camera that sees a hand with a tag, in real time. What it knows leaves it as pixels only. Thread-bound, but for id().
+/// A camera that sees a hand with a tag, in real time. What it knows leaves it as pixels only. Thread-bound, but for
+/// id().
 class SimulatedCamera final : public Camera {
  public:
   /// Borrows `clock` for its whole life.

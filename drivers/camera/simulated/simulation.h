@@ -21,10 +21,10 @@ struct Simulation {
   Pinhole lens = Pinhole::from_field_of_view(640, 480, 1.0471975511965976);  ///< 60°
   double frames_per_second = 30.0;
   double exposure_s = 0.004;
-  int exposure_steps = 4;       ///< Moments of the exposure that are averaged: motion blur. 1, 2, 4 or 8.
-  double noise_grey = 1.5;      ///< Standard deviation, in grey levels of 255.
-  double brightness = 1.0;      ///< Gain on everything but the noise; highlights clip as they do in a camera.
-  std::uint32_t seed = 1;       ///< Of noise and clutter.
+  int exposure_steps = 4;   ///< Moments of the exposure that are averaged: motion blur. 1, 2, 4 or 8.
+  double noise_grey = 1.5;  ///< Standard deviation, in grey levels of 255.
+  double brightness = 1.0;  ///< Gain on everything but the noise; highlights clip as they do in a camera.
+  std::uint32_t seed = 1;   ///< Of noise and clutter.
   Backdrop backdrop = Backdrop::kClutter;
   double backdrop_grey = 90.0;
   int tag_id = 0;

@@ -3,7 +3,6 @@
 
 extern "C" {
 #include <apriltag/apriltag.h>
-#include <apriltag/common/image_u8.h>
 #include <apriltag/tag36h11.h>
 }
 
@@ -11,6 +10,7 @@ extern "C" {
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "common/base/check.h"
 
@@ -80,7 +80,8 @@ Box box_of(const Eigen::Matrix3d& to_image, const Pinhole& lens) {
 }
 
 /// Plane (x, y, 1) in tag sizes to homogeneous pixels.
-Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Tag>& pose, double size_m, const Pinhole& lens) {
+Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Tag>& pose, double size_m,
+                               const Pinhole& lens) {
   const Eigen::Matrix3d rotation = pose.rotation().toRotationMatrix();
   Eigen::Matrix3d plane;
   plane << size_m * rotation.col(0), size_m * rotation.col(1), pose.translation();
@@ -98,9 +99,12 @@ TagPainter::TagPainter(int id, double size_m) : size_m_(size_m) {
   cells_ = image->width;
   bitmap_width_ = static_cast<double>(family->total_width) / family->width_at_border;
   for (int y = 0; y < image->height; ++y) {
-    for (int x = 0; x < image->width; ++x) bitmap_.push_back(image->buf[y * image->stride + x] > 127 ? kPaperGrey : kInkGrey);
+    for (int x = 0; x < image->width; ++x)
+      bitmap_.push_back(image->buf[y * image->stride + x] > 127 ? kPaperGrey : kInkGrey);
   }
-  image_u8_destroy(image);
+  // What image_u8_destroy() does; Debian's library keeps that one to itself.
+  std::free(image->buf);
+  std::free(image);
   tag36h11_destroy(family);
 }
 

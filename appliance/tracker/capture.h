@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "common/base/clock.h"
+#include "common/base/latest_value.h"
+#include "drivers/camera/camera.h"
+
+namespace cyclorama {
+
+/// Keeps one camera open and its newest picture at hand, on a thread `capture` of its own. A camera that fails, or was
+/// never there, is made again after a pause that grows from kFirstPause to kLongestPause. Thread-safe.
+class Capture {
+ public:
+  using MakeCamera = std::function<Result<std::unique_ptr<Camera>>()>;
+  using Frames = LatestValue<std::shared_ptr<const Frame>>;
+  static constexpr Duration kFirstPause = std::chrono::milliseconds(100);
+  static constexpr Duration kLongestPause = std::chrono::seconds(5);
+  /// A camera that streams and gives no picture for this long is made again.
+  static constexpr Duration kPatience = std::chrono::seconds(3);
+
+  /// `make` is called on the capture thread. `clock` is borrowed.
+  Capture(MakeCamera make, const Clock& clock);
+  /// Ends the thread; blocks for as long as the camera takes to notice, 200 ms for ours.
+  ~Capture();
+  Capture(const Capture&) = delete;
+  Capture& operator=(const Capture&) = delete;
+
+  [[nodiscard]] Frames& frames() { return frames_; }
+  /// Pictures that nobody took in time.
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+  /// What is wrong with the camera, in one sentence; empty while it delivers.
+  [[nodiscard]] std::string problem() const;
+  /// The camera's id; empty before the first was made.
+  [[nodiscard]] std::string camera_id() const;
+  /// When the thread last proved that it is not stuck in a driver.
+  [[nodiscard]] TimePoint alive_at() const { return alive_at_; }
+
+ private:
+  void run(const std::stop_token& stop);
+  /// Streams until the camera fails or the thread is stopped.
+  Status stream(Camera* camera, const std::stop_token& stop);
+  void set_problem(std::string sentence);
+  void beat() { alive_at_ = clock_.now(); }
+
+  const MakeCamera make_;
+  const Clock& clock_;
+  Frames frames_;
+  std::atomic<std::uint64_t> dropped_ = 0;
+  std::atomic<TimePoint> alive_at_;
+  mutable std::mutex mutex_;
+  std::string problem_ = "the camera is being opened";
+  std::string camera_id_;
+  LatestValue<Done> never_;  ///< Waited for during a pause; closed at the end.
+  std::jthread thread_;      ///< Last: it uses all the others.
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/tracker/tour_link.h"
+
+#include <grpcpp/client_context.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/wire/channel.h"
+#include "common/wire/museum.grpc.pb.h"
+
+namespace cyclorama {
+namespace {
+
+/// How soon a request to stop, or a tour that hung up, is noticed.
+constexpr std::chrono::milliseconds kLookAround(200);
+constexpr Duration kFirstPause = std::chrono::milliseconds(100);
+constexpr Duration kLongestPause = std::chrono::seconds(2);
+/// A stream that lasted this long was a good one, and the next is tried at once.
+constexpr Duration kGoodStream = std::chrono::seconds(5);
+
+}  // namespace
+
+Result<std::unique_ptr<TourLink>> TourLink::open(const std::string& address) {
+  TRY_ASSIGN(std::shared_ptr<grpc::Channel> channel, make_channel(address));
+  return std::unique_ptr<TourLink>(new TourLink(std::move(channel)));
+}
+
+TourLink::TourLink(std::shared_ptr<grpc::Channel> channel)
+    : channel_(std::move(channel)), thread_([this](const std::stop_token& stop) {
+        pthread_setname_np(pthread_self(), "link");
+        run(stop);
+      }) {}
+
+TourLink::~TourLink() {
+  thread_.request_stop();
+  outbox_.close();
+  {
+    const std::lock_guard lock(mutex_);
+    if (context_ != nullptr) context_->TryCancel();
+  }
+  thread_.join();
+}
+
+void TourLink::run(const std::stop_token& stop) {
+  const SteadyClock clock;
+  Duration pause = kFirstPause;
+  while (!stop.stop_requested()) {
+    // The channel dials by itself, with its own back-off; gRPC's deadlines are on the system clock.
+    if (!channel_->WaitForConnected(std::chrono::system_clock::now() + kLookAround)) continue;
+    const TimePoint began = clock.now();
+    stream(stop);
+    if (clock.now() - began > kGoodStream) pause = kFirstPause;
+    // Somebody listens there but ends the stream: it may be starting. What is put in the outbox meanwhile gets stale.
+    const TimePoint until = clock.now() + pause;
+    while (clock.now() < until && !outbox_.is_closed()) static_cast<void>(outbox_.take_before(until));
+    pause = std::min(2 * pause, kLongestPause);
+  }
+}
+
+void TourLink::stream(const std::stop_token& stop) {
+  grpc::ClientContext context;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stop.stop_requested()) return;
+    context_ = &context;
+  }
+  wire::TrackReply reply;
+  const std::unique_ptr<wire::Tour::Stub> stub = wire::Tour::NewStub(channel_);
+  const auto writer = stub->Track(&context, &reply);
+  connected_ = true;
+  while (!stop.stop_requested() && channel_->GetState(false) == GRPC_CHANNEL_READY) {
+    const auto pose = outbox_.take_before(SteadyClock().now() + kLookAround);
+    if (!pose) continue;
+    if (!writer->Write(*pose)) break;
+    ++sent_;
+  }
+  connected_ = false;
+  context.TryCancel();  // Otherwise Finish() would wait for a tour that may never answer.
+  static_cast<void>(writer->Finish());
+  const std::lock_guard lock(mutex_);
+  context_ = nullptr;
+}
+
+}  // namespace cyclorama

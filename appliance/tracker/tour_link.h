@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "common/base/latest_value.h"
+#include "common/base/result.h"
+#include "common/wire/museum.pb.h"
+
+namespace grpc {
+class Channel;
+class ClientContext;
+}  // namespace grpc
+
+namespace cyclorama {
+
+/// The tracker's line to the tour: dials, streams poses, dials again for ever, on a thread `link` of its own. A pose
+/// that cannot be sent at once is replaced by the next; none is ever sent late. Thread-safe.
+class TourLink {
+ public:
+  /// kInvalidArgument  not an address. A tour that is away is no error.
+  static Result<std::unique_ptr<TourLink>> open(const std::string& address);
+  /// Cancels the stream and joins; blocks for at most about half a second.
+  ~TourLink();
+  TourLink(const TourLink&) = delete;
+  TourLink& operator=(const TourLink&) = delete;
+
+  /// Never blocks for long.
+  void send(wire::TrackedPose pose) { outbox_.put(std::move(pose)); }
+  [[nodiscard]] bool is_connected() const { return connected_; }
+  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+
+ private:
+  explicit TourLink(std::shared_ptr<grpc::Channel> channel);
+  void run(const std::stop_token& stop);
+  /// Streams until the tour goes away or the thread is stopped.
+  void stream(const std::stop_token& stop);
+
+  std::shared_ptr<grpc::Channel> channel_;
+  LatestValue<wire::TrackedPose> outbox_;
+  std::atomic<bool> connected_ = false;
+  std::atomic<std::uint64_t> sent_ = 0;
+  std::mutex mutex_;
+  grpc::ClientContext* context_ = nullptr;  ///< Of the open stream; null between streams.
+  std::jthread thread_;                     ///< Last: it uses all the others.
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/tracker/tracker.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <numbers>
+#include <utility>
+
+#include "appliance/tracker/overlay.h"
+#include "common/wire/convert.h"
+#include "drivers/camera/make_camera.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kLookAround = std::chrono::milliseconds(200);
+/// Searching the largest picture that we take lasts about four seconds on a slow core.
+constexpr Duration kStuckAfter = std::chrono::seconds(15);
+constexpr const char* kPicture = "camera";
+
+void add_stage(const char* name, Duration duration, InspectionService* inspection, wire::TrackedPose* ret_pose) {
+  inspection->add_stage_time(name, duration);
+  wire::StageTime* const stage = ret_pose->add_stages();
+  stage->set_name(name);
+  stage->set_seconds(to_seconds(duration));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Tracker>> Tracker::start(const TrackerSettings& settings, const Clock& clock,
+                                                InspectionService* inspection) {
+  TRY_ASSIGN(TagDetector detector, TagDetector::create(settings.detector));
+  auto camera = make_camera(settings.camera, clock);
+  if (!camera && camera.error().code() == ErrorCode::kInvalidArgument) return std::move(camera).error();
+  TRY_ASSIGN(std::unique_ptr<TourLink> link, TourLink::open(settings.tour));
+  inspection->set_fact("camera", settings.camera);
+  inspection->set_fact("tour", settings.tour);
+  inspection->set_fact("tag",
+                       fmt::format("{}, {:.0f} mm", settings.detector.family, 1e3 * settings.tracking.tag_size_m));
+  return std::unique_ptr<Tracker>(new Tracker(settings, clock, inspection, camera ? *std::move(camera) : nullptr,
+                                              std::move(detector), std::move(link)));
+}
+
+Tracker::Tracker(const TrackerSettings& settings, const Clock& clock, InspectionService* inspection,
+                 std::unique_ptr<Camera> first_camera, TagDetector detector, std::unique_ptr<TourLink> link)
+    : settings_(settings),
+      clock_(clock),
+      inspection_(*inspection),
+      detector_(std::move(detector)),
+      link_(std::move(link)),
+      first_camera_(std::move(first_camera)),
+      capture_(
+          [this]() -> Result<std::unique_ptr<Camera>> {
+            if (first_camera_ != nullptr) return std::move(first_camera_);
+            return make_camera(settings_.camera, clock_);
+          },
+          clock),
+      detect_alive_at_(clock.now()),
+      counted_at_(clock.now()),
+      thread_([this](const std::stop_token& stop) {
+        pthread_setname_np(pthread_self(), "detect");
+        detect(stop);
+      }) {
+  static_cast<void>(inspection_.is_watched(kPicture));  // Names it in GetStatus.
+}
+
+Tracker::~Tracker() {
+  thread_.request_stop();
+  thread_.join();
+}
+
+void Tracker::detect(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    detect_alive_at_ = clock_.now();
+    const auto frame = capture_.frames().take_before(SteadyClock().now() + kLookAround);
+    if (frame) handle(**frame);
+  }
+}
+
+void Tracker::handle(const Frame& frame) {
+  if (frame.pixels.empty()) return;
+  const TimePoint taken_at = clock_.now();
+  auto found = detector_.detect(frame.pixels);
+  const TimePoint found_at = clock_.now();
+  const std::vector<TagDetection> detections = found ? *std::move(found) : std::vector<TagDetection>{};
+  const Pinhole lens = lens_for(settings_.lens, frame.pixels.width(), frame.pixels.height());
+  TrackingResult result = track(settings_.tracking, tracking_, detections, lens, frame.captured_at);
+  tracking_ = result.state;
+
+  wire::TrackedPose pose = pose_of(frame, result.tag);
+  add_stage("capture", taken_at - frame.captured_at, &inspection_, &pose);
+  add_stage("detect", found_at - taken_at, &inspection_, &pose);
+  add_stage("pose", clock_.now() - found_at, &inspection_, &pose);
+  link_->send(std::move(pose));
+  ++pictures_;
+  followed_ = result.tag ? result.tag->detection.id : -1;
+  report(frame, result, lens, detections);
+}
+
+wire::TrackedPose Tracker::pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const {
+  wire::TrackedPose pose;
+  pose.set_camera(settings_.name.empty() ? capture_.camera_id() : settings_.name);
+  pose.set_sequence(frame.sequence);
+  pose.set_shutter_ns(to_nanoseconds(frame.captured_at));
+  pose.set_found(tag.has_value());
+  if (!tag) return pose;
+  pose.set_tag(static_cast<std::uint32_t>(tag->detection.id));
+  to_wire(tag->T_camera_tag.translation(), pose.mutable_position_m());
+  const Eigen::Quaterniond& rotation = tag->T_camera_tag.rotation();
+  pose.set_rotation_w(rotation.w());
+  pose.set_rotation_x(rotation.x());
+  pose.set_rotation_y(rotation.y());
+  pose.set_rotation_z(rotation.z());
+  return pose;
+}
+
+void Tracker::report(const Frame& frame, const TrackingResult& result, const Pinhole& lens,
+                     std::span<const TagDetection> detections) {
+  inspection_.set_gauge("tags_found", static_cast<double>(detections.size()));
+  inspection_.count("pictures");
+  if (result.tag) {
+    inspection_.count("pictures_with_the_tag");
+    inspection_.set_gauge("distance_m", result.tag->T_camera_tag.translation().z());
+    inspection_.set_gauge("yaw_deg", yaw_rad(result.tag->T_camera_tag) * 180.0 / std::numbers::pi);
+    inspection_.set_gauge("reprojection_px", result.tag->chosen.pose.reprojection_px);
+    inspection_.set_gauge("pose_probability", result.tag->chosen.probability);
+  }
+  if (!inspection_.is_watched(kPicture)) return;
+  const TrackedTag* const tag = result.tag ? &*result.tag : nullptr;
+  inspection_.set_picture(kPicture, std::make_shared<const RgbImage>(draw_overlay(
+                                        frame.pixels, detections, tag, settings_.tracking.tag_size_m, lens)));
+}
+
+bool Tracker::supervise() {
+  const TimePoint now = clock_.now();
+  const double elapsed_s = to_seconds(now - counted_at_);
+  const std::uint64_t pictures = pictures_;
+  const double rate = elapsed_s > 0.0 ? static_cast<double>(pictures - counted_pictures_) / elapsed_s : 0.0;
+  counted_pictures_ = pictures;
+  counted_at_ = now;
+  inspection_.set_gauge("frames_per_second", rate);
+  inspection_.set_gauge("pictures_dropped", static_cast<double>(capture_.dropped()));
+  inspection_.set_gauge("poses_sent", static_cast<double>(link_->sent()));
+  inspection_.set_gauge("tour_connected", link_->is_connected() ? 1.0 : 0.0);
+
+  const std::string problem = capture_.problem();
+  const int followed = followed_;
+  std::string sentence = !problem.empty() ? fmt::format("No pictures: {}.", problem)
+                         : followed >= 0  ? fmt::format("Follows tag {}, {:.1f} pictures per second.", followed, rate)
+                                          : fmt::format("Sees no tag, {:.1f} pictures per second.", rate);
+  if (!link_->is_connected()) sentence += fmt::format(" The tour at {} does not answer.", settings_.tour);
+  state_ = sentence;
+  inspection_.set_state(std::move(sentence), problem.empty() && link_->is_connected());
+  return now - capture_.alive_at() < kStuckAfter && now - detect_alive_at_.load() < kStuckAfter;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "appliance/tracker/capture.h"
+#include "appliance/tracker/tag_detector.h"
+#include "appliance/tracker/tag_tracking.h"
+#include "appliance/tracker/tour_link.h"
+#include "appliance/tracker/tracker_settings.h"
+#include "common/process/stop_signal.h"
+#include "common/wire/inspection_service.h"
+
+namespace cyclorama {
+
+/// The process behind cyclorama-tracker: camera in, poses out.
+///
+///   camera ─▶ capture ─▶ newest frame ─▶ detect ─▶ newest pose ─▶ link ─▶ tour
+///
+/// Every picture that is searched gives one TrackedPose, found or not. Nothing outside ends it: without camera or tour
+/// it says so in its state and goes on trying.
+class Tracker {
+ public:
+  /// Borrows `clock` and `inspection`.
+  /// kInvalidArgument  a setting can never work: the camera's kind, an address, the detector.
+  static Result<std::unique_ptr<Tracker>> start(const TrackerSettings& settings, const Clock& clock,
+                                                InspectionService* inspection);
+  ~Tracker();
+  Tracker(const Tracker&) = delete;
+  Tracker& operator=(const Tracker&) = delete;
+
+  /// Renews state and gauges; call it about twice a second. Thread-bound.
+  /// Returns false when a thread has been stuck for longer than any picture takes: then nothing helps but a restart.
+  bool supervise();
+  /// The sentence that supervise() gave to the inspection.
+  [[nodiscard]] const std::string& state() const { return state_; }
+
+ private:
+  Tracker(const TrackerSettings& settings, const Clock& clock, InspectionService* inspection,
+          std::unique_ptr<Camera> first_camera, TagDetector detector, std::unique_ptr<TourLink> link);
+  void detect(const std::stop_token& stop);
+  void handle(const Frame& frame);
+  void report(const Frame& frame, const TrackingResult& result, const Pinhole& lens,
+              std::span<const TagDetection> detections);
+  [[nodiscard]] wire::TrackedPose pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const;
+
+  const TrackerSettings settings_;
+  const Clock& clock_;
+  InspectionService& inspection_;
+  TagDetector detector_;
+  TrackingState tracking_;  ///< Of the detect thread.
+  std::unique_ptr<TourLink> link_;
+  std::unique_ptr<Camera> first_camera_;  ///< Opened at the start, to show mistakes at once; then the capture thread's.
+  Capture capture_;
+  std::atomic<TimePoint> detect_alive_at_;
+  std::atomic<std::uint64_t> pictures_ = 0;
+  std::atomic<int> followed_ = -1;  ///< Id of the tag in the newest picture; -1 without one.
+  std::uint64_t counted_pictures_ = 0;
+  TimePoint counted_at_{};
+  std::string state_;
+  std::jthread thread_;  ///< `detect`. Last: it uses all the others.
+};
+
+}  // namespace cyclorama

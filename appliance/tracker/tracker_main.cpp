@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "appliance/tracker/tracker.h"
+#include "appliance/tracker/tracker_settings.h"
+#include "common/process/log.h"
+#include "common/process/notify.h"
+#include "common/process/program.h"
+#include "common/wire/channel.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
+
+/// What the command line says; each overrides the file.
+struct Options {
+  std::string config;
+  std::optional<std::string> camera;
+  std::optional<std::string> tour;
+  std::optional<std::string> listen;
+  std::optional<double> tag_size_mm;
+  std::optional<double> field_of_view_deg;
+  std::optional<double> decimate;
+};
+
+void add_options(CLI::App* app, Options* ret) {
+  app->add_option("--config", ret->config, "Settings (tracker.toml); without it the defaults hold")->type_name("FILE");
+  app->add_option("--camera", ret->camera, "file:PATH[?frames_per_second=N&loop=no] or simulated[:FILE.toml]")
+      ->type_name("CAMERA");
+  app->add_option("--tour", ret->tour, "Where the tour listens")->type_name("HOST:PORT");
+  app->add_option("--listen", ret->listen, "Where to show live state to the operator")->type_name("HOST:PORT");
+  app->add_option("--tag-size-mm", ret->tag_size_mm, "Edge of the tag's black square")->check(CLI::Range(1.0, 10000.0));
+  app->add_option("--field-of-view-deg", ret->field_of_view_deg, "Of the picture's width")
+      ->check(CLI::Range(1.0, 170.0));
+  app->add_option("--decimate", ret->decimate, "Seek tags in a picture this many times smaller")
+      ->check(CLI::Range(1.0, 8.0));
+}
+
+Result<TrackerSettings> settings_of(const Options& options) {
+  TrackerSettings settings;
+  if (!options.config.empty()) {
+    TRY_ASSIGN(settings, TrackerSettings::read(options.config));
+  }
+  if (options.camera) settings.camera = *options.camera;
+  if (options.tour) settings.tour = *options.tour;
+  if (options.listen) settings.listen = *options.listen;
+  if (options.tag_size_mm) settings.tracking.tag_size_m = 1e-3 * *options.tag_size_mm;
+  if (options.field_of_view_deg) {
+    settings.lens.field_of_view_rad = *options.field_of_view_deg * std::numbers::pi / 180.0;
+    settings.lens.focal_px.reset();
+  }
+  if (options.decimate) settings.detector.decimate = *options.decimate;
+  return settings;
+}
+
+Status run(const Options& options, const StopSignal& stop) {
+  TRY_ASSIGN(const TrackerSettings settings, settings_of(options));
+  const SteadyClock clock;
+  InspectionService inspection("tracker");
+  TRY_ASSIGN(const std::unique_ptr<WireServer> server, WireServer::start(settings.listen, {&inspection}));
+  TRY_ASSIGN(const std::unique_ptr<Tracker> tracker, Tracker::start(settings, clock, &inspection));
+  Notify notify;
+  notify.ready();
+  log(LogLevel::kNotice,
+      fmt::format("tracks '{}' for the tour at {}; state at port {}", settings.camera, settings.tour, server->port()));
+  std::string shown;
+  do {
+    if (tracker->supervise()) notify.keep_alive(clock.now());
+    // The rate changes all the time; what is worth a line is another situation.
+    const std::string situation = tracker->state().substr(0, tracker->state().find(','));
+    if (situation != shown) {
+      notify.status(tracker->state());
+      log(LogLevel::kInfo, tracker->state());
+      shown = situation;
+    }
+  } while (!stop.wait_until(clock.now() + kSupervisePeriod));
+  notify.stopping();
+  server->stop(std::chrono::milliseconds(200));
+  return Done{};
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  cyclorama::Program program("cyclorama-tracker",
+                             "Finds the visitor's tag in a camera's pictures and tells the tour its pose.");
+  cyclorama::Options options;
+  add_options(&program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return run(options, stop); });
+}

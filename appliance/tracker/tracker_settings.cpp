@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/tracker/tracker_settings.h"
+
+#include <numbers>
+
+#include "common/base/check.h"
+#include "common/config/config.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+void read_camera(ConfigTable camera, TrackerSettings* ret) {
+  ret->camera = camera.text("source", ret->camera);
+  ret->name = camera.text("name", ret->name);
+  ret->lens.field_of_view_rad = camera.number("field_of_view_deg", {1, 170}, 60.0) * kDegree;
+  if (camera.has("focal_px")) {
+    ret->lens.focal_px = camera.number("focal_px", {1, 1e6});
+    if (camera.has("field_of_view_deg")) camera.refuse("field_of_view_deg", "and focal_px say the same; remove one");
+  }
+  if (camera.has("centre_px")) {
+    const std::vector<double> centre = camera.numbers("centre_px", 2, {-1e6, 1e6});
+    if (centre.size() == 2) ret->lens.centre_px = Eigen::Vector2d(centre[0], centre[1]);
+  }
+}
+
+void read_tag(ConfigTable tag, TrackerSettings* ret) {
+  ret->detector.family = tag.choice("family", tag_families(), ret->detector.family);
+  ret->tracking.tag_size_m = 1e-3 * tag.number("size_mm", {1, 10000}, 1e3 * ret->tracking.tag_size_m);
+  if (tag.has("id")) ret->tracking.only_id = tag.integer("id", {0, 1e6});
+}
+
+void read_detector(ConfigTable detector, DetectorSettings* ret) {
+  ret->decimate = detector.number("decimate", {1, 8}, ret->decimate);
+  ret->threads = detector.integer("threads", {1, 16}, ret->threads);
+  ret->refine_edges = detector.flag("refine_edges", ret->refine_edges);
+  ret->most_hamming = detector.integer("most_hamming", {0, 1}, ret->most_hamming);
+  ret->least_margin = detector.number("least_margin_grey", {0, 255}, ret->least_margin);
+}
+
+void read_filter(ConfigTable filter, TrackingSettings* ret) {
+  constexpr Range kCutoff{0.01, 1000};
+  constexpr Range kPerSpeed{0, 1000};
+  OneEuroSettings& position = ret->position;
+  position.least_cutoff_hz = filter.number("position_cutoff_hz", kCutoff, position.least_cutoff_hz);
+  position.cutoff_per_speed = filter.number("position_cutoff_hz_per_m_s", kPerSpeed, position.cutoff_per_speed);
+  OneEuroSettings& rotation = ret->rotation;
+  rotation.least_cutoff_hz = filter.number("rotation_cutoff_hz", kCutoff, rotation.least_cutoff_hz);
+  rotation.cutoff_per_speed = filter.number("rotation_cutoff_hz_per_rad_s", kPerSpeed, rotation.cutoff_per_speed);
+  ret->chooser.corner_noise_px = filter.number("corner_noise_px", {0.01, 10}, ret->chooser.corner_noise_px);
+  ret->chooser.memory_s = filter.number("memory_s", {0.01, 60}, ret->chooser.memory_s);
+}
+
+Result<TrackerSettings> from_config(Config* config) {
+  TrackerSettings settings;
+  ConfigTable root = config->root();
+  read_camera(root.table("camera"), &settings);
+  read_tag(root.table("tag"), &settings);
+  read_detector(root.table("detector"), &settings.detector);
+  read_filter(root.table("filter"), &settings.tracking);
+  ConfigTable wire = root.table("wire");
+  settings.tour = wire.text("tour", settings.tour);
+  settings.listen = wire.text("listen", settings.listen);
+  TRY(config->finish());
+  return settings;
+}
+
+}  // namespace
+
+Result<TrackerSettings> TrackerSettings::read(const std::filesystem::path& path) {
+  TRY_ASSIGN(Config config, Config::read(path));
+  return from_config(&config);
+}
+
+Result<TrackerSettings> TrackerSettings::parse(std::string_view text, std::string name) {
+  TRY_ASSIGN(Config config, Config::parse(text, std::move(name)));
+  return from_config(&config);
+}
+
+Pinhole lens_for(const LensSettings& settings, int width_px, int height_px) {
+  CHECK(width_px > 0 && height_px > 0);
+  Pinhole lens = Pinhole::from_field_of_view(width_px, height_px, settings.field_of_view_rad);
+  if (settings.focal_px) lens.focal_px = *settings.focal_px;
+  if (settings.centre_px) {
+    lens.centre_u_px = settings.centre_px->x();
+    lens.centre_v_px = settings.centre_px->y();
+  }
+  return lens;
+}
+
+}  // namespace cyclorama

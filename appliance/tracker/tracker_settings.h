@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "appliance/tracker/tag_detector.h"
+#include "appliance/tracker/tag_tracking.h"
+#include "common/base/result.h"
+#include "common/room/pinhole.h"
+
+namespace cyclorama {
+
+/// The camera's lens, which is known before the size of its pictures is.
+struct LensSettings {
+  double field_of_view_rad = 1.0471975511965976;  ///< Of the picture's width; 60°.
+  /// Calibrated values, in pixels, replace the field of view; the centre is the picture's middle when not given.
+  std::optional<double> focal_px;
+  std::optional<Eigen::Vector2d> centre_px;
+};
+
+/// Everything that cyclorama-tracker is told. The defaults are those of the demo on one machine.
+struct TrackerSettings {
+  std::string camera = "simulated";  ///< For make_camera().
+  std::string name;                  ///< What the tour calls this camera; the camera's own id when empty.
+  LensSettings lens;
+  DetectorSettings detector;
+  TrackingSettings tracking;
+  std::string tour = "[::1]:7403";
+  std::string listen = "[::1]:7405";
+
+  /// tracker.toml, whose keys docs/design/tracker.md lists. kBadData  file, line and remedy.     Others as read_file().
+  static Result<TrackerSettings> read(const std::filesystem::path& path);
+  static Result<TrackerSettings> parse(std::string_view text, std::string name);
+};
+
+/// Preconditions: the picture is not empty.
+[[nodiscard]] Pinhole lens_for(const LensSettings& settings, int width_px, int height_px);
+
+}  // namespace cyclorama

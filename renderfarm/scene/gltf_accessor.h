@@ -53,9 +53,10 @@ Result<GltfAccessor> read_accessor(GltfDocument* document, std::size_t index, Gl
 /// Which elements are wanted: all of them, or some in increasing order.
 class GltfSelection {
  public:
-  static GltfSelection all(std::size_t count) { return GltfSelection(count, {}); }
+  static GltfSelection all(std::size_t count) { return {count, {}}; }
   static GltfSelection some(std::vector<std::uint32_t> elements) {
-    return GltfSelection(elements.size(), std::move(elements));
+    const std::size_t count = elements.size();
+    return {count, std::move(elements)};
   }
 
   [[nodiscard]] std::size_t size() const { return size_; }

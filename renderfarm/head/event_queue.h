@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <utility>
+
+#include "common/base/clock.h"
+
+namespace cyclorama {
+
+/// Many threads post, one loop takes. Not bounded by itself: the head's streams each have at most one message and one
+/// finished write in it. Thread-safe.
+template <typename Event>
+class EventQueue {
+ public:
+  /// False after close(): the event is dropped.
+  bool post(Event event) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (closed_) return false;
+      events_.push_back(std::move(event));
+    }
+    posted_.notify_one();
+    return true;
+  }
+  /// All that is there; waits for something until `deadline` or close().
+  std::deque<Event> take_all(TimePoint deadline) {
+    std::unique_lock lock(mutex_);
+    posted_.wait_until(lock, deadline, [this] { return closed_ || !events_.empty(); });
+    return std::exchange(events_, {});
+  }
+  void close() {
+    {
+      const std::lock_guard lock(mutex_);
+      closed_ = true;
+    }
+    posted_.notify_all();
+  }
+  [[nodiscard]] bool is_closed() const {
+    const std::lock_guard lock(mutex_);
+    return closed_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable posted_;
+  std::deque<Event> events_;
+  bool closed_ = false;
+};
+
+}  // namespace cyclorama

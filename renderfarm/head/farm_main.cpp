@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "common/process/log.h"
+#include "common/process/notify.h"
+#include "common/process/program.h"
+#include "renderfarm/head/head.h"
+#include "renderfarm/head/head_config.h"
+
+namespace cyclorama {
+namespace {
+
+struct Arguments {
+  std::string config{};
+  std::vector<std::string> scenes{};
+  std::string museums{};
+  std::string nodes{};
+  std::string inspect{};
+  std::string balance{};
+};
+
+/// The file first; what the command line says overrules it.
+Result<HeadOptions> options_from(const Arguments& arguments) {
+  HeadOptions options;
+  if (!arguments.config.empty()) {
+    TRY_ASSIGN(options, read_head_config(arguments.config));
+  }
+  if (!arguments.scenes.empty()) options.scenes.clear();
+  for (const std::string& text : arguments.scenes) {
+    TRY_ASSIGN(FarmScene scene, parse_farm_scene(text));
+    options.scenes.push_back(std::move(scene));
+  }
+  if (!arguments.museums.empty()) options.museums = arguments.museums;
+  if (!arguments.nodes.empty()) options.nodes = arguments.nodes;
+  if (!arguments.inspect.empty()) options.inspect = arguments.inspect;
+  if (!arguments.balance.empty()) options.strategy = *balance_strategy_of(arguments.balance);
+  return options;
+}
+
+Status run(const Arguments& arguments, const StopSignal& stop) {
+  TRY_ASSIGN(HeadOptions options, options_from(arguments));
+  TRY_ASSIGN(const auto head,
+             Head::start(std::move(options), [](const std::string& sentence) { log(LogLevel::kInfo, sentence); }));
+  log(LogLevel::kNotice, fmt::format("museums dial port {}, nodes dial port {}", head->museum_port(), head->node_port()));
+  Notify notify;
+  notify.ready();
+  std::string told;
+  constexpr auto kPeriod = std::chrono::milliseconds(500);
+  constexpr auto kHung = std::chrono::seconds(5);
+  const SteadyClock clock;
+  while (!stop.wait_until(clock.now() + kPeriod)) {
+    if (clock.now() - head->alive_at() < kHung) notify.keep_alive(clock.now());
+    if (std::string state = head->state(); state != told) {
+      notify.status(state);
+      told = std::move(state);
+    }
+  }
+  notify.stopping();
+  head->stop();
+  return Done{};
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  using namespace cyclorama;
+  Program program("cyclorama-farm", "The render farm's head: museums and nodes dial it, and it splits each picture among the nodes.");
+  Arguments arguments;
+  CLI::App& app = program.options();
+  app.add_option("--config", arguments.config, "Read this farm.toml; the other options overrule it")->check(CLI::ExistingFile);
+  app.add_option("--scene", arguments.scenes, "NAME=PATH of a scene on the nodes' disks; the first is the default");
+  app.add_option("--museums", arguments.museums, "Where museums dial (default [::1]:7401)");
+  app.add_option("--nodes", arguments.nodes, "Where nodes dial (default [::1]:7402)");
+  app.add_option("--inspect", arguments.inspect, "Where the operator looks (default: nowhere)");
+  app.add_option("--balance", arguments.balance, "How pictures are split: pbt (default) or equal")
+      ->check(CLI::IsMember({"pbt", "equal"}));
+  return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/image/pixel_rect.h"
+#include "common/wire/nodes.pb.h"
+#include "renderfarm/balance/cost_field.h"
+#include "renderfarm/head/ids.h"
+
+namespace cyclorama {
+
+/// One picture in the making: which tiles are still missing, and who was told to make them. Pure; thread-bound.
+///
+/// Invariants: 1. the tiles of the first blocks tile the picture (tiles_of); 2. a tile is delivered at most once,
+/// whoever makes it; 3. a block given again is one tile of an earlier one, so a tile keeps its place and size for good.
+class FrameAssembly {
+ public:
+  struct Block {
+    NodeId node{};
+    PixelRect rect;
+    std::vector<PixelRect> tiles;
+    bool wanted = true;  ///< False once others were told to make the rest of it.
+    bool ended = false;
+    wire::BlockEnd end{};
+  };
+  enum class Verdict {
+    kNew,
+    kDuplicate,  ///< Somebody else was quicker.
+    kForeign,    ///< No tile of that block: its node is broken.
+  };
+
+  /// A block of the first plan. Numbers never come again.
+  void plan(std::uint64_t block, NodeId node, const PixelRect& rect);
+  /// A missing tile, given to another node.
+  void plan_again(std::uint64_t block, NodeId node, const PixelRect& tile);
+
+  [[nodiscard]] Verdict accept(std::uint64_t block, const PixelRect& tile);
+  void end(std::uint64_t block, const wire::BlockEnd& end);
+  /// The block's node is gone or too slow: returns the tiles that nobody else was told to make, and wants it no more.
+  std::vector<PixelRect> give_up(std::uint64_t block);
+
+  [[nodiscard]] bool has(std::uint64_t block) const { return blocks_.contains(block); }
+  [[nodiscard]] const std::map<std::uint64_t, Block>& blocks() const { return blocks_; }
+  /// How often a tile was given out.
+  [[nodiscard]] int attempts(const PixelRect& tile) const;
+  /// All tiles came, and, unless blocks were given again, so did the end of each wanted block.
+  [[nodiscard]] bool is_complete() const;
+  [[nodiscard]] bool is_missing_tiles() const { return !missing_.empty(); }
+  [[nodiscard]] std::uint32_t delivered() const { return delivered_; }
+  [[nodiscard]] bool was_given_again() const { return given_again_; }
+
+  struct Summary {
+    double render_seconds = 0.0;  ///< Wall time of the slowest block.
+    double encode_seconds = 0.0;  ///< Thread time, of the block with the most.
+    double cpu_seconds = 0.0;
+    std::uint64_t rays = 0;
+    std::vector<MeasuredBlock> costs{};
+    std::map<NodeId, double> loads{};  ///< Thread time of the rays, by node.
+  };
+  /// Of the blocks that have ended.
+  [[nodiscard]] Summary summary() const;
+
+ private:
+  std::map<std::uint64_t, Block> blocks_;
+  std::map<PixelRect, int> attempts_;
+  std::map<PixelRect, int> missing_;  ///< And how many wanted blocks will bring it.
+  std::uint32_t delivered_ = 0;
+  bool given_again_ = false;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/head/head.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <variant>
+
+#include "common/base/text.h"
+#include "common/wire/channel.h"
+#include "common/wire/farm.grpc.pb.h"
+#include "common/wire/inspection_service.h"
+#include "common/wire/nodes.grpc.pb.h"
+#include "renderfarm/head/event_queue.h"
+#include "renderfarm/head/head_meters.h"
+#include "renderfarm/head/peer_stream.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kTick = std::chrono::milliseconds(100);
+/// How long a stream that is told to end may take to drain.
+constexpr Duration kLinger = std::chrono::seconds(5);
+constexpr Duration kStopGrace = std::chrono::seconds(2);
+constexpr std::size_t kLongestSceneName = 64;
+
+using NodeStream = PeerStream<wire::NodeReport, wire::NodeCommand>;
+using MuseumStream = PeerStream<wire::VisitRequest, wire::VisitReply>;
+
+// What gRPC's threads tell the loop.
+struct NodeCame {
+  std::uint64_t id;
+  std::shared_ptr<NodeStream> stream;
+};
+struct NodeSaid {
+  std::uint64_t id;
+  wire::NodeReport report;
+};
+struct NodeClosed {
+  std::uint64_t id;
+};
+struct NodeDone {
+  std::uint64_t id;
+};
+struct MuseumCame {
+  std::uint64_t id;
+  std::shared_ptr<MuseumStream> stream;
+};
+struct MuseumSaid {
+  std::uint64_t id;
+  wire::VisitRequest request;
+  TimePoint at;
+};
+struct MuseumTook {
+  std::uint64_t id;
+  wire::VisitReply reply;
+};
+struct MuseumClosed {
+  std::uint64_t id;
+};
+struct MuseumDone {
+  std::uint64_t id;
+};
+struct ScenesAsked {
+  wire::ListScenesReply* reply;
+  grpc::ServerUnaryReactor* reactor;
+};
+struct StopAsked {};
+using Event = std::variant<NodeCame, NodeSaid, NodeClosed, NodeDone, MuseumCame, MuseumSaid, MuseumTook, MuseumClosed,
+                           MuseumDone, ScenesAsked, StopAsked>;
+using Events = EventQueue<Event>;
+
+class NodesService final : public wire::Nodes::CallbackService,
+                           private PeerStreamEvents<wire::NodeReport, wire::NodeCommand> {
+ public:
+  explicit NodesService(Events& events) : events_(events) {}
+
+ private:
+  grpc::ServerBidiReactor<wire::NodeReport, wire::NodeCommand>* Work(grpc::CallbackServerContext* context) override {
+    const std::uint64_t id = ++last_id_;
+    auto stream = NodeStream::open(id, context, *this);
+    NodeStream* const reactor = stream.get();
+    events_.post(NodeCame{id, std::move(stream)});
+    reactor->read_next();
+    return reactor;
+  }
+  void on_read(std::uint64_t id, wire::NodeReport message) override { events_.post(NodeSaid{id, std::move(message)}); }
+  void on_written(std::uint64_t, wire::NodeCommand) override {}
+  void on_closed(std::uint64_t id) override { events_.post(NodeClosed{id}); }
+  void on_done(std::uint64_t id) override { events_.post(NodeDone{id}); }
+
+  Events& events_;
+  std::atomic<std::uint64_t> last_id_ = 0;
+};
+
+class FarmService final : public wire::Farm::CallbackService,
+                          private PeerStreamEvents<wire::VisitRequest, wire::VisitReply> {
+ public:
+  explicit FarmService(Events& events) : events_(events) {}
+
+ private:
+  grpc::ServerBidiReactor<wire::VisitRequest, wire::VisitReply>* Visit(grpc::CallbackServerContext* context) override {
+    const std::uint64_t id = ++last_id_;
+    auto stream = MuseumStream::open(id, context, *this);
+    MuseumStream* const reactor = stream.get();
+    events_.post(MuseumCame{id, std::move(stream)});
+    reactor->read_next();
+    return reactor;
+  }
+  grpc::ServerUnaryReactor* ListScenes(grpc::CallbackServerContext* context, const wire::ListScenesRequest*,
+                                       wire::ListScenesReply* reply) override {
+    grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+    if (!events_.post(ScenesAsked{reply, reactor})) {
+      reactor->Finish({grpc::StatusCode::UNAVAILABLE, "the farm's head stops"});
+    }
+    return reactor;
+  }
+  void on_read(std::uint64_t id, wire::VisitRequest message) override {
+    events_.post(MuseumSaid{id, std::move(message), SteadyClock().now()});
+  }
+  void on_written(std::uint64_t id, wire::VisitReply message) override {
+    events_.post(MuseumTook{id, std::move(message)});
+  }
+  void on_closed(std::uint64_t id) override { events_.post(MuseumClosed{id}); }
+  void on_done(std::uint64_t id) override { events_.post(MuseumDone{id}); }
+
+  Events& events_;
+  std::atomic<std::uint64_t> last_id_ = 0;
+};
+
+/// A stream and, once it was told to end, when that must have happened.
+template <typename Stream>
+struct Open {
+  std::shared_ptr<Stream> stream;
+  std::optional<TimePoint> ends_by{};
+};
+
+template <typename Stream>
+void end_stream(Open<Stream>& open, const grpc::Status& status, bool at_once) {
+  open.stream->finish(status, at_once);
+  if (!open.ends_by) open.ends_by = SteadyClock().now() + kLinger;
+}
+
+template <typename Stream>
+void end_all(std::map<std::uint64_t, Open<Stream>>& streams, const grpc::Status& status) {
+  for (auto& [id, open] : streams) end_stream(open, status, false);
+}
+
+template <typename Stream>
+void cut_late_ones(std::map<std::uint64_t, Open<Stream>>& streams, TimePoint now) {
+  for (auto& [id, open] : streams) {
+    if (open.ends_by && now >= *open.ends_by) open.stream->finish(grpc::Status::OK, true);
+  }
+}
+
+}  // namespace
+
+/// The loop's thread and everything that lives on it.
+class Head::Loop final : private Peers {
+ public:
+  Loop(HeadOptions options, std::function<void(const std::string&)> notice)
+      : options_(std::move(options)),
+        notice_(std::move(notice)),
+        state_(options_.scenes, options_.strategy, options_.limits, clock_, *this),
+        alive_at_(clock_.now().time_since_epoch().count()) {}
+  ~Loop() override { stop(); }
+
+  Status start() {
+    thread_ = std::thread([this] { run(); });  // First: every call that a server takes needs somebody to finish it.
+    TRY_ASSIGN(node_server_, WireServer::start(options_.nodes, {&nodes_service_}));
+    TRY_ASSIGN(museum_server_, WireServer::start(options_.museums, {&farm_service_}));
+    if (!options_.inspect.empty()) {
+      TRY_ASSIGN(inspect_server_, WireServer::start(options_.inspect, {&inspection_}));
+    }
+    return Done{};
+  }
+
+  void stop() {
+    events_.post(StopAsked{});
+    for (const auto& server : {museum_server_.get(), node_server_.get(), inspect_server_.get()}) {
+      if (server != nullptr) server->stop(kStopGrace);
+    }
+    events_.close();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  [[nodiscard]] static int port_of(const std::unique_ptr<WireServer>& server) { return server ? server->port() : 0; }
+  [[nodiscard]] int museum_port() const { return port_of(museum_server_); }
+  [[nodiscard]] int node_port() const { return port_of(node_server_); }
+  [[nodiscard]] int inspect_port() const { return port_of(inspect_server_); }
+  [[nodiscard]] TimePoint alive_at() const { return TimePoint(Duration(alive_at_.load())); }
+  [[nodiscard]] std::string state() const { return inspection_.status().state(); }
+
+ private:
+  void run() {
+    TimePoint next_tick = clock_.now();
+    for (bool open = true; open;) {
+      open = !events_.is_closed();  // Asked first: what was posted before the closing is still handled.
+      for (Event& event : events_.take_all(next_tick)) std::visit([this](auto& e) { handle(e); }, event);
+      const TimePoint now = clock_.now();
+      if (now < next_tick) continue;
+      next_tick = now + kTick;
+      alive_at_ = now.time_since_epoch().count();
+      if (!stopping_) state_.tick();
+      cut_late_ones(nodes_, now);
+      cut_late_ones(museums_, now);
+      meters_.update(state_, now);
+    }
+  }
+
+  void handle(NodeCame& e) {
+    nodes_.emplace(e.id, Open<NodeStream>{std::move(e.stream)});
+    if (stopping_) return end_stream(nodes_.at(e.id), kStops, false);
+    state_.node_came(NodeId{e.id});
+  }
+  void handle(NodeSaid& e) {
+    if (!stopping_) state_.node_reported(NodeId{e.id}, std::move(e.report));
+    nodes_.at(e.id).stream->read_next();
+  }
+  void handle(NodeClosed& e) {
+    if (!stopping_) state_.node_gone(NodeId{e.id});
+    end_stream(nodes_.at(e.id), grpc::Status::OK, false);
+  }
+  void handle(NodeDone& e) { nodes_.erase(e.id); }
+
+  void handle(MuseumCame& e) {
+    museums_.emplace(e.id, Open<MuseumStream>{std::move(e.stream)});
+    if (stopping_) return end_stream(museums_.at(e.id), kStops, false);
+    state_.visit_came(SessionId{e.id});
+  }
+  void handle(MuseumSaid& e) {
+    if (!stopping_) state_.visit_asked(SessionId{e.id}, e.request, e.at);
+    museums_.at(e.id).stream->read_next();
+  }
+  void handle(MuseumTook& e) {
+    if (!stopping_) state_.written(SessionId{e.id}, e.reply);
+  }
+  void handle(MuseumClosed& e) {
+    if (!stopping_) state_.visit_gone(SessionId{e.id});
+    end_stream(museums_.at(e.id), grpc::Status::OK, false);
+  }
+  void handle(MuseumDone& e) { museums_.erase(e.id); }
+
+  void handle(ScenesAsked& e) {
+    *e.reply = state_.scenes();
+    e.reactor->Finish(grpc::Status::OK);
+  }
+  void handle(StopAsked&) {
+    stopping_ = true;
+    end_all(museums_, kStops);
+    end_all(nodes_, kStops);
+  }
+
+  void to_node(NodeId node, const wire::NodeCommand& command) override {
+    nodes_.at(static_cast<std::uint64_t>(node)).stream->send(command);
+  }
+  void to_museum(SessionId session, wire::VisitReply reply) override {
+    museums_.at(static_cast<std::uint64_t>(session)).stream->send(std::move(reply));
+  }
+  void end_node(NodeId node, const Error& reason) override {
+    end_stream(nodes_.at(static_cast<std::uint64_t>(node)), to_grpc(reason), false);
+  }
+  void end_visit(SessionId session, const Error& reason, bool at_once) override {
+    end_stream(museums_.at(static_cast<std::uint64_t>(session)), to_grpc(reason), at_once);
+  }
+  void frame_ended(const FrameReport& report) override { meters_.add(report); }
+  void frame_relayed(double seconds) override { meters_.add_relay(seconds); }
+  void notice(const std::string& sentence) override { notice_(sentence); }
+
+  inline static const grpc::Status kStops{grpc::StatusCode::UNAVAILABLE, "the farm's head stops"};
+
+  const HeadOptions options_;
+  const std::function<void(const std::string&)> notice_;
+  const SteadyClock clock_;
+  Events events_;
+  InspectionService inspection_{"head"};
+  HeadMeters meters_{inspection_};
+  HeadState state_;
+  bool stopping_ = false;
+  std::map<std::uint64_t, Open<NodeStream>> nodes_;
+  std::map<std::uint64_t, Open<MuseumStream>> museums_;
+  std::atomic<Duration::rep> alive_at_;
+  NodesService nodes_service_{events_};
+  FarmService farm_service_{events_};
+  std::unique_ptr<WireServer> node_server_;
+  std::unique_ptr<WireServer> museum_server_;
+  std::unique_ptr<WireServer> inspect_server_;
+  std::thread thread_;
+};
+
+Status validate(const HeadOptions& options) {
+  const auto refuse = [](const std::string& what) { return Error(ErrorCode::kInvalidArgument, what); };
+  if (options.scenes.empty()) return refuse("no scene is given; write --scene NAME=PATH");
+  for (const FarmScene& scene : options.scenes) {
+    const bool plain = std::ranges::all_of(scene.name, [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+             c == '.';
+    });
+    if (scene.name.empty() || scene.name.size() > kLongestSceneName || !plain) {
+      return refuse(fmt::format("scene name '{}' must be 1 to {} letters, digits, '-', '_' or '.'",
+                                printable(scene.name), kLongestSceneName));
+    }
+    if (scene.path.empty()) return refuse(fmt::format("scene '{}' has no path", scene.name));
+    if (std::ranges::count(options.scenes, scene.name, &FarmScene::name) > 1) {
+      return refuse(fmt::format("scene '{}' is given twice", scene.name));
+    }
+  }
+  return Done{};
+}
+
+Result<std::unique_ptr<Head>> Head::start(HeadOptions options, std::function<void(const std::string&)> notice) {
+  TRY(validate(options));
+  auto loop = std::make_unique<Loop>(std::move(options), std::move(notice));
+  TRY(loop->start());
+  return std::unique_ptr<Head>(new Head(std::move(loop)));
+}
+
+Head::Head(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
+Head::~Head() = default;
+int Head::museum_port() const { return loop_->museum_port(); }
+int Head::node_port() const { return loop_->node_port(); }
+int Head::inspect_port() const { return loop_->inspect_port(); }
+TimePoint Head::alive_at() const { return loop_->alive_at(); }
+std::string Head::state() const { return loop_->state(); }
+void Head::stop() { loop_->stop(); }
+
+}  // namespace cyclorama

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/base/result.h"
+#include "renderfarm/balance/balancer.h"
+#include "renderfarm/head/head_state.h"
+
+namespace cyclorama {
+
+struct HeadOptions {
+  std::vector<FarmScene> scenes{};     ///< At least one; the first is the default.
+  std::string museums = "[::1]:7401";  ///< Where museums dial; port 0 takes a free one.
+  std::string nodes = "[::1]:7402";    ///< Where nodes dial.
+  std::string inspect{};               ///< Where the operator looks; empty: nowhere.
+  BalanceStrategy strategy = BalanceStrategy::kPbt;
+  HeadLimits limits{};
+};
+
+/// That names, paths and addresses can work. kInvalidArgument names the culprit.
+Status validate(const HeadOptions& options);
+
+/// The farm's head as a running service: gRPC's streams around HeadState. Threads: `head` (the one loop that HeadState
+/// lives on) and gRPC's own, which only carry messages to and from it. Thread-safe.
+class Head {
+ public:
+  /// `notice` gets sentences for the log, on the head thread. kInvalidArgument, kBusy  as WireServer::start().
+  static Result<std::unique_ptr<Head>> start(HeadOptions options, std::function<void(const std::string&)> notice);
+  ~Head();
+  Head(const Head&) = delete;
+  Head& operator=(const Head&) = delete;
+
+  [[nodiscard]] int museum_port() const;
+  [[nodiscard]] int node_port() const;
+  [[nodiscard]] int inspect_port() const;  ///< 0: none.
+  /// When the loop last went round: at least every 100 ms while it is healthy.
+  [[nodiscard]] TimePoint alive_at() const;
+  /// One sentence for the operator.
+  [[nodiscard]] std::string state() const;
+
+  /// Tells everybody that the head stops (UNAVAILABLE), waits for them a moment, and joins. Idempotent.
+  void stop();
+
+ private:
+  class Loop;
+  explicit Head(std::unique_ptr<Loop> loop);
+  std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace cyclorama

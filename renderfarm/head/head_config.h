@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+#include "renderfarm/head/head.h"
+
+namespace cyclorama {
+
+/// Reads farm.toml:
+///
+///   museums = "[::]:7401"            # Where museums dial.
+///   nodes = "[::]:7402"              # Where nodes dial.
+///   inspect = "[::1]:7403"           # Where the operator looks; without it, nowhere.
+///   balance = "pbt"                  # Or "equal".
+///   [[scene]]                        # The first is the default.
+///   name = "grotto"
+///   path = "/srv/scenes/grotto"      # On the nodes' disks.
+///   [limits]                         # Each may be left out.
+///   nodes = 512
+///   visits = 64
+///   picture_megapixels = 67
+///
+/// Errors as Config's, and kInvalidArgument as validate(HeadOptions).
+Result<HeadOptions> read_head_config(const std::filesystem::path& path);
+
+/// NAME=PATH, as on the command line. kInvalidArgument.
+Result<FarmScene> parse_farm_scene(const std::string& text);
+
+}  // namespace cyclorama

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// HeadState's frames: from a view that waits to a frame that has ended.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/wire/convert.h"
+#include "renderfarm/head/head_state.h"
+
+namespace cyclorama {
+namespace {
+
+/// Unfinished or unwritten, per session: while one goes to the museum, the next is rendered.
+constexpr std::size_t kFramesAtWork = 2;
+/// How often a tile is given out before the frame is given up.
+constexpr int kMostAttempts = 4;
+/// A node that keeps a frame waiting alone is helped after this many times the others' slowest block...
+constexpr double kStragglerFactor = 4.0;
+/// ... and never sooner than this: a system that was busy for a moment.
+constexpr Duration kStragglerLeast = std::chrono::milliseconds(500);
+
+void add_stage(wire::FrameEnd* end, const char* name, double seconds) {
+  wire::StageTime* const stage = end->add_stages();
+  stage->set_name(name);
+  stage->set_seconds(seconds);
+}
+
+PictureSize size_of(const wire::View& view) {
+  return {static_cast<int>(view.panorama().width_px()), static_cast<int>(view.panorama().height_px())};
+}
+
+}  // namespace
+
+FrameInFlight* HeadState::find_frame(const BlockPlace& place) {
+  const auto session = sessions_.find(place.session);
+  if (session == sessions_.end()) return nullptr;
+  auto& frames = session->second.frames;
+  const auto frame = std::ranges::find(frames, place.view_number, [](const auto& f) { return f.view.number(); });
+  return frame == frames.end() ? nullptr : &*frame;
+}
+
+void HeadState::plan(SessionId id, Session& session) {
+  FrameInFlight& frame = session.frames.emplace_back();
+  frame.view = *std::exchange(session.waiting, std::nullopt);
+  frame.received_at = session.waiting_since;
+  frame.last_tile_at = clock_.now();
+  const std::vector<NodeId> nodes = nodes_for(session.scene);
+  std::vector<double> speeds;
+  for (const NodeId node : nodes) speeds.push_back(nodes_.at(node).threads);
+  const std::vector<PixelRect> blocks = session.balancer->split(
+      {size_of(frame.view), speeds, frame.view.heading_rad(), frame.view.panorama().azimuth_span_rad()});
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (blocks[i].empty()) continue;
+    frame.assembly.plan(++last_block_, nodes[i], blocks[i]);
+    order_block(id, session, frame, last_block_, nodes[i], blocks[i]);
+  }
+  frame.planned_at = clock_.now();
+}
+
+void HeadState::order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block,
+                            NodeId node_id, const PixelRect& rect) {
+  Node& node = nodes_.at(node_id);
+  if (node.blocks.empty()) node.heard_at = clock_.now();  // An idle node owes nothing for the time before.
+  node.blocks[block] = {id, frame.view.number()};
+  wire::NodeCommand command;
+  wire::RenderBlock* const order = command.mutable_render();
+  order->set_block(block);
+  order->set_scene(session.scene);
+  *order->mutable_view() = frame.view;
+  order->set_x_px(static_cast<std::uint32_t>(rect.x));
+  order->set_y_px(static_cast<std::uint32_t>(rect.y));
+  order->set_width_px(static_cast<std::uint32_t>(rect.width));
+  order->set_height_px(static_cast<std::uint32_t>(rect.height));
+  peers_.to_node(node_id, command);
+}
+
+void HeadState::give_again(SessionId id, Session& session, FrameInFlight& frame, const std::vector<PixelRect>& tiles,
+                           NodeId not_to) {
+  std::vector<NodeId> nodes = nodes_for(session.scene);
+  std::erase(nodes, not_to);
+  for (const PixelRect& tile : tiles) {
+    if (nodes.empty()) return fail(frame, "no node is left that can render it", session);
+    if (frame.assembly.attempts(tile) >= kMostAttempts) {
+      return fail(frame, fmt::format("{} nodes failed at the same tile", kMostAttempts), session);
+    }
+    const NodeId idlest = *std::ranges::min_element(nodes, {}, [&](NodeId node) {
+      return static_cast<double>(nodes_.at(node).blocks.size()) / nodes_.at(node).threads;
+    });
+    frame.assembly.plan_again(++last_block_, idlest, tile);
+    order_block(id, session, frame, last_block_, idlest, tile);
+  }
+}
+
+void HeadState::take_over_stragglers(SessionId id, Session& session, FrameInFlight& frame) {
+  if (frame.is_over() || nodes_for(session.scene).size() < 2) return;
+  const double slowest = frame.assembly.summary().render_seconds;
+  const Duration patience = std::max(
+      kStragglerLeast, std::chrono::duration_cast<Duration>(std::chrono::duration<double>(kStragglerFactor * slowest)));
+  std::vector<std::pair<std::uint64_t, NodeId>> late;
+  for (const auto& [number, block] : frame.assembly.blocks()) {
+    if (block.ended || !block.wanted) continue;
+    const auto node = nodes_.find(block.node);
+    // As long as anybody else is at work on the frame, or this one moves, waiting costs least.
+    if (node == nodes_.end() || clock_.now() - std::max(node->second.heard_at, frame.planned_at) < patience) return;
+    const bool helped =
+        std::ranges::any_of(block.tiles, [&](const PixelRect& t) { return frame.assembly.attempts(t) > 1; });
+    if (!helped) late.emplace_back(number, block.node);
+  }
+  const bool others_are_done =
+      std::ranges::any_of(frame.assembly.blocks(), [](const auto& b) { return b.second.ended; });
+  if (!others_are_done) return;
+  for (const auto& [number, node] : late) {
+    peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over", nodes_.at(node).name));
+    give_again(id, session, frame, frame.assembly.give_up(number), node);
+    if (frame.failure) return;
+  }
+}
+
+void HeadState::cancel_blocks(const FrameInFlight& frame) {
+  for (const auto& [number, block] : frame.assembly.blocks()) {
+    const auto node = nodes_.find(block.node);
+    if (block.ended || node == nodes_.end() || !node->second.blocks.contains(number)) continue;
+    wire::NodeCommand command;
+    command.mutable_cancel()->set_block(number);
+    peers_.to_node(block.node, command);
+  }
+}
+
+void HeadState::fail(FrameInFlight& frame, const std::string& reason, Session& session) {
+  if (frame.failure) return;
+  frame.failure = reason;
+  for (const wire::Tile& tile : frame.held) session.bytes_waiting -= tile.jpeg().size();
+  frame.held.clear();
+  cancel_blocks(frame);
+}
+
+void HeadState::advance(SessionId id) {
+  Session& session = sessions_.at(id);
+  for (;;) {
+    while (!session.frames.empty()) {
+      FrameInFlight& frame = session.frames.front();
+      if (!frame.begun) {
+        frame.begun = true;
+        wire::VisitReply reply;
+        *reply.mutable_begin() = frame.view;
+        send(id, session, std::move(reply));
+        for (wire::Tile& tile : frame.held) relay(id, session, std::move(tile));
+        frame.held.clear();
+      }
+      if (!frame.is_over()) break;
+      finish(id, session, frame);
+      session.frames.pop_front();
+    }
+    if (!session.waiting || session.frames.size() + session.unwritten_ends.size() >= kFramesAtWork) return;
+    if (nodes_with(session.scene) == 0) break;
+    plan(id, session);
+  }
+  const Error reason = why_not(session.scene);
+  forget_visit(id);
+  peers_.end_visit(id, reason, false);
+}
+
+void HeadState::relay(SessionId id, Session& session, wire::Tile tile) {
+  wire::VisitReply reply;
+  *reply.mutable_tile() = std::move(tile);
+  send(id, session, std::move(reply));
+}
+
+void HeadState::send(SessionId id, Session& session, wire::VisitReply reply) {
+  if (session.messages_waiting++ == 0) session.taken_at = clock_.now();
+  peers_.to_museum(id, std::move(reply));
+}
+
+void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
+  if (!frame.failure) cancel_blocks(frame);  // Of stragglers, whose work others did.
+  const FrameAssembly::Summary sum = frame.assembly.summary();
+  std::vector<double> loads;
+  for (const auto& [node, cpu_seconds] : sum.loads) {
+    const auto found = nodes_.find(node);
+    if (found != nodes_.end()) loads.push_back(cpu_seconds / found->second.threads);
+  }
+  FrameReport report{id, !frame.failure, frame.failure.value_or("")};
+  report.plan_seconds = to_seconds(frame.planned_at - frame.received_at);
+  report.render_seconds = sum.render_seconds;
+  report.encode_seconds = sum.encode_seconds;
+  report.farm_seconds = to_seconds(clock_.now() - frame.received_at);
+  report.balance_efficiency = balance_efficiency(loads);
+  report.cpu_seconds = sum.cpu_seconds;
+  report.rays = sum.rays;
+  report.bytes = frame.bytes;
+  if (report.complete && !frame.assembly.was_given_again()) {
+    session.balancer->learn({size_of(frame.view), sum.costs, frame.view.heading_rad()});
+  }
+  wire::VisitReply reply;
+  wire::FrameEnd* const end = reply.mutable_end();
+  end->set_view_number(frame.view.number());
+  end->set_tiles(frame.assembly.delivered());
+  add_stage(end, "plan", report.plan_seconds);
+  add_stage(end, "render", report.render_seconds);
+  add_stage(end, "encode", report.encode_seconds);
+  add_stage(end, "farm", report.farm_seconds);
+  end->set_nodes(static_cast<std::uint32_t>(loads.size()));
+  end->set_balance_efficiency(report.balance_efficiency);
+  end->set_complete(report.complete);
+  end->set_reason(report.reason);
+  session.unwritten_ends.push_back(frame.last_tile_at);
+  send(id, session, std::move(reply));
+  peers_.frame_ended(report);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/head/head_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cyclorama {
+
+HeadState::HeadState(std::vector<FarmScene> scenes, BalanceStrategy strategy, HeadLimits limits, const Clock& clock,
+                     Peers& peers)
+    : scenes_(std::move(scenes)), strategy_(strategy), limits_(limits), clock_(clock), peers_(peers) {
+  CHECK(!scenes_.empty());
+}
+
+void HeadState::tick() {
+  tick_nodes();
+  tick_visits();
+}
+
+wire::ListScenesReply HeadState::scenes() const {
+  wire::ListScenesReply reply;
+  for (const FarmScene& scene : scenes_) {
+    wire::SceneSummary* const summary = reply.add_scenes();
+    summary->set_name(scene.name);
+    const wire::SceneDescription* const known = description(scene.name);
+    summary->set_title(known != nullptr && !known->title().empty() ? known->title() : scene.name);
+  }
+  return reply;
+}
+
+const wire::SceneDescription* HeadState::description(const std::string& scene) const {
+  const auto known = descriptions_.find(scene);
+  return known == descriptions_.end() ? nullptr : &known->second;
+}
+
+std::vector<NodeId> HeadState::nodes_for(const std::string& scene) const {
+  std::vector<NodeId> ids;
+  for (const auto& [id, node] : nodes_) {
+    if (node.has(scene)) ids.push_back(id);
+  }
+  return ids;
+}
+
+std::size_t HeadState::nodes_with(const std::string& scene) const { return nodes_for(scene).size(); }
+
+std::string HeadState::summary() const {
+  if (nodes_.empty()) return "no node is connected; start cyclorama-node on the render hosts";
+  for (const FarmScene& scene : scenes_) {
+    if (nodes_with(scene.name) == 0) return why_not(scene.name).message();
+  }
+  return fmt::format("{} visits on {} nodes", sessions_.size(), nodes_.size());
+}
+
+}  // namespace cyclorama

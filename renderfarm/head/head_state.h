@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/base/result.h"
+#include "common/wire/farm.pb.h"
+#include "common/wire/nodes.pb.h"
+#include "renderfarm/head/ids.h"
+#include "renderfarm/head/peers.h"
+#include "renderfarm/head/session.h"
+
+namespace cyclorama {
+
+struct FarmScene {
+  std::string name;
+  std::string path;  ///< On the nodes' disks.
+};
+
+struct HeadLimits {
+  std::size_t nodes = 512;
+  std::size_t sessions = 64;
+  /// Of one picture: 8192 x 8192.
+  std::int64_t picture_px = std::int64_t{1} << 26;
+  /// Tiles that one museum has not yet taken; beyond, its newest frame is given up.
+  std::size_t session_bytes = std::size_t{256} << 20;
+  Duration silence = std::chrono::seconds(10);  ///< A stranger's, before its hello or open.
+  Duration stall = std::chrono::seconds(30);    ///< A museum's that takes nothing of what waits for it.
+};
+
+/// The head's mind: who is there, who renders what, what goes to whom. Pure: it knows no thread, socket or clock;
+/// events come in, orders go out through Peers. Used by Head; thread-bound.
+///
+/// A session's frames: a view waits in one slot (newest wins) until fewer than two frames are unfinished or unwritten;
+/// then it is split among the nodes that have the scene, and all blocks are sent at once, so that a node begins its
+/// next block the moment it has sent the last. Nodes take blocks first come, first served: with at most two frames per
+/// session in their queues, sessions take turns. Of two frames, the older one's tiles go to the museum as they come,
+/// the newer one's are held.
+///
+/// A block is given to others, tile by tile, when its node goes, fails, or keeps a frame waiting alone (a straggler).
+/// Whoever delivers a tile first counts; the rest is dropped.
+///
+/// Invariants: 1. the museum gets begin, tiles, end of one frame after the other; 2. no tile twice; 3. a frame that
+/// ends `complete` had all its tiles sent; 4. each view is answered by a frame or replaced by a newer one; 5. memory
+/// per session is bounded by HeadLimits.
+class HeadState {
+ public:
+  /// The first scene is the default. Precondition: at least one scene, names unlike.
+  HeadState(std::vector<FarmScene> scenes, BalanceStrategy strategy, HeadLimits limits, const Clock& clock,
+            Peers& peers);
+
+  void node_came(NodeId node);
+  void node_reported(NodeId node, wire::NodeReport report);
+  void node_gone(NodeId node);
+
+  void visit_came(SessionId session);
+  void visit_asked(SessionId session, const wire::VisitRequest& request, TimePoint received_at);
+  /// The museum closed its side, or is gone.
+  void visit_gone(SessionId session);
+  /// A message to the museum is on the wire.
+  void written(SessionId session, const wire::VisitReply& reply);
+
+  /// Now and then, at least every second: stragglers, strangers, stalled museums.
+  void tick();
+
+  [[nodiscard]] wire::ListScenesReply scenes() const;
+  [[nodiscard]] std::size_t nodes_with(const std::string& scene) const;
+  [[nodiscard]] std::size_t nodes() const { return nodes_.size(); }
+  [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
+  /// Null when no node has told it.
+  [[nodiscard]] const wire::SceneDescription* description(const std::string& scene) const;
+  [[nodiscard]] const std::vector<FarmScene>& farm_scenes() const { return scenes_; }
+  /// One sentence for the operator.
+  [[nodiscard]] std::string summary() const;
+
+ private:
+  // Nodes: head_nodes.cpp
+  Status hello(NodeId id, Node& node, const wire::Hello& hello);
+  Status scene_loaded(Node& node, const wire::SceneLoaded& loaded);
+  Status tile_came(NodeId id, Node& node, wire::BlockTile& tile);
+  Status block_ended(NodeId id, Node& node, const wire::BlockEnd& end);
+  void lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks);
+  void tick_nodes();
+
+  // Visits: head_visits.cpp
+  Status open(SessionId id, Session& session, const wire::OpenVisit& open);
+  Status ask(Session& session, const wire::View& view, TimePoint received_at);
+  [[nodiscard]] Error why_not(const std::string& scene) const;
+  void forget_visit(SessionId id);
+  void tick_visits();
+
+  // Frames: head_frames.cpp
+  void plan(SessionId id, Session& session);
+  void order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
+                   const PixelRect& rect);
+  void give_again(SessionId id, Session& session, FrameInFlight& frame, const std::vector<PixelRect>& tiles,
+                  NodeId not_to);
+  void take_over_stragglers(SessionId id, Session& session, FrameInFlight& frame);
+  void fail(FrameInFlight& frame, const std::string& reason, Session& session);
+  void cancel_blocks(const FrameInFlight& frame);
+  /// Sends what may be sent, ends what is over, plans what waits. After every event of a session; may end the visit.
+  void advance(SessionId id);
+  void relay(SessionId id, Session& session, wire::Tile tile);
+  void finish(SessionId id, Session& session, FrameInFlight& frame);
+  void send(SessionId id, Session& session, wire::VisitReply reply);
+  FrameInFlight* find_frame(const BlockPlace& place);
+  [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene) const;
+
+  const std::vector<FarmScene> scenes_;
+  const BalanceStrategy strategy_;
+  const HeadLimits limits_;
+  const Clock& clock_;
+  Peers& peers_;
+  std::map<NodeId, Node> nodes_;
+  std::map<SessionId, Session> sessions_;
+  std::map<std::string, wire::SceneDescription> descriptions_;  ///< Of the scenes that some node has or had.
+  std::uint64_t last_block_ = 0;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "common/base/clock.h"
+#include "common/base/error.h"
+#include "common/wire/farm.pb.h"
+#include "common/wire/nodes.pb.h"
+#include "renderfarm/head/ids.h"
+
+namespace cyclorama {
+
+/// What became of one frame, for the operator.
+struct FrameReport {
+  SessionId session{};
+  bool complete = false;
+  std::string reason{};
+  double plan_seconds = 0.0;
+  double render_seconds = 0.0;
+  double encode_seconds = 0.0;
+  double farm_seconds = 0.0;
+  double balance_efficiency = 1.0;
+  double cpu_seconds = 0.0;
+  std::uint64_t rays = 0;
+  std::size_t bytes = 0;
+};
+
+/// What HeadState can do to the world. Every call returns at once; nothing calls back into HeadState. Thread-bound.
+class Peers {
+ public:
+  virtual ~Peers() = default;
+  virtual void to_node(NodeId node, const wire::NodeCommand& command) = 0;
+  /// Queued in order; HeadState::written() must follow for each, unless the visit ends first.
+  virtual void to_museum(SessionId session, wire::VisitReply reply) = 0;
+  /// The stream is cut; no event of that node may follow, not even node_gone().
+  virtual void end_node(NodeId node, const Error& reason) = 0;
+  /// What is queued goes out first, when `at_once` is false; no event of that session may follow.
+  virtual void end_visit(SessionId session, const Error& reason, bool at_once) = 0;
+  virtual void frame_ended(const FrameReport& report) = 0;
+  /// From the last tile's arrival until the frame's end was written to the museum.
+  virtual void frame_relayed(double seconds) = 0;
+  /// A sentence for the log: a node came, a scene failed to load.
+  virtual void notice(const std::string& sentence) = 0;
+
+ protected:
+  Peers() = default;
+  Peers(const Peers&) = default;
+  Peers& operator=(const Peers&) = default;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the head remembers of a node and of a museum's visit: plain data of HeadState.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/wire/farm.pb.h"
+#include "common/wire/nodes.pb.h"
+#include "renderfarm/balance/balancer.h"
+#include "renderfarm/head/frame_assembly.h"
+#include "renderfarm/head/ids.h"
+
+namespace cyclorama {
+
+struct FrameInFlight {
+  wire::View view;
+  FrameAssembly assembly{};
+  TimePoint received_at{};  ///< The view.
+  TimePoint planned_at{};
+  TimePoint last_tile_at{};
+  bool begun = false;              ///< Its `begin` was sent: tiles go out as they come.
+  std::vector<wire::Tile> held{};  ///< Tiles that came while an older frame was open.
+  std::size_t bytes = 0;           ///< Of all its tiles.
+  std::optional<std::string> failure{};
+
+  [[nodiscard]] bool is_over() const { return failure || assembly.is_complete(); }
+};
+
+struct Session {
+  std::string museum{};
+  std::string scene{};  ///< Empty until the visit is opened.
+  TimePoint arrived_at{};
+  std::uint64_t newest_view = 0;
+  std::optional<wire::View> waiting{};  ///< Newest wins.
+  TimePoint waiting_since{};
+  std::deque<FrameInFlight> frames{};      ///< Oldest first; the museum gets the front one.
+  std::deque<TimePoint> unwritten_ends{};  ///< Of ended frames whose end is not yet on the wire: last tile's arrival.
+  std::size_t bytes_waiting = 0;           ///< Held tiles, and tiles that the museum has not taken yet.
+  std::size_t messages_waiting = 0;
+  TimePoint taken_at{};  ///< When the museum last took something.
+  std::unique_ptr<Balancer> balancer{};
+};
+
+struct BlockPlace {
+  SessionId session{};
+  std::uint64_t view_number = 0;
+};
+
+struct Node {
+  enum class SceneState { kLoading, kLoaded, kFailed };
+  struct LoadedScene {
+    SceneState state = SceneState::kLoading;
+    std::string error{};
+  };
+  std::string name{};
+  double threads = 0.0;  ///< 0 until hello.
+  TimePoint arrived_at{};
+  TimePoint heard_at{};
+  std::map<std::string, LoadedScene> scenes{};
+  std::map<std::uint64_t, BlockPlace> blocks{};  ///< Ordered and not yet ended, whether or not still wanted.
+
+  [[nodiscard]] bool has(const std::string& scene) const {
+    const auto found = scenes.find(scene);
+    return found != scenes.end() && found->second.state == SceneState::kLoaded;
+  }
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a node needs of a ray tracer: the real one adapts Renderer (renderfarm/render), tests draw patterns.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/image/image.h"
+#include "common/image/pixel_rect.h"
+#include "common/wire/farm.pb.h"
+#include "renderfarm/render/renderer.h"
+
+namespace cyclorama {
+
+/// One loaded scene. The same view gives the same pixels, on any node and however it is cut. Thread-bound.
+class BlockRenderer {
+ public:
+  virtual ~BlockRenderer() = default;
+  /// As Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is asked often, from any thread.
+  virtual RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                            const std::function<bool()>& cancelled) = 0;
+  /// All but the name, which the head gives.
+  [[nodiscard]] virtual wire::SceneDescription description() const = 0;
+  [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
+
+ protected:
+  BlockRenderer() = default;
+  BlockRenderer(const BlockRenderer&) = default;
+  BlockRenderer& operator=(const BlockRenderer&) = default;
+};
+
+/// Makes a BlockRenderer from a path on the node's disk; `progress` takes a fraction in [0, 1] and is never null.
+/// Errors are one sentence: file, place, remedy. May throw std::bad_alloc, which SceneStore turns into an error.
+using SceneLoader = std::function<Result<std::unique_ptr<BlockRenderer>>(const std::string& path,
+                                                                         const std::function<void(double)>& progress)>;
+
+}  // namespace cyclorama

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/embree_block_renderer.h"
+
+#include "common/wire/convert.h"
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama {
+namespace {
+
+/// Of the time from the first byte to the first ray, reading takes about this much; the rest builds the BVH.
+constexpr double kReadingShare = 0.6;
+
+class EmbreeBlockRenderer final : public BlockRenderer {
+ public:
+  explicit EmbreeBlockRenderer(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
+
+  RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                    const std::function<bool()>& cancelled) override {
+    return renderer_->render(view, rect, ret_pixels, cancelled);
+  }
+
+  [[nodiscard]] wire::SceneDescription description() const override {
+    const Scene& scene = renderer_->scene();
+    wire::SceneDescription out;
+    out.set_title(scene.info.title);
+    out.set_credits(scene.info.credits);
+    out.set_triangles_seen(scene.triangles_seen());
+    out.set_triangles_stored(scene.triangles_stored());
+    to_wire(scene.info.start_eye, out.mutable_start_eye_m());
+    out.set_start_heading_rad(scene.info.start_heading_rad);
+    out.set_eye_height_m(scene.info.eye_height_m);
+    out.set_walking_scale(scene.info.walking_scale);
+    for (const Eigen::Vector2d& corner : scene.info.walkable) {
+      wire::GroundPoint* const point = out.add_walkable();
+      point->set_x_m(corner.x());
+      point->set_z_m(corner.y());
+    }
+    for (const SceneTourStop& stop : scene.info.stops) {
+      wire::TourStop* const out_stop = out.add_stops();
+      out_stop->set_title(stop.title);
+      to_wire(stop.eye, out_stop->mutable_eye_m());
+      out_stop->set_heading_rad(stop.heading_rad);
+    }
+    return out;
+  }
+
+  [[nodiscard]] std::uint64_t memory_bytes() const override {
+    return renderer_->scene().memory_bytes() + renderer_->bvh_bytes();
+  }
+
+ private:
+  const std::unique_ptr<Renderer> renderer_;
+};
+
+}  // namespace
+
+SceneLoader embree_scene_loader(int threads) {
+  return [threads](const std::string& path,
+                   const std::function<void(double)>& progress) -> Result<std::unique_ptr<BlockRenderer>> {
+    TRY_ASSIGN(Scene scene, load_scene(path, ImportLimits{}, [&](double done) { progress(kReadingShare * done); }));
+    TRY_ASSIGN(auto renderer, Renderer::build(std::move(scene), threads, [&](double done) {
+                 progress(kReadingShare + (1.0 - kReadingShare) * done);
+               }));
+    return std::unique_ptr<BlockRenderer>(std::make_unique<EmbreeBlockRenderer>(std::move(renderer)));
+  };
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/tile_sender.h"
+
+#include <ctime>
+#include <utility>
+
+namespace cyclorama {
+
+double thread_cpu_seconds() {
+  timespec time{};
+  CHECK(::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+wire::NodeReport TileSender::report_of(NodeLink::Outgoing item) {
+  if (auto* const report = std::get_if<wire::NodeReport>(&item)) return std::move(*report);
+  if (const auto* const tile = std::get_if<RenderedTile>(&item)) return encoded(*tile);
+  return end_of(std::get<RenderedBlock>(item));
+}
+
+wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
+  const double begun = thread_cpu_seconds();
+  wire::NodeReport report;
+  wire::BlockTile* const message = report.mutable_tile();
+  message->set_block(tile.block);
+  message->mutable_tile()->set_view_number(tile.view_number);
+  message->mutable_tile()->set_x_px(static_cast<std::uint32_t>(tile.rect.x));
+  message->mutable_tile()->set_y_px(static_cast<std::uint32_t>(tile.rect.y));
+  message->mutable_tile()->set_width_px(static_cast<std::uint32_t>(tile.rect.width));
+  message->mutable_tile()->set_height_px(static_cast<std::uint32_t>(tile.rect.height));
+  if (const auto jpeg = encoder_.encode(tile.pixels, tile.options)) {
+    message->mutable_tile()->set_jpeg(jpeg->data(), jpeg->size());
+  } else {
+    error_ = jpeg.error().message();  // The head refuses an empty tile; the block's end says why it is empty.
+  }
+  encode_cpu_seconds_ += thread_cpu_seconds() - begun;
+  return report;
+}
+
+wire::NodeReport TileSender::end_of(const RenderedBlock& block) {
+  wire::NodeReport report;
+  wire::BlockEnd* const end = report.mutable_end();
+  end->set_block(block.block);
+  end->set_render_cpu_seconds(block.cost.cpu_seconds);
+  end->set_wall_seconds(block.cost.wall_seconds);
+  end->set_rays(block.cost.rays);
+  end->set_encode_cpu_seconds(std::exchange(encode_cpu_seconds_, 0.0));
+  const std::string encode_error = std::exchange(error_, {});
+  end->set_error(block.error.empty() ? encode_error : block.error);
+  return report;
+}
+
+}  // namespace cyclorama

@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::uint32_t kCutPx = 16;
 constexpr std::uint32_t kMostSamples = 4096;
+constexpr double kFarthestEyeM = 1e7;       // Far beyond any scene, and within float, which the ray kernels use.
+constexpr double kSteepestElevation = 1e4;  // Tangent: within a hundredth of a degree of straight up or down.
 
 Error refuse(const char* field, const std::string& what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("view.{} {}", field, what));
@@ -48,6 +50,7 @@ void to_wire(const Panorama& p, wire::Panorama* ret_p) {
 Status validate(const wire::View& view) {
   if (view.number() == 0) return refuse("number", "is 0; views count from 1");
   if (!from_wire(view.eye_m()).allFinite()) return refuse("eye_m", "is not finite");
+  if (!(from_wire(view.eye_m()).cwiseAbs().maxCoeff() <= kFarthestEyeM)) return refuse("eye_m", "is too far away");
   if (!std::isfinite(view.heading_rad())) return refuse("heading_rad", "is not finite");
   if (view.samples() < 1 || view.samples() > kMostSamples) {
     return refuse("samples", fmt::format("is {}; it must be 1 to {}", view.samples(), kMostSamples));
@@ -55,7 +58,10 @@ Status validate(const wire::View& view) {
   if (view.jpeg_quality() < 1 || view.jpeg_quality() > 100) {
     return refuse("jpeg_quality", fmt::format("is {}; it must be 1 to 100", view.jpeg_quality()));
   }
-  TRY(from_wire(view.panorama()));
+  TRY_ASSIGN(const Panorama panorama, from_wire(view.panorama()));
+  if (panorama.tan_elevation_top > kSteepestElevation || panorama.tan_elevation_bottom < -kSteepestElevation) {
+    return refuse("panorama", fmt::format("has an elevation beyond a tangent of {}", kSteepestElevation));
+  }
   return Done{};
 }
 
@@ -65,8 +71,8 @@ Status validate(const wire::Tile& tile, const Panorama& picture) {
   if (tile.width_px() == 0 || tile.height_px() == 0 || tile.x_px() % kCutPx != 0 || tile.y_px() % kCutPx != 0 ||
       right > static_cast<std::uint64_t>(picture.width_px) || bottom > static_cast<std::uint64_t>(picture.height_px)) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("tile {}x{} at ({}, {}) does not fit a picture of {}x{}", tile.width_px(), tile.height_px(),
-                             tile.x_px(), tile.y_px(), picture.width_px, picture.height_px));
+                 fmt::format("tile {}x{} at ({}, {}) does not fit a picture of {}x{}", tile.width_px(),
+                             tile.height_px(), tile.x_px(), tile.y_px(), picture.width_px, picture.height_px));
   }
   return Done{};
 }

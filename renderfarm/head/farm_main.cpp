@@ -41,7 +41,8 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   TRY_ASSIGN(HeadOptions options, options_from(arguments));
   TRY_ASSIGN(const auto head,
              Head::start(std::move(options), [](const std::string& sentence) { log(LogLevel::kInfo, sentence); }));
-  log(LogLevel::kNotice, fmt::format("museums dial port {}, nodes dial port {}", head->museum_port(), head->node_port()));
+  log(LogLevel::kNotice,
+      fmt::format("museums dial port {}, nodes dial port {}", head->museum_port(), head->node_port()));
   Notify notify;
   notify.ready();
   std::string told;
@@ -65,10 +66,12 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
-  Program program("cyclorama-farm", "The render farm's head: museums and nodes dial it, and it splits each picture among the nodes.");
+  Program program("cyclorama-farm",
+                  "The render farm's head: museums and nodes dial it, and it splits each picture among the nodes.");
   Arguments arguments;
   CLI::App& app = program.options();
-  app.add_option("--config", arguments.config, "Read this farm.toml; the other options overrule it")->check(CLI::ExistingFile);
+  app.add_option("--config", arguments.config, "Read this farm.toml; the other options overrule it")
+      ->check(CLI::ExistingFile);
   app.add_option("--scene", arguments.scenes, "NAME=PATH of a scene on the nodes' disks; the first is the default");
   app.add_option("--museums", arguments.museums, "Where museums dial (default [::1]:7401)");
   app.add_option("--nodes", arguments.nodes, "Where nodes dial (default [::1]:7402)");

@@ -20,7 +20,8 @@ Result<HeadOptions> read_head_config(const std::filesystem::path& path) {
   if (root.has("limits")) {
     const HeadLimits defaults;
     ConfigTable limits = root.table("limits");
-    options.limits.nodes = static_cast<std::size_t>(limits.integer("nodes", {1, 4096}, static_cast<int>(defaults.nodes)));
+    options.limits.nodes =
+        static_cast<std::size_t>(limits.integer("nodes", {1, 4096}, static_cast<int>(defaults.nodes)));
     options.limits.sessions =
         static_cast<std::size_t>(limits.integer("visits", {1, 1024}, static_cast<int>(defaults.sessions)));
     options.limits.picture_px = static_cast<std::int64_t>(

@@ -83,12 +83,15 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
-  Program program("cyclorama-node", "Ray traces for a render farm: dials its head, loads the scenes it is told to, renders blocks.");
+  Program program("cyclorama-node",
+                  "Ray traces for a render farm: dials its head, loads the scenes it is told to, renders blocks.");
   Arguments arguments;
   CLI::App& app = program.options();
-  app.add_option("--config", arguments.config, "Read this node.toml; the other options overrule it")->check(CLI::ExistingFile);
+  app.add_option("--config", arguments.config, "Read this node.toml; the other options overrule it")
+      ->check(CLI::ExistingFile);
   app.add_option("--head", arguments.head, "The farm's head, such as [::1]:7402");
-  app.add_option("--threads", arguments.threads, "Threads that render (default: all)")->check(CLI::Range(1, kMostThreads));
+  app.add_option("--threads", arguments.threads, "Threads that render (default: all)")
+      ->check(CLI::Range(1, kMostThreads));
   app.add_option("--name", arguments.name, "How people call this node (default: the host's name)");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

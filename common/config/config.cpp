@@ -10,7 +10,14 @@
 
 #define TOML_EXCEPTIONS 0
 #define TOML_HEADER_ONLY 1
+// toml++ 3.3 asserts on text that it refuses just as well without ("[" at a line's end, found by fuzzing), and turns
+// its assertions into promises to the optimiser under NDEBUG. No configuration may stop a program: they do nothing
+// here.
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
+#define TOML_ASSERT(expr) static_cast<void>(0)
 #include <toml++/toml.h>
+#pragma pop_macro("NDEBUG")
 
 #include "common/base/file.h"
 #include "common/base/text.h"
@@ -55,6 +62,7 @@ struct ConfigTable::Node {
   unsigned line = 1;                   ///< Of the table's header, for keys that are missing.
   std::string path;                    ///< "wall." in front of this table's keys.
   std::set<std::string, std::less<>> asked;
+  std::set<std::string, std::less<>> missing;  ///< Required, asked for, and absent.
 
   const toml::node* find(std::string_view key) {
     asked.insert(std::string(key));
@@ -66,7 +74,7 @@ struct ConfigTable::Node {
   /// The node, or null after noting that a required key is missing.
   const toml::node* find_or_note(std::string_view key, bool required) {
     const toml::node* const node = find(key);
-    if (node == nullptr && required) mistake(line, key, "is missing; add it");
+    if (node == nullptr && required) missing.insert(std::string(key));
     return node;
   }
   std::optional<double> number_of(const toml::node& node, std::string_view key, Range range) const {
@@ -81,20 +89,33 @@ struct ConfigTable::Node {
     }
     return std::nullopt;
   }
-  void note_unknown_keys() const {
-    if (table == nullptr) return;
-    for (const auto& [key, value] : *table) {
-      if (asked.contains(key.str())) continue;
-      std::string remedy = "is not a setting; remove it";
-      for (const std::string& known : asked) {
-        if (without_unit(known) == without_unit(key.str())) {
-          remedy = fmt::format("is not a setting; write '{}', in that unit", known);
-          break;
-        }
-        if (edit_distance(known, key.str()) <= 2) remedy = fmt::format("is not a setting; did you mean '{}'?", known);
-      }
-      mistake(key.source().begin.line, key.str(), remedy);
+  /// What an unknown key was meant to be; empty when there is nothing like it.
+  [[nodiscard]] std::string meant_by(std::string_view key) const {
+    for (const std::string& known : asked) {
+      if (without_unit(known) == without_unit(key)) return known;
     }
+    for (const std::string& known : asked) {
+      if (edit_distance(known, key) <= 2 && edit_distance(known, key) < key.size()) return known;
+    }
+    return "";
+  }
+  /// A key that is misspelt is told as that, and not as one that is missing as well.
+  void note_unknown_and_missing_keys() {
+    if (table != nullptr) {
+      for (const auto& [key, value] : *table) {
+        if (asked.contains(key.str())) continue;
+        const std::string meant = meant_by(key.str());
+        missing.erase(meant);
+        std::string remedy = "is not a setting; remove it";
+        if (!meant.empty()) {
+          const bool same_name = without_unit(meant) == without_unit(key.str());
+          remedy = same_name ? fmt::format("is not a setting; write '{}', in that unit", meant)
+                             : fmt::format("is not a setting; did you mean '{}'?", meant);
+        }
+        mistake(key.source().begin.line, key.str(), remedy);
+      }
+    }
+    for (const std::string& key : missing) mistake(line, key, "is missing; add it");
   }
 };
 
@@ -274,7 +295,7 @@ ConfigTable Config::root() {
 }
 
 Status Config::finish() const {
-  for (const auto& node : document_->nodes) node->note_unknown_keys();
+  for (const auto& node : document_->nodes) node->note_unknown_and_missing_keys();
   document_->nodes.clear();
   const auto& mistakes = document_->mistakes;
   if (mistakes.empty()) return Done{};

@@ -56,8 +56,13 @@ struct JpegDecoder::Handle {
   Handle& operator=(const Handle&) = delete;
   ~Handle() { tjDestroy(tj); }
 
-  Error bad(const char* doing) const {
-    return Error(ErrorCode::kBadData, fmt::format("{}: {}", doing, tjGetErrorStr2(tj)));
+  /// Starts afresh: after bad bytes TurboJPEG 2.1 keeps part of them, and would refuse the good picture after it.
+  Error bad(const char* doing) {
+    Error error(ErrorCode::kBadData, fmt::format("{}: {}", doing, tjGetErrorStr2(tj)));
+    tjDestroy(tj);
+    tj = tjInitDecompress();
+    CHECK(tj != nullptr);
+    return error;
   }
   Status decode(std::span<const std::byte> jpeg, unsigned char* pixels, int width, int height, std::size_t row_bytes,
                 int format) {

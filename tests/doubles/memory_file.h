@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Bytes as a file that lies on no disk, for readers that want a path.
+#pragma once
+
+#include <sys/mman.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/base/check.h"
+#include "common/base/unique_fd.h"
+
+namespace cyclorama {
+
+/// Gone with the object; path() is good until then.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string_view bytes) : fd_(::memfd_create("memory_file", MFD_CLOEXEC)) {
+    CHECK(fd_.is_open());
+    for (std::size_t done = 0; done < bytes.size();) {
+      const ssize_t n = ::write(fd_.get(), bytes.data() + done, bytes.size() - done);
+      CHECK(n > 0);
+      done += static_cast<std::size_t>(n);
+    }
+  }
+  [[nodiscard]] std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(fd_.get()); }
+
+ private:
+  UniqueFd fd_;
+};
+
+}  // namespace cyclorama

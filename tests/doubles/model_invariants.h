@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What model.h promises of every Model, asked of one.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+template <typename Vectors>
+bool all_finite(const Vectors& vectors) {
+  for (const auto& vector : vectors) {
+    for (const float value : vector) {
+      if (!std::isfinite(value)) return false;
+    }
+  }
+  return true;
+}
+
+/// Empty when `mesh` keeps its promises; else the first that it breaks.
+inline std::string broken_promise(const Mesh& mesh, const Model& model) {
+  const std::size_t n = mesh.positions.size();
+  const auto fits = [&](const auto& vector) { return vector.empty() || vector.size() == n; };
+  if (mesh.material < 0 || static_cast<std::size_t>(mesh.material) >= model.materials.size()) return "material index";
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      if (corner >= n) return "triangle index";
+    }
+  }
+  if (!fits(mesh.normals) || !fits(mesh.texcoords[0]) || !fits(mesh.texcoords[1]) || !fits(mesh.tangents) ||
+      !fits(mesh.colours)) {
+    return "entries per vertex";
+  }
+  if (!mesh.origin.allFinite() || !all_finite(mesh.positions) || !all_finite(mesh.normals) ||
+      !all_finite(mesh.texcoords[0]) || !all_finite(mesh.texcoords[1])) {
+    return "finite numbers";
+  }
+  for (const auto& normal : mesh.normals) {
+    if (!(std::abs(std::hypot(normal[0], normal[1], normal[2]) - 1.0f) < 1e-3f)) return "unit normals";
+  }
+  return "";
+}
+
+inline std::string broken_promise(const Model& model) {
+  if (model.materials.empty()) return "at least one material";
+  const auto has_texture = [&](const TextureUse& use) {
+    return use.texture >= -1 && use.texture < static_cast<int>(model.textures.size());
+  };
+  for (const Material& m : model.materials) {
+    if (!has_texture(m.base_colour_texture) || !has_texture(m.metallic_roughness_texture) ||
+        !has_texture(m.normal_texture) || !has_texture(m.emissive_texture)) {
+      return "texture index";
+    }
+    if (!m.base_colour.allFinite() || !m.emissive.allFinite() || !std::isfinite(m.roughness)) return "finite material";
+  }
+  for (const Mesh& mesh : model.meshes) {
+    if (const std::string broken = broken_promise(mesh, model); !broken.empty()) return broken;
+  }
+  for (const Instance& instance : model.instances) {
+    if (instance.mesh < 0 || static_cast<std::size_t>(instance.mesh) >= model.meshes.size()) return "mesh index";
+    if (!instance.T_model_mesh.matrix().allFinite()) return "finite transforms";
+  }
+  return "";
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstdint>
+
+#include "renderfarm/scene/model.h"
+#include "tests/doubles/memory_file.h"
+#include "tests/doubles/model_invariants.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const MemoryFile file({reinterpret_cast<const char*>(data), size});
+  const auto model =
+      import_ply(file.path(), ImportLimits{.memory_bytes = std::size_t{256} << 20, .texture_px = 1 << 20});
+  if (model) CHECK(broken_promise(*model).empty());
+  return 0;
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/image/jpeg.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace cyclorama {
+namespace {
+
+constexpr std::size_t kLimitPx = std::size_t{1} << 24;
+
+/// Smooth, so that JPEG has little to lose.
+RgbImage gradient(int width, int height) {
+  RgbImage image(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      image.at(x, y)[0] = static_cast<std::uint8_t>(255 * x / width);
+      image.at(x, y)[1] = static_cast<std::uint8_t>(255 * y / height);
+      image.at(x, y)[2] = 128;
+    }
+  }
+  return image;
+}
+
+double mean_difference(const RgbImage& a, const RgbImage& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.data().size(); ++i) sum += std::abs(int{a.data()[i]} - int{b.data()[i]});
+  return sum / static_cast<double>(a.data().size());
+}
+
+TEST(Jpeg, a_picture_comes_back_nearly_the_same_whatever_its_size) {
+  JpegEncoder encoder;
+  JpegDecoder decoder;
+  for (const auto& [width, height] : {std::pair{1, 1}, std::pair{17, 3}, std::pair{64, 48}, std::pair{333, 201}}) {
+    for (const bool subsample : {false, true}) {
+      const RgbImage image = gradient(width, height);
+      const auto jpeg = encoder.encode(image, {.quality = 95, .subsample_chroma = subsample});
+      ASSERT_TRUE(jpeg.has_value());
+      const auto size = decoder.size_of(*jpeg);
+      ASSERT_TRUE(size.has_value());
+      EXPECT_EQ(size->width, width);
+      EXPECT_EQ(size->height, height);
+      const auto back = decoder.decode(*jpeg, kLimitPx);
+      ASSERT_TRUE(back.has_value()) << back.error().message();
+      EXPECT_LT(mean_difference(image, *back), subsample && height < 16 ? 20.0 : 4.0);
+    }
+  }
+}
+
+TEST(Jpeg, a_part_of_a_picture_is_encoded_and_decoded_in_place) {
+  const RgbImage image = gradient(64, 64);
+  JpegEncoder encoder;
+  const auto jpeg = encoder.encode(image.at(16, 16), 32, 32, image.row_values(), {.quality = 95});
+  ASSERT_TRUE(jpeg.has_value());
+  RgbImage whole(64, 64);
+  JpegDecoder decoder;
+  ASSERT_TRUE(decoder.decode_into(*jpeg, whole.at(16, 16), 32, 32, whole.row_values()).has_value());
+  EXPECT_NEAR(whole.at(30, 40)[0], image.at(30, 40)[0], 12);
+  EXPECT_EQ(whole.at(15, 20)[0], 0);
+  EXPECT_EQ(whole.at(48, 20)[0], 0);
+  const Status wrong = decoder.decode_into(*jpeg, whole.at(0, 0), 32, 31, whole.row_values());
+  ASSERT_FALSE(wrong.has_value());
+  EXPECT_EQ(wrong.error().code(), ErrorCode::kBadData);
+}
+
+TEST(Jpeg, a_picture_that_is_cut_short_is_refused_and_never_shown_half) {
+  JpegEncoder encoder;
+  JpegDecoder decoder;
+  const auto jpeg = encoder.encode(gradient(64, 48), {});
+  ASSERT_TRUE(jpeg.has_value());
+  for (std::size_t length = 0; length + 2 < jpeg->size(); ++length) {
+    const auto part = decoder.decode(std::span(*jpeg).first(length), kLimitPx);
+    ASSERT_FALSE(part.has_value()) << length;
+    EXPECT_EQ(part.error().code(), ErrorCode::kBadData);
+    EXPECT_TRUE(decoder.decode(*jpeg, kLimitPx).has_value()) << "after a failure at " << length;
+  }
+}
+
+TEST(Jpeg, limits_hold_before_memory_is_taken) {
+  JpegEncoder encoder;
+  const auto jpeg = encoder.encode(gradient(64, 48), {});
+  ASSERT_TRUE(jpeg.has_value());
+  JpegDecoder decoder;
+  EXPECT_FALSE(decoder.decode(*jpeg, 64 * 48 - 1).has_value());
+  EXPECT_FALSE(decoder.decode_grey(*jpeg, 64 * 48 - 1).has_value());
+  EXPECT_TRUE(decoder.decode_grey(*jpeg, 64 * 48).has_value());
+}
+
+TEST(Jpeg, what_cannot_be_written_is_refused) {
+  JpegEncoder encoder;
+  EXPECT_EQ(encoder.encode(RgbImage(), {}).error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(encoder.encode(nullptr, 65501, 1, 0, {}).error().code(), ErrorCode::kInvalidArgument);
+}
+
+TEST(Jpeg, grey_is_the_luma_of_the_colour_picture) {
+  JpegEncoder encoder;
+  JpegDecoder decoder;
+  const auto jpeg = encoder.encode(RgbImage(16, 16, 200), {.quality = 100});
+  ASSERT_TRUE(jpeg.has_value());
+  const auto grey = decoder.decode_grey(*jpeg, kLimitPx);
+  ASSERT_TRUE(grey.has_value());
+  EXPECT_NEAR(grey->at(8, 8)[0], 200, 1);
+}
+
+}  // namespace
+}  // namespace cyclorama

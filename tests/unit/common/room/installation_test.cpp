@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/room/installation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <string>
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::string kRoom = R"(name = "room"
+[wall]
+radius_m = 3.0
+arc_deg = 180.0
+top_m = 2.6
+[visitor]
+eye_m = [0.0, 1.6, 0.0]
+[[projector]]
+name = "left"
+width_px = 1280
+height_px = 800
+field_of_view_deg = 60
+position_m = [0.5, 2.5, 1.0]
+pan_deg = -60
+)";
+
+std::string with(std::string text, const std::string& old_line, const std::string& new_line) {
+  const std::size_t at = text.find(old_line);
+  EXPECT_NE(at, std::string::npos) << old_line;
+  return text.replace(at, old_line.size(), new_line);
+}
+
+std::string complaint(const std::string& text) {
+  const auto installation = parse_installation(text, "room.toml");
+  return installation ? "" : installation.error().message();
+}
+
+TEST(Installation, a_room_is_read_with_its_units) {
+  const auto room = parse_installation(kRoom, "room.toml");
+  ASSERT_TRUE(room.has_value()) << room.error().message();
+  EXPECT_NEAR(room->wall.arc_rad, std::numbers::pi, 1e-12);
+  ASSERT_EQ(room->projectors.size(), 1u);
+  EXPECT_EQ(room->projectors[0].name, "left");
+  EXPECT_EQ(room->projectors[0].lens.width_px, 1280);
+}
+
+TEST(Installation, a_pan_to_the_left_looks_to_the_left_and_upright) {
+  const auto room = parse_installation(kRoom, "room.toml");
+  ASSERT_TRUE(room.has_value());
+  const auto& T = room->projectors[0].T_room_projector;
+  const Point<frame::Room> ahead = T * Point<frame::Projector>{Eigen::Vector3d(0, 0, 1)};
+  const Eigen::Vector3d look = ahead.xyz - Eigen::Vector3d(0.5, 2.5, 1.0);
+  EXPECT_NEAR(look.x(), -std::sin(std::numbers::pi / 3.0), 1e-12);
+  EXPECT_NEAR(look.z(), -std::cos(std::numbers::pi / 3.0), 1e-12);
+  const Point<frame::Room> below = T * Point<frame::Projector>{Eigen::Vector3d(0, 1, 0)};
+  EXPECT_NEAR(below.xyz.y(), 1.5, 1e-12);  // y is down in a projector.
+}
+
+TEST(Installation, tilt_looks_up_and_lens_shift_moves_the_centre) {
+  const auto room = parse_installation(kRoom + "tilt_deg = 30\nlens_shift_fraction = [0.0, -0.5]\n", "room.toml");
+  ASSERT_TRUE(room.has_value()) << room.error().message();
+  const auto& projector = room->projectors[0];
+  const Point<frame::Room> ahead = projector.T_room_projector * Point<frame::Projector>{Eigen::Vector3d(0, 0, 1)};
+  EXPECT_NEAR(ahead.xyz.y() - 2.5, 0.5, 1e-12);
+  EXPECT_NEAR(projector.lens.centre_v_px, 0.0, 1e-9);
+}
+
+TEST(Installation, the_panorama_covers_the_wall_from_the_sweet_spot) {
+  for (const char* const eye : {"[0.0, 1.6, 0.0]", "[1.0, 1.2, -0.8]"}) {
+    const auto room = parse_installation(with(kRoom, "[0.0, 1.6, 0.0]", eye), "room.toml");
+    ASSERT_TRUE(room.has_value());
+    const Panorama panorama = room->panorama(2048);
+    EXPECT_TRUE(panorama.validate().has_value());
+    for (double angle = -1.57; angle <= 1.57; angle += 0.05) {
+      for (const double height : {0.0, 1.3, 2.6}) {
+        const Eigen::Vector3d d = room->wall.point_at(angle, height).xyz - room->sweet_spot.xyz;
+        const PanoramaPixel p = panorama.pixel_of(d);
+        EXPECT_GE(p.u, -1.0);
+        EXPECT_LE(p.u, 2049.0);
+        EXPECT_GE(p.v, -1.0);
+        EXPECT_LE(p.v, panorama.height_px + 1.0);
+      }
+    }
+  }
+}
+
+TEST(Installation, mistakes_name_their_line) {
+  EXPECT_THAT(complaint(with(kRoom, "radius_m = 3.0", "radius_mm = 3000")),
+              HasSubstr("write 'radius_m', in that unit"));
+  EXPECT_THAT(complaint(with(kRoom, "radius_m = 3.0", "radius_m = -3.0")), StartsWith("room.toml:3: wall.radius_m"));
+  EXPECT_THAT(complaint(with(kRoom, "top_m = 2.6", "top_m = -2.6")), StartsWith("room.toml:5: wall.top_m"));
+  EXPECT_THAT(complaint(with(kRoom, "[0.0, 1.6, 0.0]", "[0.0, 1.6, 3.5]")), StartsWith("room.toml:7: visitor.eye_m"));
+  EXPECT_THAT(complaint(with(kRoom, "[0.5, 2.5, 1.0]", "[0.5, 2.5, 4.0]")), HasSubstr("outside the wall"));
+  EXPECT_THAT(complaint(with(kRoom, "name = \"left\"", "nane = \"left\"")), HasSubstr("did you mean 'name'"));
+  EXPECT_THAT(complaint(kRoom + kRoom.substr(kRoom.find("[[projector]]"))), HasSubstr("another projector"));
+  EXPECT_THAT(complaint(kRoom.substr(0, kRoom.find("[[projector]]"))), HasSubstr("at least one [[projector]]"));
+}
+
+}  // namespace
+}  // namespace cyclorama

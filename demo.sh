@@ -97,7 +97,7 @@ watch=(--watch "tour=$(at 2)" --watch "display=$(at 3)" --watch "tracker=$(at 4)
 start head cyclorama-farm --scene "visit=$scene" --museums "$(at 0)" --nodes "$(at 1)" --inspect "$(at 6)"
 for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --head "$(at 1)" --threads 1 --name "node-$i"; done
 start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" --samples "$samples"
-start display cyclorama-display --installation demo/installation.toml --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --size "$size" --refresh-hz 20
+start display cyclorama-display --installation demo/installation.toml --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --width "${size%x*}" --height "${size#*x}" --refresh-hz 20
 start simulated-room cyclorama-simulated-room --installation demo/installation.toml --run-dir "$run_dir" --listen "$(at 5)"
 start tracker cyclorama-tracker --camera "${camera:-simulated}" --tour "$(at 2)" --listen "$(at 4)"
 [ "$headless" = 1 ] || start operator cyclorama-operator --listen "[::1]:$page_port" "${watch[@]}"

@@ -54,6 +54,7 @@ Display::~Display() = default;
 
 Status Display::prepare() {
   wanted_ = options_.installation.panorama(options_.width_px);
+  if (options_.height_px > 0) wanted_.height_px = options_.height_px;
   TRY(wanted_.validate());
   TRY_ASSIGN(std::vector<HeadWarp> warps, make_warps(options_.installation, wanted_));
   TRY_ASSIGN(channel_, make_channel(options_.tour));

@@ -24,6 +24,7 @@ struct DisplayOptions {
   std::string listen = "[::1]:0";  ///< HOST:PORT of the inspection service.
   std::filesystem::path run_dir;   ///< For shared pictures; empty: none.
   int width_px = 1024;             ///< Of the panorama that is asked for.
+  int height_px = 0;               ///< 0: as high as square pixels make it.
   double refresh_hz = 30.0;
   HeadlessOptions::Renderer renderer = HeadlessOptions::Renderer::kAny;
   int decode_threads = 2;

@@ -31,6 +31,9 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option("--width", display.width_px, "Width in pixels of the panorama to ask for")
       ->check(CLI::Range(16, 16384))
       ->capture_default_str();
+  app->add_option("--height", display.height_px, "Its height; 0 for square pixels")
+      ->check(CLI::Range(0, 16384))
+      ->capture_default_str();
   app->add_option("--refresh-hz", display.refresh_hz, "Refreshes per second")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();

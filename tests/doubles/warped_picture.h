@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "appliance/warp/blend_mask.h"
+#include "appliance/warp/warp_mesh.h"
+
+namespace cyclorama {
+
+/// What pass 2 must draw, in double precision on the CPU and as plainly as can be written down.
+class WarpedPicture {
+ public:
+  WarpedPicture(const RgbImage& picture, const Panorama& panorama, double yaw_shift_rad)
+      : picture_(picture), panorama_(panorama), yaw_shift_rad_(yaw_shift_rad) {}
+
+  /// Code values in [0, 255], not rounded, of the head's pixel; black in a triangle that is left out. The place in the
+  /// panorama is moved by `off_u`, `off_v` pixels.
+  [[nodiscard]] std::array<double, 3> at(const WarpMesh& mesh, const MaskImage& mask, int x, int y, double off_u = 0.0,
+                                         double off_v = 0.0) const {
+    const auto seen = mesh.interpolate({x + 0.5, y + 0.5});
+    if (!seen) return {0.0, 0.0, 0.0};
+    const double weight = static_cast<double>(*mask.at(x, y));
+    double azimuth = seen->azimuth_rad + yaw_shift_rad_;
+    if (wraps()) azimuth -= 2.0 * std::numbers::pi * std::floor(azimuth / (2.0 * std::numbers::pi) + 0.5);
+    const double u = (azimuth / panorama_.azimuth_span_rad + 0.5) * panorama_.width_px + off_u - 0.5;
+    const double v = (seen->tan_elevation - panorama_.tan_elevation_top) /
+                         (panorama_.tan_elevation_bottom - panorama_.tan_elevation_top) * panorama_.height_px +
+                     off_v - 0.5;
+    std::array<double, 3> codes{};
+    for (int c = 0; c < 3; ++c) codes[static_cast<std::size_t>(c)] = 255.0 * encoded(weight * light(u, v, c));
+    return codes;
+  }
+
+ private:
+  [[nodiscard]] bool wraps() const { return panorama_.azimuth_span_rad > 6.28; }
+  [[nodiscard]] double texel(double x, double y, int channel) const {
+    const double w = picture_.width();
+    const double column = wraps() ? x - w * std::floor(x / w) : std::clamp(x, 0.0, w - 1.0);
+    const double row = std::clamp(y, 0.0, picture_.height() - 1.0);
+    const double code = picture_.at(static_cast<int>(column), static_cast<int>(row))[channel] / 255.0;
+    return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+  }
+  [[nodiscard]] double light(double u, double v, int c) const {
+    const double x = std::floor(u);
+    const double y = std::floor(v);
+    const double fx = u - x;
+    const double fy = v - y;
+    return (1 - fy) * ((1 - fx) * texel(x, y, c) + fx * texel(x + 1, y, c)) +
+           fy * ((1 - fx) * texel(x, y + 1, c) + fx * texel(x + 1, y + 1, c));
+  }
+  static double encoded(double light) {
+    return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
+  }
+
+  const RgbImage& picture_;
+  Panorama panorama_;
+  double yaw_shift_rad_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A tour that shows displays what a test tells it to.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/wire/channel.h"
+#include "common/wire/museum.grpc.pb.h"
+
+namespace cyclorama {
+
+/// Listens on [::1] from start() on. One display at a time. Thread-safe.
+class FakeTour final : private wire::Tour::Service {
+ public:
+  static std::unique_ptr<FakeTour> start(const std::string& address = "[::1]:0") {
+    std::unique_ptr<FakeTour> tour(new FakeTour);
+    auto server = WireServer::start(address, {static_cast<wire::Tour::Service*>(tour.get())});
+    CHECK(server.has_value());
+    tour->server_ = *std::move(server);
+    return tour;
+  }
+  ~FakeTour() override {
+    hang_up();
+    server_->stop(std::chrono::seconds(5));
+  }
+  [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
+
+  /// Waits for a display that has said hello.
+  bool wait_for_display() {
+    return wait_until([this] { return stream_ != nullptr && has_hello_; });
+  }
+  /// To the display that is connected; false when there is none.
+  bool send(const wire::ShowMessage& message) {
+    const std::lock_guard lock(mutex_);
+    return stream_ != nullptr && stream_->Write(message);
+  }
+  void send_all(const std::vector<wire::ShowMessage>& messages) {
+    for (const wire::ShowMessage& message : messages) send(message);
+  }
+  void send_heading(double heading_rad, std::int64_t shutter_ns) {
+    wire::ShowMessage message;
+    message.mutable_heading()->set_heading_rad(heading_rad);
+    message.mutable_heading()->set_shutter_ns(shutter_ns);
+    send(message);
+  }
+  /// Ends the display's stream; it may dial again.
+  void hang_up() {
+    std::unique_lock lock(mutex_);
+    if (context_ == nullptr) return;
+    context_->TryCancel();
+    changed_.wait_for(lock, std::chrono::seconds(20), [this] { return stream_ == nullptr; });
+  }
+  bool wait_for_reports(std::size_t frames_presented, std::size_t frames_dropped) {
+    return wait_until([&] { return presented.size() >= frames_presented && dropped.size() >= frames_dropped; });
+  }
+
+  // Read them after a wait that promises that nothing more comes.
+  wire::DisplayHello hello;
+  int displays = 0;
+  std::vector<wire::FramePresented> presented;
+  std::vector<wire::FrameDropped> dropped;
+
+ private:
+  using Stream = grpc::ServerReaderWriter<wire::ShowMessage, wire::DisplayReport>;
+  FakeTour() = default;
+
+  bool wait_until(const std::function<bool()>& condition) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(20), condition);
+  }
+  grpc::Status Show(grpc::ServerContext* context, Stream* stream) override {
+    {
+      const std::lock_guard lock(mutex_);
+      context_ = context;
+      stream_ = stream;
+      has_hello_ = false;
+      ++displays;
+    }
+    wire::DisplayReport report;
+    while (stream->Read(&report)) {
+      const std::lock_guard lock(mutex_);
+      if (report.has_hello()) {
+        hello = report.hello();
+        has_hello_ = true;
+      }
+      if (report.has_presented()) presented.push_back(report.presented());
+      if (report.has_dropped()) dropped.push_back(report.dropped());
+      changed_.notify_all();
+    }
+    const std::lock_guard lock(mutex_);
+    context_ = nullptr;
+    stream_ = nullptr;
+    changed_.notify_all();
+    return grpc::Status::OK;
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  grpc::ServerContext* context_ = nullptr;
+  Stream* stream_ = nullptr;
+  bool has_hello_ = false;
+  std::unique_ptr<WireServer> server_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/frame_assembler.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <future>
+#include <limits>
+#include <mutex>
+
+#include "common/base/file.h"
+#include "tests/doubles/jpeg_tiles.h"
+#include "tests/doubles/shared_data.h"
+
+namespace cyclorama {
+namespace {
+
+using Messages = std::vector<wire::ShowMessage>;
+using ::testing::HasSubstr;
+
+const Panorama kPanorama{150, 90, 2.0, 0.5, -0.5};  // Sides that are no multiples of 16.
+
+RgbImage gradient(int width = kPanorama.width_px, int height = kPanorama.height_px) {
+  RgbImage picture(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      picture.at(x, y)[0] = static_cast<std::uint8_t>(255 * x / width);
+      picture.at(x, y)[1] = static_cast<std::uint8_t>(255 * y / height);
+      picture.at(x, y)[2] = 90;
+    }
+  }
+  return picture;
+}
+
+int largest_difference(const RgbImage& a, const RgbImage& b) {
+  if (a.width() != b.width() || a.height() != b.height()) return 256;
+  int largest = 0;
+  for (std::size_t i = 0; i < a.data().size(); ++i)
+    largest = std::max(largest, std::abs(int{a.data()[i]} - int{b.data()[i]}));
+  return largest;
+}
+
+/// Keeps what comes out, and lets the test wait for it.
+class RecordingSink final : public FrameSink {
+ public:
+  void frame_ready(Frame frame) override {
+    const std::lock_guard lock(mutex_);
+    frames.push_back(std::move(frame));
+    changed_.notify_all();
+  }
+  void frame_dropped(std::uint64_t number, const std::string& reason) override {
+    const std::lock_guard lock(mutex_);
+    drops.emplace_back(number, reason);
+    changed_.notify_all();
+  }
+  bool wait_for(std::size_t outcomes) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(20), [&] { return frames.size() + drops.size() >= outcomes; });
+  }
+  std::vector<Frame> frames;
+  std::vector<std::pair<std::uint64_t, std::string>> drops;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+};
+
+class FrameAssembling : public ::testing::Test {
+ protected:
+  void send(const Messages& messages) {
+    for (const wire::ShowMessage& message : messages) assembler_.take(message);
+  }
+  Messages good(std::uint64_t number) { return frame_messages(number, gradient(), kPanorama, 0.25); }
+
+  /// Sends it, then a good frame: the first must be dropped for `reason` and the second shown.
+  void expect_dropped(const Messages& bad, const std::string& reason, std::uint64_t number = 7) {
+    send(bad);
+    send(good(8));
+    ASSERT_TRUE(sink_.wait_for(2));
+    ASSERT_THAT(sink_.drops, ::testing::SizeIs(1));
+    EXPECT_EQ(sink_.drops[0].first, number);
+    EXPECT_THAT(sink_.drops[0].second, HasSubstr(reason));
+    ASSERT_EQ(sink_.frames.size(), 1U);
+    EXPECT_EQ(sink_.frames[0].number, 8U);
+    EXPECT_LE(largest_difference(*sink_.frames[0].picture, gradient()), 12);
+  }
+
+  SteadyClock clock_;
+  RecordingSink sink_;
+  DecodePool pool_{2};
+  FrameAssembler assembler_{&pool_, &sink_, &clock_};
+};
+
+TEST_F(FrameAssembling, gives_a_whole_frame_as_it_was_sent) {
+  Messages messages = good(7);
+  messages[0].mutable_begin()->set_shutter_ns(123456);
+  send(messages);
+  ASSERT_TRUE(sink_.wait_for(1));
+  ASSERT_EQ(sink_.frames.size(), 1U);
+  const Frame& frame = sink_.frames[0];
+  EXPECT_EQ(frame.number, 7U);
+  EXPECT_EQ(frame.order, 1U);
+  EXPECT_EQ(frame.heading_rad, 0.25);
+  EXPECT_EQ(frame.shutter_ns, 123456);
+  EXPECT_EQ(frame.panorama, kPanorama);
+  EXPECT_LE(largest_difference(*frame.picture, gradient()), 12);
+  EXPECT_GT(frame.bytes, 1000U);
+  EXPECT_GE(frame.decoded_at, frame.begun_at);
+}
+
+TEST_F(FrameAssembling, takes_tiles_in_any_order_and_of_any_size) {
+  Messages messages = good(7);
+  std::reverse(messages.begin() + 1, messages.end() - 1);
+  send(messages);
+  send(frame_messages(8, gradient(), kPanorama, 0.0, 16));
+  send(frame_messages(9, gradient(), kPanorama, 0.0, 1024));
+  ASSERT_TRUE(sink_.wait_for(3));
+  ASSERT_EQ(sink_.frames.size(), 3U);
+  for (const Frame& frame : sink_.frames) EXPECT_LE(largest_difference(*frame.picture, gradient()), 12);
+}
+
+TEST_F(FrameAssembling, keeps_frames_apart_that_are_held_for_long) {
+  std::vector<RgbImage> sent;
+  for (std::uint64_t n = 1; n <= 8; ++n) {
+    sent.emplace_back(kPanorama.width_px, kPanorama.height_px, static_cast<std::uint8_t>(20 * n));
+    send(frame_messages(n, sent.back(), kPanorama));
+    ASSERT_TRUE(sink_.wait_for(n));
+  }
+  ASSERT_EQ(sink_.frames.size(), 8U);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_LE(largest_difference(*sink_.frames[i].picture, sent[i]), 3);
+  sink_.frames.clear();  // Their pictures are used again, with other sizes between.
+  const Panorama other{64, 64, 1.0, 0.5, -0.5};
+  send(frame_messages(9, gradient(64, 64), other));
+  ASSERT_TRUE(sink_.wait_for(1));
+  send(good(10));
+  ASSERT_TRUE(sink_.wait_for(2));
+  EXPECT_LE(largest_difference(*sink_.frames[0].picture, gradient(64, 64)), 12);
+  EXPECT_LE(largest_difference(*sink_.frames[1].picture, gradient()), 12);
+}
+
+TEST_F(FrameAssembling, drops_a_frame_whose_tile_is_missing) {
+  Messages messages = good(7);
+  messages.erase(messages.begin() + 2);
+  expect_dropped(messages, "5 of 6 tiles came");
+}
+
+TEST_F(FrameAssembling, drops_a_frame_with_a_hole_whatever_its_end_says) {
+  Messages messages = good(7);
+  messages.erase(messages.begin() + 2);
+  messages.back().mutable_end()->set_tiles(5);
+  expect_dropped(messages, "cells of the picture are empty");
+}
+
+TEST_F(FrameAssembling, drops_a_frame_with_a_tile_twice) {
+  Messages messages = good(7);
+  messages.insert(messages.begin() + 2, messages[1]);
+  expect_dropped(messages, "covers a place that another tile covers");
+}
+
+TEST_F(FrameAssembling, drops_a_frame_with_a_tile_of_another) {
+  Messages messages = good(7);
+  messages[2].mutable_tile()->set_view_number(6);
+  expect_dropped(messages, "a tile of frame 6");
+}
+
+TEST_F(FrameAssembling, drops_a_frame_with_a_tile_outside_it) {
+  for (const auto& [x, width] :
+       {std::pair<std::uint32_t, std::uint32_t>{144, 64}, {5, 16}, {0, 0}, {0xfffffff0U, 32}, {16, 0xffffffffU}}) {
+    sink_.drops.clear();
+    sink_.frames.clear();
+    Messages messages = good(7);
+    messages[1].mutable_tile()->set_x_px(x);
+    messages[1].mutable_tile()->set_width_px(width);
+    expect_dropped(messages, "does not fit");
+  }
+}
+
+TEST_F(FrameAssembling, drops_a_frame_with_a_tile_that_ends_between_cuts) {
+  Messages messages = good(7);
+  messages[1].mutable_tile()->set_width_px(40);
+  expect_dropped(messages, "does not end on a cut");
+}
+
+TEST_F(FrameAssembling, drops_a_frame_whose_tile_has_another_size_than_it_says) {
+  Messages messages = good(7);
+  *messages[1].mutable_tile()->mutable_jpeg() = messages[3].tile().jpeg();  // The narrower tile at the right edge.
+  expect_dropped(messages, "were announced");
+}
+
+TEST_F(FrameAssembling, drops_a_frame_with_a_damaged_or_empty_tile) {
+  for (const int damage : {0, 1, 2}) {
+    sink_.drops.clear();
+    sink_.frames.clear();
+    Messages messages = good(7);
+    std::string* const jpeg = messages[4].mutable_tile()->mutable_jpeg();
+    if (damage == 0) jpeg->clear();
+    if (damage == 1) jpeg->resize(jpeg->size() / 2);
+    if (damage == 2) jpeg->replace(0, 4, "\x89PNG");
+    expect_dropped(messages, "JPEG");
+  }
+}
+
+TEST_F(FrameAssembling, drops_a_frame_that_the_farm_gave_up_and_says_why) {
+  Messages messages = good(7);
+  messages.back().mutable_end()->set_complete(false);
+  messages.back().mutable_end()->set_reason("node 2 was lost\x1b[31m");
+  messages.erase(messages.begin() + 3, messages.end() - 1);
+  expect_dropped(messages, "the farm gave the frame up: node 2 was lost?[31m");
+}
+
+TEST_F(FrameAssembling, drops_a_frame_into_which_another_begins) {
+  Messages messages = good(7);
+  messages.pop_back();
+  expect_dropped(messages, "another frame began");
+}
+
+TEST_F(FrameAssembling, drops_a_frame_with_the_end_of_another) {
+  Messages messages = good(7);
+  messages.back().mutable_end()->set_view_number(6);
+  expect_dropped(messages, "the end of frame 6");
+}
+
+TEST_F(FrameAssembling, drops_views_that_cannot_be) {
+  const auto refused = [&](const auto& change, const std::string& reason, std::uint64_t number = 7) {
+    sink_.drops.clear();
+    sink_.frames.clear();
+    Messages messages = good(7);
+    change(messages[0].mutable_begin());
+    if (number != 7) {
+      for (std::size_t i = 1; i + 1 < messages.size(); ++i) messages[i].mutable_tile()->set_view_number(number);
+      messages.back().mutable_end()->set_view_number(number);
+    }
+    expect_dropped(messages, reason, number);
+  };
+  refused([](wire::View* v) { v->set_number(0); }, "number", 0);
+  refused([](wire::View* v) { v->set_heading_rad(std::numeric_limits<double>::quiet_NaN()); }, "heading_rad");
+  refused([](wire::View* v) { v->mutable_panorama()->set_width_px(0); }, "width_px");
+  refused([](wire::View* v) { v->mutable_panorama()->set_width_px(0xffffffffU); }, "width_px");
+  refused([](wire::View* v) { v->mutable_panorama()->set_azimuth_span_rad(7.0); }, "azimuth_span_rad");
+  refused([](wire::View* v) { v->mutable_panorama()->set_tan_elevation_top(-1.0); }, "tan_elevation_top");
+  refused([](wire::View* v) { v->clear_panorama(); }, "width_px");
+  refused(
+      [](wire::View* v) {
+        v->mutable_panorama()->set_width_px(16384);
+        v->mutable_panorama()->set_height_px(16384);
+      },
+      "16384x16384 pixels");
+}
+
+TEST_F(FrameAssembling, drops_tiles_and_ends_without_a_begin_once) {
+  Messages messages = good(7);
+  messages.erase(messages.begin());
+  expect_dropped(messages, "without its frame's begin");
+  sink_.drops.clear();
+  sink_.frames.clear();
+  expect_dropped({good(7).back()}, "its end came without its begin");
+}
+
+TEST_F(FrameAssembling, drops_what_a_lost_stream_left_unfinished) {
+  Messages messages = good(7);
+  messages.resize(3);
+  send(messages);
+  assembler_.stream_lost();
+  send(good(8));
+  ASSERT_TRUE(sink_.wait_for(2));
+  ASSERT_EQ(sink_.drops.size(), 1U);
+  EXPECT_THAT(sink_.drops[0].second, HasSubstr("connection"));
+  EXPECT_EQ(sink_.frames.size(), 1U);
+}
+
+TEST_F(FrameAssembling, refuses_frames_that_come_faster_than_they_are_decoded) {
+  std::promise<void> gate;
+  const auto opened = gate.get_future().share();
+  for (int thread = 0; thread < 2; ++thread) {
+    pool_.submit([opened](JpegDecoder&) { opened.wait_for(std::chrono::seconds(20)); });
+  }
+  for (std::uint64_t n = 1; n <= 5; ++n) send(good(n));
+  ASSERT_TRUE(sink_.wait_for(2));
+  EXPECT_THAT(sink_.drops[0].second, HasSubstr("faster than this display decodes"));
+  EXPECT_EQ(sink_.drops[0].first, 4U);
+  gate.set_value();
+  ASSERT_TRUE(sink_.wait_for(5));
+  EXPECT_EQ(sink_.frames.size(), 3U);
+}
+
+TEST(FrameAssembler, never_shows_a_frame_whose_tiles_were_not_decoded_when_the_display_stops) {
+  SteadyClock clock;
+  RecordingSink sink;
+  std::promise<void> gate;
+  {
+    auto pool = std::make_unique<DecodePool>(1);
+    std::promise<void> begun;
+    pool->submit([&, opened = gate.get_future().share()](JpegDecoder&) {
+      begun.set_value();
+      opened.wait_for(std::chrono::seconds(20));
+    });
+    begun.get_future().wait_for(std::chrono::seconds(20));
+    FrameAssembler assembler(pool.get(), &sink, &clock);
+    for (const auto& message : frame_messages(7, gradient(), kPanorama)) assembler.take(message);
+    std::jthread opener([&] { gate.set_value(); });
+    pool.reset();
+  }
+  ASSERT_EQ(sink.frames.size() + sink.drops.size(), 1U);
+  if (!sink.frames.empty()) {
+    EXPECT_LE(largest_difference(*sink.frames[0].picture, gradient()), 12);
+  }
+}
+
+/// Every damaged JPEG of the shared data, sent as a tile: whatever it claims to be, the frame is dropped or its tile is
+/// a whole picture of the announced size.
+TEST_F(FrameAssembling, survives_every_bad_jpeg_of_the_shared_data_as_a_tile) {
+  int tried = 0;
+  for (const char* const folder : {"bad/afl_jpeg", "bad/go_fuzz_jpeg"}) {
+    CYCLORAMA_SHARED_DATA(path, folder);
+    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+      if (!entry.is_regular_file() || entry.path().filename() == "LICENSE") continue;
+      const auto bytes = read_file(entry.path(), std::size_t{16} << 20);
+      ASSERT_TRUE(bytes);
+      const std::size_t before = sink_.frames.size() + sink_.drops.size();
+      // Announced as the size that its header gives, so that its insides are looked at too.
+      const auto size = JpegDecoder().size_of(*bytes);
+      const int width = size ? std::min(size->width, 16384) : 64;
+      const int height = size ? std::min(size->height, 16384) : 64;
+      const Panorama panorama{width, height, 1.0, 0.5, -0.5};
+      if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kLargestFramePx) continue;
+      Messages messages(3);
+      *messages[0].mutable_begin() = view_of(7, panorama);
+      wire::Tile* const tile = messages[1].mutable_tile();
+      tile->set_view_number(7);
+      tile->set_width_px(static_cast<std::uint32_t>(width));
+      tile->set_height_px(static_cast<std::uint32_t>(height));
+      tile->set_jpeg(bytes->data(), bytes->size());
+      *messages[2].mutable_end() = end_of(7, 1);
+      send(messages);
+      ASSERT_TRUE(sink_.wait_for(before + 1)) << entry.path();
+      ++tried;
+    }
+  }
+  std::printf("%d bad JPEGs tried as tiles: %zu frames dropped, %zu shown\n", tried, sink_.drops.size(),
+              sink_.frames.size());
+  EXPECT_GT(tried, 40);
+  EXPECT_GT(sink_.drops.size(), 20U);
+  send(good(8));
+  const std::size_t outcomes = sink_.frames.size() + sink_.drops.size();
+  ASSERT_TRUE(sink_.wait_for(outcomes));
+}
+
+}  // namespace
+}  // namespace cyclorama

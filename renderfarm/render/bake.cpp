@@ -34,12 +34,12 @@ void bake(Mesh& mesh, const Eigen::Affine3d& T_scene_mesh, const Eigen::Vector3d
 
   const Eigen::Matrix3f normal_matrix = normal_matrix_of(linear);
   for (std::array<float, 3>& n : mesh.normals) {
-    const Vec3 turned = normalized_safely(normal_matrix * to_vec3(n), to_vec3(n));
+    const Vec3 turned = normalized_or(normal_matrix * to_vec3(n), to_vec3(n));
     n = {turned.x(), turned.y(), turned.z()};
   }
   const Eigen::Matrix3f turn = linear.cast<float>();
   for (std::array<float, 4>& t : mesh.tangents) {
-    const Vec3 turned = normalized_safely(turn * Vec3(t[0], t[1], t[2]), Vec3(t[0], t[1], t[2]));
+    const Vec3 turned = normalized_or(turn * Vec3(t[0], t[1], t[2]), Vec3(t[0], t[1], t[2]));
     t = {turned.x(), turned.y(), turned.z(), mirrored ? -t[3] : t[3]};
   }
 }

@@ -31,7 +31,7 @@ Lamp make_lamp(const Light& light, const Eigen::Vector3d& origin) {
   Lamp lamp;
   lamp.kind = light.kind;
   lamp.position = (light.position - origin).cast<float>();
-  lamp.axis = normalized_safely(light.direction.cast<float>(), Vec3(0.0f, -1.0f, 0.0f));
+  lamp.axis = normalized_or(light.direction.cast<float>(), Vec3(0.0f, -1.0f, 0.0f));
   lamp.intensity = light.intensity.cwiseMax(0.0f);
   lamp.power = luminance(lamp.intensity);
   if (light.kind == LightKind::kDirectional) {
@@ -97,7 +97,7 @@ LampAim aim(const Lamp& lamp, const Vec3& p, const Vec2& u) {
   if (distance2 <= radius2 && lamp.radius > 0.0f) return aim_from_inside(lamp, offset, u);
 
   const float distance = std::max(std::sqrt(distance2), kLeastDistance);
-  const Vec3 to_lamp = normalized_safely(offset, Vec3::UnitY());
+  const Vec3 to_lamp = normalized_or(offset, Vec3::UnitY());
   const Vec3 shining = lamp.intensity * (fading(lamp, distance) * spot_factor(lamp, to_lamp));
   if (!(lamp.radius > 0.0f)) return {to_lamp, distance, shining / (distance * distance)};
 

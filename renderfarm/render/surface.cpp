@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/surface.h"
 
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -15,6 +16,14 @@ constexpr float kPositionRoundings = 8.0f * kUnit;
 constexpr float kPlacementRoundings = 8.0f * kUnit;
 /// The traversal's error grows with the triangle: its normal and its distance are made of differences of the corners.
 constexpr float kExtentRoundings = 16.0f * kUnit;
+
+/// The next float towards `direction`'s sign, so that the rounding of a sum cannot undo it. (std::nextafter without its
+/// call.)
+float stepped(float value, float direction) {
+  if (direction == 0.0f || !(std::abs(value) > std::numeric_limits<float>::min())) return value;
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return std::bit_cast<float>((value > 0.0f) == (direction > 0.0f) ? bits + 1 : bits - 1);
+}
 
 Vec3 corner(const TriangleHit& hit, int i) {
   return to_vec3(hit.mesh->positions[hit.corners[static_cast<std::size_t>(i)]]);
@@ -101,15 +110,15 @@ SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction) {
     const Eigen::Matrix3f absolute = placement.linear.cwiseAbs();
     point.error =
         absolute * local_error + kPlacementRoundings * (absolute * local.cwiseAbs() + placement.translation.cwiseAbs());
-    face = placement.normal_matrix * normalized_safely(local_face, -direction);
+    face = placement.normal_matrix * normalized_or(local_face, -direction);
   }
-  point.facing = normalized_safely(face, -direction);
+  point.facing = normalized_or(face, -direction);
   if (point.facing.dot(direction) > 0.0f) point.facing = -point.facing;
 
   point.normal = point.facing;
   if (hit.mesh->normals != nullptr) {
     const Vec3 smooth = interpolated3(hit.mesh->normals, hit);
-    point.normal = normalized_safely(placement.baked ? smooth : Vec3(placement.normal_matrix * smooth), point.facing);
+    point.normal = normalized_or(placement.baked ? smooth : Vec3(placement.normal_matrix * smooth), point.facing);
     // Scans wind their triangles as they like, and a normal may disagree with its triangle: the viewer's side counts.
     if (point.normal.dot(point.facing) < 0.0f) point.normal = -point.normal;
   }
@@ -138,14 +147,14 @@ Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point) {
   const Vec3 x = placement.baked ? local.x : Vec3(placement.linear * local.x);
   const Vec3 y = placement.baked ? local.y : Vec3(placement.linear * local.y);
   const Vec3& n = point.normal;
-  const Vec3 unit_x = normalized_safely(x - n * n.dot(x), Vec3::Zero());
+  const Vec3 unit_x = normalized_or(x - n * n.dot(x), Vec3::Zero());
   const Vec3 across = n.cross(unit_x);
   const Vec3 unit_y = across.dot(y) < 0.0f ? Vec3(-across) : across;
   if (unit_x.isZero(0.0f) || y.isZero(0.0f)) return n;
   // Seen from behind, n was turned to the viewer, and the whole bump turns with it.
   const Vec3 own = own_normal(hit);
   const float side = n.dot(placement.baked ? own : Vec3(placement.normal_matrix * own)) < 0.0f ? -1.0f : 1.0f;
-  const Vec3 bent = normalized_safely((bump.x() * unit_x + bump.y() * unit_y) * side + bump.z() * n, n);
+  const Vec3 bent = normalized_or((bump.x() * unit_x + bump.y() * unit_y) * side + bump.z() * n, n);
   return bent.dot(point.facing) > 0.0f ? bent : n;
 }
 
@@ -181,14 +190,9 @@ float alpha_at(const TriangleHit& hit) {
 }
 
 Vec3 start_off_surface(const SurfacePoint& point, const Vec3& side) {
-  const float distance = side.cwiseAbs().dot(point.error);
-  const Vec3 moved = point.position + side * distance;
+  const Vec3 moved = point.position + side * side.cwiseAbs().dot(point.error);
   Vec3 start;
-  for (int axis = 0; axis < 3; ++axis) {
-    // Rounding of the sum must not bring it back.
-    const float away = std::copysign(std::numeric_limits<float>::infinity(), side[axis]);
-    start[axis] = side[axis] == 0.0f ? moved[axis] : std::nextafter(moved[axis], away);
-  }
+  for (int axis = 0; axis < 3; ++axis) start[axis] = stepped(moved[axis], side[axis]);
   return start;
 }
 

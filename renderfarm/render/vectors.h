@@ -24,18 +24,14 @@ inline constexpr float kPi = 3.14159265358979323846f;
   return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
 }
 
-/// Unit length, or `fallback` where `v` has no direction (zero, NaN, overflow).
+/// Unit length, or `fallback` where `v` has no direction (zero, NaN, infinite). Also for vectors so short or long that
+/// their square leaves the range of float.
 [[nodiscard]] inline Vec3 normalized_or(const Vec3& v, const Vec3& fallback) {
   const float length2 = v.squaredNorm();
-  if (!(length2 > 0.0f) || !std::isfinite(length2)) return fallback;
-  return v * (1.0f / std::sqrt(length2));
-}
-
-/// Unit length, also for vectors so short or long that their square leaves the range of float.
-[[nodiscard]] inline Vec3 normalized_safely(const Vec3& v, const Vec3& fallback) {
+  if (length2 > 1e-30f && length2 < 1e30f) return v * (1.0f / std::sqrt(length2));
   const float largest = v.cwiseAbs().maxCoeff();
-  if (!(largest > 0.0f) || !std::isfinite(largest)) return fallback;
-  return normalized_or(v / largest, fallback);
+  if (!(largest > 0.0f) || !std::isfinite(largest) || !is_finite(v)) return fallback;
+  return (v / largest).normalized();
 }
 
 /// What turns normals where `linear` moves points: the transposed inverse up to a positive factor, which also exists

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -D OUTPUT=page_files.cpp -D FOLDER=page -P embed_page.cmake: the page's files as one C++ source, in the build folder.
+set(types_html "text/html; charset=utf-8")
+set(types_css "text/css; charset=utf-8")
+set(types_js "text/javascript; charset=utf-8")
+set(types_svg "image/svg+xml")
+set(arrays "")
+set(entries "")
+set(count 0)
+foreach(name IN ITEMS index.html page.css page.js icon.svg)
+  file(READ "${FOLDER}/${name}" bytes HEX)
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
+  string(APPEND arrays "const char kFile${count}[] = {${bytes}};\n")
+  cmake_path(GET name EXTENSION LAST_ONLY extension)
+  string(SUBSTRING "${extension}" 1 -1 extension)
+  set(path "/${name}")
+  if(name STREQUAL "index.html")
+    set(path "/")
+  endif()
+  string(APPEND entries "    {\"${path}\", \"${types_${extension}}\", {kFile${count}, sizeof kFile${count}}},\n")
+  math(EXPR count "${count} + 1")
+endforeach()
+file(WRITE "${OUTPUT}" "#include \"kiosk/operator/page_files.h\"
+
+namespace cyclorama {
+namespace {
+${arrays}const PageFile kFiles[] = {
+${entries}};
+}  // namespace
+std::span<const PageFile> page_files() { return kFiles; }
+}  // namespace cyclorama
+")

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The steps of a frame from shutter to photon, in order: docs/frame-timing.md.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/wire/inspection.pb.h"
+
+namespace cyclorama {
+
+/// `inside`: the step that contains this one, or empty. What contains others comes before them.
+struct FrameStage {
+  std::string_view name;
+  std::string_view where;  ///< "tracker", "tour", "farm", "display", "whole".
+  std::string_view inside;
+};
+
+inline constexpr std::array<FrameStage, 14> kFrameStages{{
+    {"capture", "tracker", ""},
+    {"detect", "tracker", ""},
+    {"pose", "tracker", ""},
+    {"steer", "tour", ""},
+    {"farm_round_trip", "farm", ""},
+    {"farm", "farm", "farm_round_trip"},
+    {"plan", "farm", "farm"},
+    {"render", "farm", "farm"},
+    {"encode", "farm", "farm"},
+    {"decode", "display", ""},
+    {"wait", "display", ""},
+    {"draw", "display", ""},
+    {"heading_to_photon", "whole", ""},
+    {"shutter_to_photon", "whole", ""},
+}};
+
+/// The tour's stages in the order above; those that nobody knows come last, in their own order.
+[[nodiscard]] std::vector<wire::Stage> in_frame_order(const wire::ProcessStatus& tour);
+
+}  // namespace cyclorama

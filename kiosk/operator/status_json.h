@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+/// JSON in and out, for pages and scripts.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/wire/museum.pb.h"
+#include "kiosk/operator/observation.h"
+
+namespace cyclorama {
+
+/// { "processes": [ { name, address, away, healthy, state, version, uptime_s, gauges: {}, facts: {}, pictures: [],
+///                    stages: [ { name, count, p50_ms, p95_ms, p99_ms } ] } ],
+///   "flow": [ { name, where, inside, count, p50_ms, p95_ms, p99_ms } ],  in frame order, from the tour
+///   "well": true when every process is }
+/// A value that is not finite is null.
+[[nodiscard]] std::string status_json(const std::vector<Observation>& observations);
+
+/// { "forward": 0..., "right": 0..., "turn": 0... }; each may be left out and is then 0.
+/// kBadData  not such JSON, another key, or a number beyond [-1, 1]: the message names it.
+Result<wire::SteerRequest> parse_steer(std::string_view json);
+
+/// { "error": message }
+[[nodiscard]] std::string error_json(const Error& error);
+
+}  // namespace cyclorama

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/watch.h"
+
+#include <fmt/format.h>
+
+namespace cyclorama {
+namespace {
+constexpr auto kBetweenQuestions = std::chrono::milliseconds(500);
+constexpr auto kPictureFresh = std::chrono::milliseconds(90);
+constexpr std::size_t kMostPictures = 64;
+}  // namespace
+
+Watch::Watch(std::vector<ProcessLink> links) : links_(std::move(links)) {
+  for (const ProcessLink& link : links_) {
+    Observation unknown;
+    unknown.endpoint = link.endpoint();
+    unknown.sentence = "It has not been asked yet.";
+    observations_.push_back(std::move(unknown));
+  }
+  for (std::size_t i = 0; i < links_.size(); ++i) threads_.emplace_back([this, i] { look(i); });
+}
+
+Watch::~Watch() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void Watch::look(std::size_t index) {
+  Observation last;
+  for (;;) {
+    last = observe(links_[index], last);
+    std::unique_lock lock(mutex_);
+    observations_[index] = last;
+    if (changed_.wait_for(lock, kBetweenQuestions, [this] { return stopping_; })) return;
+  }
+}
+
+std::vector<Observation> Watch::observations() const {
+  const std::lock_guard lock(mutex_);
+  return observations_;
+}
+
+const ProcessLink* Watch::find(const std::string& process) const {
+  for (const ProcessLink& link : links_) {
+    if (link.endpoint().name == process) return &link;
+  }
+  return nullptr;
+}
+
+Result<std::shared_ptr<const wire::Picture>> Watch::picture(const std::string& process, const std::string& name) {
+  const ProcessLink* const link = find(process);
+  if (link == nullptr) return Error(ErrorCode::kNotFound, fmt::format("no process '{}' is watched", process));
+  const std::string key = process + ' ' + name;
+  const TimePoint now = SteadyClock().now();
+  {
+    const std::lock_guard lock(mutex_);
+    const auto shown = pictures_.find(key);
+    if (shown != pictures_.end() && now - shown->second.asked_at < kPictureFresh) return shown->second.picture;
+  }
+  TRY_ASSIGN(wire::Picture picture, link->picture(name));
+  auto shared = std::make_shared<const wire::Picture>(std::move(picture));
+  const std::lock_guard lock(mutex_);
+  if (pictures_.size() >= kMostPictures) pictures_.clear();
+  pictures_[key] = {shared, now};
+  return shared;
+}
+
+Status Watch::steer(const wire::SteerRequest& request) const {
+  const ProcessLink* const tour = find("tour");
+  if (tour == nullptr) return Error(ErrorCode::kNotFound, "no process 'tour' is watched");
+  return tour->steer(request);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "kiosk/operator/observation.h"
+
+namespace cyclorama {
+
+/// Looks at all processes, so that any number of pages costs each process two questions a second. Thread-safe.
+/// Threads: one per process, named by it, asking twice a second; a process that hangs delays nobody else.
+class Watch {
+ public:
+  explicit Watch(std::vector<ProcessLink> links);
+  ~Watch();
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+
+  /// In the order of the links.
+  [[nodiscard]] std::vector<Observation> observations() const;
+  /// As ProcessLink::picture(), but at most ten times a second for one picture, whoever asks. kNotFound  also for a
+  /// process that is not watched.
+  Result<std::shared_ptr<const wire::Picture>> picture(const std::string& process, const std::string& name);
+  /// As ProcessLink::steer(). kNotFound  no tour is watched.
+  Status steer(const wire::SteerRequest& request) const;
+
+ private:
+  struct Shown {
+    std::shared_ptr<const wire::Picture> picture;
+    TimePoint asked_at{};
+  };
+  void look(std::size_t index);
+  [[nodiscard]] const ProcessLink* find(const std::string& process) const;
+
+  const std::vector<ProcessLink> links_;
+  mutable std::mutex mutex_;  ///< Guards the following.
+  std::condition_variable changed_;
+  bool stopping_ = false;
+  std::vector<Observation> observations_;
+  std::map<std::string, Shown> pictures_;
+
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace cyclorama

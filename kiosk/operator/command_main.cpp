@@ -37,7 +37,7 @@ constexpr auto kBetweenLooks = std::chrono::milliseconds(250);
 Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
 void add_watches(CLI::App& app, Options* options) {
-  app.add_option("--watch", options->watches, "NAME=ADDRESS of a process; repeat it")->expected(1);
+  app.add_option("--watch", options->watches, "NAME=ADDRESS of a process; repeat it")->allow_extra_args(false);
   app.add_option("--endpoints", options->endpoints, "A file of [[watch]] tables, each with name and address");
 }
 

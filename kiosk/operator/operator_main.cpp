@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   program.options()
       .add_option("--watch", options.watches,
                   "NAME=ADDRESS of a process: tour, display, tracker, head, simulated-room; repeat it")
-      ->expected(1);
+      ->allow_extra_args(false);
   program.options().add_option("--endpoints", options.endpoints,
                                "A file of [[watch]] tables, each with name and address");
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });

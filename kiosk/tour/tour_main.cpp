@@ -31,7 +31,7 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--listen", options->listen, "Address for displays, trackers and the operator")->capture_default_str();
   app.add_option("--config", options->config, "The museum's site.toml: [farm], [picture], [walk]");
   app.add_option("--farm", options->farms, "Address of the farm's head; repeat it for a second one to turn to")
-      ->expected(1);
+      ->allow_extra_args(false);
   app.add_option("--scene", options->scene, "Name of the scene to visit; else the farm's first");
   app.add_option("--samples", options->samples, "Rays per pixel")->check(CLI::Range(1, 4096));
   app.add_option("--quality", options->quality, "JPEG quality of the tiles")->check(CLI::Range(1, 100));

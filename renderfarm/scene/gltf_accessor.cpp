@@ -58,6 +58,7 @@ Result<const std::byte*> packed_data(GltfDocument* document, const GltfObject& p
                                      std::uint64_t element_bytes) {
   TRY_ASSIGN(const std::size_t index, document->required_index(part, "bufferView", "bufferViews"));
   TRY_ASSIGN(const GltfBufferView view, document->buffer_view(index));
+  if (view.stride) return gltf_damaged(view.place, "sparse values are packed, and these have a byteStride");
   TRY_ASSIGN(const std::optional<std::uint64_t> offset, part.integer("byteOffset"));
   TRY(check_fit(part, view, offset.value_or(0), count, element_bytes, element_bytes));
   return view.bytes.data() + offset.value_or(0);

@@ -70,7 +70,16 @@ Result<int> GltfTextures::load_new(std::size_t index) {
   }
   Texture texture;
   TRY(read_sampler(*document_, object, &texture));
-  TRY_ASSIGN(const GltfObject image, document_->item("images", *source));
+  const auto key = std::make_tuple(*source, texture.wrap_u, texture.wrap_v, texture.nearest);
+  const auto known = decoded_.find(key);
+  if (known != decoded_.end()) return known->second;
+  TRY_ASSIGN(const int loaded, load_picture(*source, std::move(texture)));
+  decoded_.emplace(key, loaded);
+  return loaded;
+}
+
+Result<int> GltfTextures::load_picture(std::size_t image_index, Texture texture) {
+  TRY_ASSIGN(const GltfObject image, document_->item("images", image_index));
   Result<RgbaImage> pixels = decode(image);
   if (!pixels) {
     TRY_ASSIGN(const std::optional<std::string> uri, image.text("uri"));

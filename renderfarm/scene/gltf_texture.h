@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <map>
-#include <string>
+#include <tuple>
 #include <vector>
 
 #include "common/base/result.h"
@@ -27,12 +27,15 @@ class GltfTextures {
 
  private:
   Result<int> load_new(std::size_t index);
+  Result<int> load_picture(std::size_t image_index, Texture texture);
   Result<RgbaImage> decode(const GltfObject& image);
 
   GltfDocument* document_;
   GltfContext* context_;
   std::vector<Texture>* textures_;
   std::map<std::size_t, int> loaded_;
+  /// By image and sampler: many files have a texture for each use of a picture.
+  std::map<std::tuple<std::size_t, WrapMode, WrapMode, bool>, int> decoded_;
 };
 
 }  // namespace cyclorama

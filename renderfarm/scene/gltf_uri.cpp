@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "common/base/text.h"
@@ -82,7 +83,7 @@ bool has_scheme(std::string_view uri) {
 
 bool is_data_uri(std::string_view uri) { return uri.substr(0, kDataScheme.size()) == kDataScheme; }
 
-std::size_t data_uri_bytes(std::string_view uri) { return uri.size() / 4 * 3 + 3; }
+std::size_t data_uri_bytes(std::string_view uri) { return 2 * uri.size() + 3; }
 
 Result<std::vector<std::byte>> decode_data_uri(std::string_view uri) {
   constexpr std::string_view kBase64 = ";base64";
@@ -92,7 +93,9 @@ Result<std::vector<std::byte>> decode_data_uri(std::string_view uri) {
   }
   const std::string_view header = uri.substr(0, comma);
   if (header.size() < kBase64.size() || header.substr(header.size() - kBase64.size()) != kBase64) {
-    return Error(ErrorCode::kBadData, "the data URI is not base64");
+    const std::string decoded = percent_decoded(uri.substr(comma + 1));
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(decoded));
+    return std::vector<std::byte>(bytes.begin(), bytes.end());
   }
   return decode_base64(uri.substr(comma + 1));
 }

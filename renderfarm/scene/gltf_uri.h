@@ -12,9 +12,9 @@
 namespace cyclorama {
 
 [[nodiscard]] bool is_data_uri(std::string_view uri);
-/// An upper bound of what decode_data_uri() gives.
+/// An upper bound of what decode_data_uri() gives and needs.
 [[nodiscard]] std::size_t data_uri_bytes(std::string_view uri);
-/// kBadData  not base64, or not a data URI. Source: RFC 2397, RFC 4648.
+/// Base64, or text with percent escapes. kBadData  damaged, or not a data URI. Sources: RFC 2397, RFC 4648.
 Result<std::vector<std::byte>> decode_data_uri(std::string_view uri);
 
 /// The file that a relative reference names, after percent-decoding. kBadData  another scheme, an absolute path, or a

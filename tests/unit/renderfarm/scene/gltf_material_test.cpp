@@ -99,6 +99,17 @@ TEST(GltfMaterial, a_texture_brings_its_pixels_and_its_sampler) {
   EXPECT_THAT(model.meshes[0].texcoords[1], IsEmpty());
 }
 
+TEST(GltfMaterial, a_picture_that_several_textures_share_is_kept_once) {
+  Painted file;
+  file.base_texture() = {{"index", 0}};
+  file.material()["emissiveTexture"] = {{"index", 1}};
+  file.json["textures"].push_back({{"source", 0}});
+  EXPECT_EQ(import_good(file).textures.size(), 1u);
+  file.json["samplers"] = {{{"wrapS", 33071}}};
+  file.json["textures"][1]["sampler"] = 0;
+  EXPECT_EQ(import_good(file).textures.size(), 2u);
+}
+
 TEST(GltfMaterial, texture_coordinates_that_nothing_samples_are_not_kept) {
   EXPECT_THAT(import_good(Painted()).meshes[0].texcoords[0], IsEmpty());
 }

@@ -15,12 +15,12 @@ TEST(GltfUri, decodes_base64_with_and_without_padding) {
   EXPECT_EQ(text_of(decode_data_uri("data:application/gltf-buffer;base64,SGVsbG8")), "Hello");
   EXPECT_EQ(text_of(decode_data_uri("data:;base64,SGVsbA==")), "Hell");
   EXPECT_EQ(text_of(decode_data_uri("data:;base64,")), "");
+  EXPECT_EQ(text_of(decode_data_uri("data:text/plain,He%6clo")), "Hello");
 }
 
 TEST(GltfUri, refuses_data_that_is_not_base64) {
   EXPECT_FALSE(decode_data_uri("data:;base64,SGV*bG8=").has_value());
   EXPECT_FALSE(decode_data_uri("data:;base64,S").has_value());
-  EXPECT_FALSE(decode_data_uri("data:text/plain,hello").has_value());
   EXPECT_FALSE(decode_data_uri("data:").has_value());
   EXPECT_FALSE(decode_data_uri("file.bin").has_value());
 }

@@ -119,6 +119,7 @@ class HeadState {
   std::map<SessionId, Session> sessions_;
   std::map<std::string, wire::SceneDescription> descriptions_;  ///< Of the scenes that some node has or had.
   std::uint64_t last_block_ = 0;
+  std::string last_refusal_;
 };
 
 }  // namespace cyclorama

@@ -41,7 +41,10 @@ void HeadState::visit_asked(SessionId id, const wire::VisitRequest& request, Tim
     advance(id);
     return;
   }
-  peers_.notice(fmt::format("the visit of '{}' is refused: {}", session.museum, fine.error().message()));
+  const std::string refusal = fmt::format("the visit of '{}' is refused: {}", session.museum, fine.error().message());
+  // A museum that waits for a scene to be loaded dials again and again: once is enough for the log.
+  if (refusal != last_refusal_) peers_.notice(refusal);
+  last_refusal_ = refusal;
   forget_visit(id);
   peers_.end_visit(id, fine.error(), false);
 }

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/head/head_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/file.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+
+Result<HeadOptions> read(const std::string& text) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "head_config_test_farm.toml";
+  EXPECT_TRUE(write_file_atomically(path, text));
+  return read_head_config(path);
+}
+
+constexpr const char* kGood = R"(museums = "[::]:7401"
+nodes = "[::]:7402"
+[[scene]]
+name = "grotto"
+path = "/srv/scenes/grotto"
+[[scene]]
+name = "relic"
+path = "/srv/scenes/relic"
+)";
+
+TEST(HeadConfig, reads_what_it_says_and_defaults_for_the_rest) {
+  const auto options = read(std::string(kGood) + "[limits]\nvisits = 3\n");
+  ASSERT_TRUE(options) << options.error().message();
+  EXPECT_EQ(options->museums, "[::]:7401");
+  EXPECT_EQ(options->inspect, "");
+  ASSERT_EQ(options->scenes.size(), 2u);
+  EXPECT_EQ(options->scenes[1].path, "/srv/scenes/relic");
+  EXPECT_EQ(options->limits.sessions, 3u);
+  EXPECT_EQ(options->limits.nodes, HeadLimits{}.nodes);
+  EXPECT_EQ(options->strategy, BalanceStrategy::kPbt);
+}
+
+TEST(HeadConfig, names_the_line_of_a_mistake) {
+  EXPECT_THAT(read(std::string("colour = 3\n") + kGood).error().message(), HasSubstr("farm.toml:1"));
+  EXPECT_THAT(read(std::string("balance = \"magic\"\n") + kGood).error().message(), HasSubstr("pbt"));
+  EXPECT_THAT(read(std::string(kGood) + "[limits]\nvisits = 0\n").error().message(), HasSubstr("farm.toml:10"));
+  EXPECT_FALSE(read("museums = 5\n"));
+}
+
+TEST(HeadConfig, refuses_scenes_that_cannot_be_told_apart) {
+  EXPECT_THAT(read(std::string(kGood) + "[[scene]]\nname = \"grotto\"\npath = \"x\"\n").error().message(),
+              HasSubstr("twice"));
+  EXPECT_THAT(read("museums = \"[::]:1\"\nnodes = \"[::]:2\"\n").error().message(), HasSubstr("no scene"));
+}
+
+TEST(FarmScene, is_a_name_and_a_path) {
+  EXPECT_EQ(parse_farm_scene("a=/b=c")->path, "/b=c");
+  for (const char* const bad : {"", "=", "a", "a=", "=b"}) EXPECT_FALSE(parse_farm_scene(bad)) << bad;
+}
+
+}  // namespace
+}  // namespace cyclorama

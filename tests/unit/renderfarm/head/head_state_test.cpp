@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/head/head_state.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "renderfarm/balance/tiles.h"
+#include "renderfarm/client/view_window.h"
+#include "tests/doubles/fake_farm.h"
+#include "tests/doubles/fake_peers.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+wire::View view_of(std::uint64_t number, std::uint32_t width = 1024, std::uint32_t height = 512) {
+  wire::View view;
+  view.set_number(number);
+  view.set_samples(1);
+  view.set_jpeg_quality(80);
+  view.mutable_panorama()->set_width_px(width);
+  view.mutable_panorama()->set_height_px(height);
+  view.mutable_panorama()->set_azimuth_span_rad(2.0);
+  view.mutable_panorama()->set_tan_elevation_top(0.5);
+  view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
+  return view;
+}
+
+/// A farm whose nodes and museums are moved by hand.
+class Simulation {
+ public:
+  explicit Simulation(HeadLimits limits = {})
+      : state({{"grotto", "path"}}, BalanceStrategy::kPbt, limits, clock, peers) {}
+
+  FakeClock clock;
+  FakePeers peers;
+  HeadState state;
+  std::map<SessionId, ViewWindow> windows;  ///< What a client believes; refuses what breaks farm.proto.
+  std::map<SessionId, std::uint64_t> answered;
+  int complete = 0;
+  int given_up = 0;
+
+  NodeId add_node(std::uint32_t threads = 1) {
+    const NodeId id{++last_id_};
+    state.node_came(id);
+    wire::NodeReport report;
+    report.mutable_hello()->set_version(CYCLORAMA_VERSION);
+    report.mutable_hello()->set_threads(threads);
+    report.mutable_hello()->set_name("node " + std::to_string(last_id_));
+    state.node_reported(id, report);
+    report.mutable_scene_loaded()->set_scene("grotto");
+    *report.mutable_scene_loaded()->mutable_description() = fake_scene("grotto");
+    state.node_reported(id, report);
+    peers.commands[id].clear();
+    return id;
+  }
+  void kill(NodeId id) {
+    peers.commands.erase(id);
+    work_.erase(id);
+    state.node_gone(id);
+  }
+  SessionId add_visit() {
+    const SessionId id{++last_id_};
+    state.visit_came(id);
+    wire::VisitRequest request;
+    request.mutable_open()->set_museum("museum");
+    state.visit_asked(id, request, clock.now());
+    windows[id];
+    return id;
+  }
+  void ask(SessionId id, const wire::View& view) {
+    windows.at(id).put(view);
+    send_views(id);
+  }
+  /// The museum takes one message; false when none waits.
+  bool take(SessionId id) {
+    auto& queue = peers.replies[id];
+    if (queue.empty()) return false;
+    const wire::VisitReply reply = std::move(queue.front());
+    queue.pop_front();
+    ViewWindow& window = windows.at(id);
+    Status fine = Done{};
+    if (reply.has_begin()) fine = window.begin(reply.begin());
+    if (reply.has_tile()) fine = window.accept(reply.tile());
+    if (reply.has_end()) {
+      fine = window.end(reply.end());
+      ++(reply.end().complete() ? complete : given_up);
+      answered[id] = reply.end().view_number();
+      last_end = reply.end();
+    }
+    EXPECT_TRUE(fine) << fine.error().message();
+    state.written(id, reply);
+    send_views(id);
+    return true;
+  }
+  /// The node does one thing: a tile, or a block's end; false when it has nothing to do.
+  bool work(NodeId id, const std::string& error = "") {
+    auto& queue = peers.commands[id];
+    for (const wire::NodeCommand& command : queue) {
+      if (command.has_cancel()) cancelled_.insert(command.cancel().block());
+    }
+    std::erase_if(queue, [](const wire::NodeCommand& command) { return !command.has_render(); });
+    if (queue.empty()) return false;
+    const wire::RenderBlock order = queue.front().render();
+    Work& now = work_[id];
+    if (now.block != order.block()) {
+      const auto cut = tiles_of({static_cast<int>(order.x_px()), static_cast<int>(order.y_px()),
+                                 static_cast<int>(order.width_px()), static_cast<int>(order.height_px())});
+      now = {order.block(), {cut.begin(), cut.end()}};
+    }
+    if (!error.empty()) return end(id, order, error);
+    if (cancelled_.count(order.block()) > 0) return end(id, order, "cancelled");
+    if (now.tiles.empty()) return end(id, order, "");
+    auto& tiles = now.tiles;
+    wire::NodeReport report;
+    report.mutable_tile()->set_block(order.block());
+    wire::Tile& tile = *report.mutable_tile()->mutable_tile();
+    tile.set_view_number(order.view().number());
+    tile.set_x_px(static_cast<std::uint32_t>(tiles.front().x));
+    tile.set_y_px(static_cast<std::uint32_t>(tiles.front().y));
+    tile.set_width_px(static_cast<std::uint32_t>(tiles.front().width));
+    tile.set_height_px(static_cast<std::uint32_t>(tiles.front().height));
+    tile.set_jpeg(std::string(tile_bytes, 'j'));
+    tiles.pop_front();
+    state.node_reported(id, report);
+    return true;
+  }
+  /// Until nothing moves any more.
+  void settle(const std::vector<NodeId>& nodes) {
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (const NodeId node : nodes) moved = work(node) || moved;
+      for (auto& [id, window] : windows) {
+        if (!peers.ended_visits.count(id)) moved = take(id) || moved;
+      }
+    }
+  }
+  wire::FrameEnd last_end;
+  std::size_t tile_bytes = 10;
+
+ private:
+  bool end(NodeId id, const wire::RenderBlock& order, const std::string& error) {
+    wire::NodeReport report;
+    report.mutable_end()->set_block(order.block());
+    report.mutable_end()->set_render_cpu_seconds(0.01);
+    report.mutable_end()->set_wall_seconds(0.01);
+    report.mutable_end()->set_error(error);
+    peers.commands[id].pop_front();
+    state.node_reported(id, report);
+    return true;
+  }
+  void send_views(SessionId id) {
+    while (const auto view = windows.at(id).take_sendable()) {
+      wire::VisitRequest request;
+      *request.mutable_view() = *view;
+      state.visit_asked(id, request, clock.now());
+    }
+  }
+  std::uint64_t last_id_ = 0;
+  struct Work {
+    std::uint64_t block = 0;
+    std::deque<PixelRect> tiles{};
+  };
+  std::map<NodeId, Work> work_;
+  std::set<std::uint64_t> cancelled_;
+};
+
+TEST(HeadState, relays_the_older_frame_first_and_holds_the_newer_ones_tiles) {
+  Simulation s;
+  const NodeId a = s.add_node();
+  const NodeId b = s.add_node();
+  const SessionId visit = s.add_visit();
+  while (s.peers.replies[visit].size() > 0) {
+    const auto opened = s.peers.replies[visit].front();
+    s.peers.replies[visit].pop_front();
+    s.state.written(visit, opened);
+  }
+  s.ask(visit, view_of(1));
+  s.ask(visit, view_of(2));
+  while (s.work(a)) {
+  }
+  // All of a's tiles of both frames are in; only frame 1's may be on their way.
+  for (const auto& reply : s.peers.replies[visit]) {
+    EXPECT_TRUE(!reply.has_tile() || reply.tile().view_number() == 1);
+    EXPECT_FALSE(reply.has_end());
+  }
+  s.settle({a, b});
+  EXPECT_EQ(s.complete, 2);
+  EXPECT_EQ(s.last_end.nodes(), 2u);
+  EXPECT_DOUBLE_EQ(s.last_end.balance_efficiency(), 1.0);
+}
+
+void drain_opened(Simulation& s, SessionId visit) {
+  ASSERT_FALSE(s.peers.replies[visit].empty());
+  const auto opened = s.peers.replies[visit].front();
+  ASSERT_TRUE(opened.has_opened());
+  s.peers.replies[visit].pop_front();
+  s.state.written(visit, opened);
+}
+
+TEST(HeadState, keeps_at_most_two_frames_for_a_museum_that_takes_nothing) {
+  Simulation s;
+  const NodeId node = s.add_node();
+  const SessionId visit = s.add_visit();
+  drain_opened(s, visit);
+  for (std::uint64_t number = 1; number <= 50; ++number) {
+    wire::VisitRequest request;
+    *request.mutable_view() = view_of(number);
+    s.state.visit_asked(visit, request, s.clock.now());
+    while (s.work(node)) {
+    }
+  }
+  int begun = 0;
+  for (const auto& reply : s.peers.replies[visit]) begun += reply.has_begin() ? 1 : 0;
+  EXPECT_EQ(begun, 2);
+}
+
+TEST(HeadState, gives_a_frame_up_that_is_too_large_to_keep_and_says_why) {
+  HeadLimits limits;
+  limits.session_bytes = 1000;
+  Simulation s(limits);
+  s.tile_bytes = 300;
+  const NodeId node = s.add_node();
+  const SessionId visit = s.add_visit();
+  drain_opened(s, visit);
+  s.ask(visit, view_of(1));
+  while (s.work(node)) {
+  }
+  s.settle({node});
+  EXPECT_EQ(s.given_up, 1);
+  EXPECT_THAT(s.last_end.reason(), HasSubstr("more slowly"));
+  s.ask(visit, view_of(2, 256, 256));
+  s.settle({node});
+  EXPECT_EQ(s.complete, 1);
+}
+
+TEST(HeadState, ends_a_visit_that_takes_nothing_for_long) {
+  Simulation s;
+  const NodeId node = s.add_node();
+  const SessionId visit = s.add_visit();
+  drain_opened(s, visit);
+  s.ask(visit, view_of(1));
+  while (s.work(node)) {
+  }
+  s.clock.advance(std::chrono::seconds(29));
+  s.state.tick();
+  EXPECT_TRUE(s.peers.ended_visits.empty());
+  s.clock.advance(std::chrono::seconds(2));
+  s.state.tick();
+  ASSERT_EQ(s.peers.ended_visits.size(), 1u);
+  EXPECT_EQ(s.peers.ended_visits.at(visit).code(), ErrorCode::kTimedOut);
+  EXPECT_EQ(s.state.sessions(), 0u);
+}
+
+TEST(HeadState, sends_strangers_away_who_say_nothing) {
+  Simulation s;
+  s.state.node_came(NodeId{1000});
+  s.state.visit_came(SessionId{1000});
+  s.clock.advance(std::chrono::seconds(11));
+  s.state.tick();
+  EXPECT_EQ(s.peers.ended_nodes.count(NodeId{1000}), 1u);
+  EXPECT_EQ(s.peers.ended_visits.count(SessionId{1000}), 1u);
+}
+
+TEST(HeadState, gives_a_block_that_failed_to_another_node_and_not_for_ever) {
+  Simulation s;
+  const NodeId good = s.add_node();
+  const NodeId bad = s.add_node();
+  const SessionId visit = s.add_visit();
+  drain_opened(s, visit);
+  s.ask(visit, view_of(1));
+  s.work(bad, "the disk is on fire");
+  s.settle({good, bad});
+  EXPECT_EQ(s.complete, 1);
+  EXPECT_THAT(s.peers.notices, Contains(HasSubstr("the disk is on fire")));
+  s.ask(visit, view_of(2));
+  for (int i = 0; i < 1000 && (s.work(bad, "fire") || s.work(good, "fire")); ++i) {
+  }
+  s.settle({good, bad});
+  EXPECT_EQ(s.given_up, 1);
+}
+
+TEST(HeadState, helps_a_straggler_once_the_others_are_done) {
+  Simulation s;
+  const NodeId quick = s.add_node();
+  const NodeId slow = s.add_node();
+  const SessionId visit = s.add_visit();
+  drain_opened(s, visit);
+  s.ask(visit, view_of(1));
+  while (s.work(quick)) {
+  }
+  s.clock.advance(std::chrono::milliseconds(400));
+  s.state.tick();
+  EXPECT_FALSE(s.work(quick));
+  s.clock.advance(std::chrono::milliseconds(200));
+  s.state.tick();
+  EXPECT_TRUE(s.work(quick));
+  s.work(slow);  // It wakes up: what it brings first counts, the rest is dropped.
+  s.settle({quick, slow});
+  EXPECT_EQ(s.complete, 1);
+}
+
+TEST(HeadState, does_not_mix_nodes_with_different_scenes) {
+  Simulation s;
+  s.add_node();
+  const NodeId other{500};
+  s.state.node_came(other);
+  wire::NodeReport report;
+  report.mutable_hello()->set_version(CYCLORAMA_VERSION);
+  report.mutable_hello()->set_threads(1);
+  s.state.node_reported(other, report);
+  report.mutable_scene_loaded()->set_scene("grotto");
+  *report.mutable_scene_loaded()->mutable_description() = fake_scene("grotto");
+  report.mutable_scene_loaded()->mutable_description()->set_triangles_stored(13);
+  s.state.node_reported(other, report);
+  EXPECT_EQ(s.state.nodes_with("grotto"), 1u);
+  EXPECT_THAT(s.peers.notices, Contains(HasSubstr("another scene")));
+}
+
+TEST(HeadState, takes_no_more_peers_than_it_may) {
+  HeadLimits limits;
+  limits.nodes = 1;
+  limits.sessions = 1;
+  Simulation s(limits);
+  s.add_node();
+  s.add_visit();
+  s.state.node_came(NodeId{100});
+  s.state.visit_came(SessionId{100});
+  EXPECT_EQ(s.peers.ended_nodes.at(NodeId{100}).code(), ErrorCode::kBusy);
+  EXPECT_EQ(s.peers.ended_visits.at(SessionId{100}).code(), ErrorCode::kBusy);
+}
+
+TEST(HeadState, stops_rendering_for_a_museum_that_left) {
+  Simulation s;
+  const NodeId node = s.add_node();
+  const SessionId visit = s.add_visit();
+  drain_opened(s, visit);
+  s.ask(visit, view_of(1));
+  s.state.visit_gone(visit);
+  EXPECT_TRUE(s.peers.commands[node].back().has_cancel());
+  s.windows.clear();
+  s.settle({node});  // What it still sends harms nobody.
+  EXPECT_TRUE(s.peers.ended_nodes.empty());
+}
+
+TEST(HeadState, keeps_its_promises_whatever_happens_in_whatever_order) {
+  for (unsigned seed = 0; seed < 150; ++seed) {
+    std::mt19937 random(seed);
+    const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+    const auto chance = [&](std::uint32_t of) { return below(of) == 0; };
+    Simulation s;
+    std::vector<NodeId> nodes{s.add_node(1), s.add_node(4)};
+    std::vector<SessionId> visits;
+    for (int i = 0; i < 2; ++i) {
+      visits.push_back(s.add_visit());
+      drain_opened(s, visits.back());
+    }
+    std::map<SessionId, std::uint64_t> newest;
+    for (int step = 0; step < 600; ++step) {
+      s.clock.advance(std::chrono::milliseconds(below(40)));
+      const SessionId visit = visits[below(2)];
+      if (chance(6)) s.ask(visit, view_of(++newest[visit], 16 + below(1500), 16 + below(700)));
+      if (chance(3)) s.take(visit);
+      if (!nodes.empty()) s.work(nodes[below(static_cast<std::uint32_t>(nodes.size()))], chance(60) ? "it failed" : "");
+      if (chance(80) && nodes.size() > 1) {
+        const std::size_t which = below(static_cast<std::uint32_t>(nodes.size()));
+        s.kill(nodes[which]);
+        nodes.erase(nodes.begin() + static_cast<std::ptrdiff_t>(which));
+      }
+      if (chance(80) && nodes.size() < 6) nodes.push_back(s.add_node(1 + below(8)));
+      if (chance(5)) s.state.tick();
+    }
+    s.settle(nodes);
+    EXPECT_TRUE(s.peers.ended_nodes.empty());
+    EXPECT_TRUE(s.peers.ended_visits.empty());
+    for (const SessionId visit : visits) {
+      EXPECT_EQ(s.answered[visit], newest[visit]) << "seed " << seed;
+      EXPECT_EQ(s.windows.at(visit).in_flight(), 0u);
+    }
+    EXPECT_GT(s.complete, 5);
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -8,19 +8,9 @@
 #include <map>
 #include <set>
 
-#define TOML_EXCEPTIONS 0
-#define TOML_HEADER_ONLY 1
-// toml++ 3.3 asserts on text that it refuses just as well without ("[" at a line's end, found by fuzzing), and turns
-// its assertions into promises to the optimiser under NDEBUG. No configuration may stop a program: they do nothing
-// here.
-#pragma push_macro("NDEBUG")
-#undef NDEBUG
-#define TOML_ASSERT(expr) static_cast<void>(0)
-#include <toml++/toml.h>
-#pragma pop_macro("NDEBUG")
-
 #include "common/base/file.h"
 #include "common/base/text.h"
+#include "common/config/safe_toml.h"
 
 namespace cyclorama {
 namespace {

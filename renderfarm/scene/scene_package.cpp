@@ -19,6 +19,7 @@ constexpr Range kAngle{-360.0, 360.0};
 constexpr Range kLight{0.0, 1e9};
 constexpr Range kUnit{1e-6, 1e6};
 constexpr Range kScale{1e-6, 1e6};
+constexpr std::size_t kMostCorners = 1024;  // As many as the visitor's navigation accepts.
 
 Eigen::Vector3d vector_of(const std::vector<double>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
 
@@ -142,14 +143,33 @@ double area_of(const std::vector<Eigen::Vector2d>& corners) {
   return 0.5 * std::abs(twice);
 }
 
+/// Even-odd rule.
+bool is_inside(const std::vector<Eigen::Vector2d>& corners, const Eigen::Vector2d& place) {
+  bool inside = false;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d& a = corners[i];
+    const Eigen::Vector2d& b = corners[(i + 1) % corners.size()];
+    if ((a.y() > place.y()) == (b.y() > place.y())) continue;
+    const double crossing = a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    if (place.x() < crossing) inside = !inside;
+  }
+  return inside;
+}
+
 void read_visitor(ConfigTable table, ScenePackage* package) {
   package->eye_height_m = number_if_given(&table, "eye_height_m", {0.01, 100.0});
   package->walking_scale = number_if_given(&table, "walking_scale", {1e-4, 1e4});
   for (const std::vector<double>& corner : table.points("walkable_m", 2, kMetres)) {
     package->walkable.emplace_back(corner[0], corner[1]);
   }
-  if (table.has("walkable_m") && !(area_of(package->walkable) > 0.0)) {
+  if (package->walkable.size() > kMostCorners) {
+    table.refuse("walkable_m",
+                 fmt::format("has {} corners; at most {} are accepted", package->walkable.size(), kMostCorners));
+  } else if (table.has("walkable_m") && !(area_of(package->walkable) > 0.0)) {
     table.refuse("walkable_m", "must be the [x, z] corners of an area: three or more, not all on a line");
+  } else if (package->start_eye && !package->walkable.empty() &&
+             !is_inside(package->walkable, {package->start_eye->x(), package->start_eye->z()})) {
+    table.refuse("walkable_m", "does not hold the start: [start] eye_m is outside of walkable_m; move one of them");
   }
 }
 

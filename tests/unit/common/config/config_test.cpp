@@ -185,7 +185,7 @@ TEST(Config, what_the_caller_refuses_is_told_with_its_line) {
 
 TEST(Config, text_that_is_not_toml_names_line_and_column) {
   for (const char* const text :
-       {"a = ", "a = 1\na = 2", "[x", "a = 1 b = 2", "[\n", "[\n]", "[[\n", "[.]", "a.\n=1", "a = \"\xff\""}) {
+       {"a = ", "a = 1\na = 2", "[x", "a = 1 b = 2", "[\n", "[\n]", "[[\n", "[.]", "a.\n=1", "a = 1 \u00e9", "\u00e9 = 1", "\u4e00", "a = \"\xff\""}) {
     const auto config = Config::parse(text, "site.toml");
     ASSERT_FALSE(config.has_value()) << text;
     EXPECT_EQ(config.error().code(), ErrorCode::kBadData);

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/scene/scene_package.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class ScenePackageTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("package_test_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_ / "in");
+    std::ofstream(folder_ / "a.ply") << "ply";
+    std::ofstream(folder_ / "in" / "b.ply") << "ply";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  Result<ScenePackage> parse(const std::string& text) const { return parse_scene_package(text, "scene.toml", folder_); }
+  std::string complaint(const std::string& text) const {
+    const auto package = parse(text);
+    return package ? "" : package.error().message();
+  }
+  std::filesystem::path folder_;
+};
+
+const std::string kLeast = "title = 'x'\n[[geometry]]\nfile = 'a.ply'\n";
+
+TEST_F(ScenePackageTest, the_least_package_is_a_title_and_a_file) {
+  const auto package = parse(kLeast);
+  ASSERT_TRUE(package.has_value()) << package.error().message();
+  EXPECT_EQ(package->title, "x");
+  ASSERT_EQ(package->geometry.size(), 1u);
+  EXPECT_EQ(package->geometry[0].unit_m, 1.0);
+  EXPECT_TRUE(package->geometry[0].T_scene_part[0].isApprox(Eigen::Affine3d::Identity()));
+  EXPECT_FALSE(package->start_eye || package->sky || package->exposure || package->eye_lamp || package->ambient);
+}
+
+TEST_F(ScenePackageTest, everything_is_read) {
+  const auto package = parse(R"(
+title = "Grotto"
+credits = "me"
+unit_m = 0.001
+up = "z"
+exposure = 2.5
+[start]
+eye_m = [1, 2, 3]
+heading_deg = 90
+[visitor]
+eye_height_m = 1.5
+walking_scale = 2
+walkable_m = [[0, 0], [9, 0], [9, 9], [0, 9]]
+[sky]
+zenith = [1, 2, 3]
+[light]
+ambient = [0.1, 0.1, 0.2]
+eye_lamp_cd = [5, 5, 5]
+[[lamp]]
+kind = "spot"
+position_m = [0, 3, 0]
+direction = [0, -2, 0]
+intensity_cd = [10, 10, 10]
+radius_m = 0.1
+inner_cone_deg = 20
+outer_cone_deg = 30
+[[lamp]]
+kind = "directional"
+direction = [1, 0, 0]
+intensity_lux = [3, 3, 3]
+angular_radius_deg = 45
+[[geometry]]
+file = "in/b.ply"
+unit_m = 1
+up = "y"
+[[geometry]]
+file = "a.ply"
+[[stop]]
+title = "niche"
+eye_m = [4, 5, 6]
+heading_deg = -90
+)");
+  ASSERT_TRUE(package.has_value()) << package.error().message();
+  EXPECT_EQ(package->exposure, 2.5);
+  EXPECT_EQ(*package->start_eye, Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(*package->start_heading_rad, 0.5 * std::numbers::pi, 1e-12);
+  EXPECT_EQ(package->walkable.size(), 4u);
+  EXPECT_EQ(package->sky->zenith, Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(package->sky->ground, Eigen::Vector3f::Zero());
+  ASSERT_EQ(package->lamps.size(), 2u);
+  EXPECT_EQ(package->lamps[0].direction, Eigen::Vector3d(0, -1, 0));
+  EXPECT_NEAR(package->lamps[0].outer_cone_rad, std::numbers::pi / 6.0, 1e-12);
+  EXPECT_NEAR(package->lamps[1].radius_m, 1.0, 1e-12) << "the tangent of the angular radius";
+  EXPECT_FALSE(package->geometry[0].z_up);
+  EXPECT_TRUE(package->geometry[1].z_up);
+  EXPECT_EQ(package->geometry[1].unit_m, 0.001);
+  EXPECT_NEAR(package->stops[0].heading_rad, -0.5 * std::numbers::pi, 1e-12);
+}
+
+TEST_F(ScenePackageTest, rotations_are_applied_about_x_then_y_then_z) {
+  const auto package = parse(kLeast + "rotation_deg = [90, 90, 0]\nscale = 2\nposition_m = [1, 0, 0]\n");
+  ASSERT_TRUE(package.has_value());
+  // y goes to z by x's turn, and z to x by y's.
+  const Eigen::Vector3d p = package->geometry[0].T_scene_part[0] * Eigen::Vector3d(0, 1, 0);
+  EXPECT_LT((p - Eigen::Vector3d(3, 0, 0)).norm(), 1e-12);
+}
+
+TEST_F(ScenePackageTest, instances_turn_to_the_right_and_stand_where_they_are_put) {
+  const auto package = parse(kLeast +
+                             "scale = 2\n[[geometry.instance]]\nposition_m = [0, 0, 5]\nheading_deg = 90\n"
+                             "[[geometry.instance]]\nscale = 3\n");
+  ASSERT_TRUE(package.has_value()) << package.error().message();
+  ASSERT_EQ(package->geometry[0].T_scene_part.size(), 2u);
+  // What looked along -z looks along +x.
+  const Eigen::Vector3d p = package->geometry[0].T_scene_part[0] * Eigen::Vector3d(0, 0, -1);
+  EXPECT_LT((p - Eigen::Vector3d(2, 0, 5)).norm(), 1e-12);
+  EXPECT_LT((package->geometry[0].T_scene_part[1] * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(6, 0, 0)).norm(), 1e-12);
+}
+
+TEST_F(ScenePackageTest, files_outside_of_the_folder_are_refused) {
+  std::filesystem::create_symlink("/etc/passwd", folder_ / "link.ply");
+  for (const char* const file : {"../a.ply", "/etc/passwd", "in/../../x", "link.ply", ""}) {
+    EXPECT_THAT(complaint("title = 'x'\n[[geometry]]\nfile = '" + std::string(file) + "'\n"),
+                testing::AllOf(StartsWith("scene.toml:3: "), HasSubstr("not inside the package")))
+        << file;
+  }
+  EXPECT_THAT(complaint("title = 'x'\n[[geometry]]\nfile = 'gone.ply'\n"), HasSubstr("not a file of the package"));
+  EXPECT_EQ(complaint("title = 'x'\n[[geometry]]\nfile = 'in/../a.ply'\n"), "");
+}
+
+TEST_F(ScenePackageTest, mistakes_name_their_line) {
+  EXPECT_THAT(complaint("title = 'x'\n"), HasSubstr("at least one [[geometry]]"));
+  EXPECT_THAT(complaint(kLeast.substr(kLeast.find('['))), HasSubstr("title: is missing"));
+  EXPECT_THAT(complaint(kLeast + "unit_mm = 1\n"), HasSubstr("write 'unit_m', in that unit"));
+  EXPECT_THAT(complaint(kLeast + "up = 'x'\n"), HasSubstr("must be one of: y, z"));
+  EXPECT_THAT(complaint(kLeast + "scale = 0\n"), StartsWith("scene.toml:4: geometry[0].scale"));
+  EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[1,1]]\n"), HasSubstr("corners of an area"));
+  EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[1,1],[2,2]]\n"), HasSubstr("corners of an area"));
+  EXPECT_THAT(complaint(kLeast + "[[lamp]]\nkind = 'point'\nposition_m = [0,0,0]\n"),
+              HasSubstr("intensity_cd: is missing"));
+  EXPECT_THAT(complaint(kLeast + "[[lamp]]\nkind = 'directional'\nintensity_lux = [1,1,1]\nintensity_cd = [1,1,1]\n"),
+              HasSubstr("lamp[0].intensity_cd"));
+  EXPECT_THAT(complaint(kLeast + "[[lamp]]\nkind = 'spot'\nposition_m = [0,0,0]\nintensity_cd = [1,1,1]\n"
+                                 "direction = [0,0,0]\n"),
+              HasSubstr("has no length"));
+  EXPECT_THAT(complaint(kLeast + "[[lamp]]\nkind = 'spot'\nposition_m = [0,0,0]\nintensity_cd = [1,1,1]\n"
+                                 "inner_cone_deg = 50\n"),
+              HasSubstr("must be below outer_cone_deg"));
+  EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[9,0],[9,9]]\n[start]\neye_m = [0, 1.6, 5]\n"),
+              HasSubstr("outside of walkable_m"));
+}
+
+}  // namespace
+}  // namespace cyclorama

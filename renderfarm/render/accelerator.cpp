@@ -15,31 +15,10 @@
 namespace cyclorama {
 namespace {
 
-/// While it is built and afterwards, Embree 3.13 and 4.3; measured on meshes of 0.1 to 10 million triangles.
-constexpr std::size_t kPeakBytesPerTriangle = 160;
-constexpr std::size_t kBytesPerInstance = 1024;
-/// Left for the rest of the machine.
-constexpr std::size_t kReserveBytes = std::size_t{64} << 20;
-
 /// What is flattened has no inside for a ray to reach, and Embree cannot invert it.
 bool is_placeable(const Placement& placement) {
   const float volume = placement.linear.determinant();
   return std::isnormal(volume) && std::isfinite(1.0f / volume) && is_finite(placement.translation);
-}
-
-Status check_memory(std::size_t triangles, std::size_t instances, std::int64_t* ret_limit) {
-  const std::optional<std::size_t> available = available_memory();
-  *ret_limit = std::numeric_limits<std::int64_t>::max();
-  if (!available) return Done{};
-  const std::size_t free = *available > kReserveBytes ? *available - kReserveBytes : 0;
-  *ret_limit = static_cast<std::int64_t>(free);
-  const std::size_t need = triangles * kPeakBytesPerTriangle + instances * kBytesPerInstance;
-  if (need <= free) return Done{};
-  return Error(
-      ErrorCode::kSystem,
-      fmt::format("the BVH of {:.1f} million triangles needs about {} and {} are free; take a coarser scene or "
-                  "a machine with more memory",
-                  static_cast<double>(triangles) / 1e6, describe_bytes(need), describe_bytes(free)));
 }
 
 }  // namespace
@@ -56,7 +35,10 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(Scene& scene, int thread
   if (triangles == 0) {
     return Error(ErrorCode::kInvalidArgument, "the scene has no triangles, so there is nothing to render");
   }
-  TRY(check_memory(triangles, scene.model.instances.size(), &accelerator->limit_bytes_));
+  if (const std::optional<std::size_t> available = available_memory()) {
+    TRY(check_bvh_memory(triangles, scene.model.instances.size(), *available));
+    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(*available));
+  }
   TRY(accelerator->open_device(threads));
   TRY(accelerator->add_meshes(scene, ret_traced));
   TRY(accelerator->commit(progress));

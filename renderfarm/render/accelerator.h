@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -52,7 +53,7 @@ class Accelerator {
   std::vector<bool> see_through_;       ///< Of the model's textures.
   std::size_t top_triangles_ = 0;
   std::atomic<std::int64_t> bytes_ = 0;
-  std::int64_t limit_bytes_ = 0;
+  std::int64_t limit_bytes_ = std::numeric_limits<std::int64_t>::max();
 };
 
 }  // namespace cyclorama

@@ -42,6 +42,19 @@ struct Bsdf {
   return std::sqrt(alpha2 + (1.0f - alpha2) * n_w * n_w);
 }
 
+/// `normal` bent just so far that what a mirror shows lies above the surface itself, whose side is `facing`: on coarse
+/// meshes a smooth normal otherwise reflects the inside, as black rings. All unit vectors; wo and normal are on
+/// facing's side. Source: Keller et al., "The Iray Light Transport Simulation and Rendering System", 2017, appendix
+/// A.3.
+[[nodiscard]] inline Vec3 reflecting_normal(const Vec3& normal, const Vec3& facing, const Vec3& wo) {
+  const Vec3 mirrored = 2.0f * normal.dot(wo) * normal - wo;
+  const float wanted = std::min(0.05f, facing.dot(wo));
+  const float above = facing.dot(mirrored);
+  if (above >= wanted) return normal;
+  const Vec3 lifted = normalized_or(mirrored + facing * (wanted - above), facing);
+  return normalized_or(wo + lifted, facing);
+}
+
 /// A surface seen from `wo`; all directions are unit vectors that point away from it. Precondition of every query: both
 /// directions are above the surface; below, the answer is zero.
 template <bool kGloss>

@@ -35,7 +35,7 @@ struct Shading {
 };
 
 template <SceneNeeds kNeeds>
-Shading shading_at(const TriangleHit& hit, const SurfacePoint& point) {
+Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3& wo) {
   const SurfaceMaterial& material = *hit.mesh->material;
   const Material& source = *material.source;
   const Eigen::Vector4f base = base_colour_at(hit, point.colour, kNeeds.textures);
@@ -67,6 +67,7 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point) {
           metallic *= texel.z();
         }
       }
+      shading.normal = reflecting_normal(shading.normal, point.facing, wo);
       shading.bsdf = make_glossy(colour, std::clamp(metallic, 0.0f, 1.0f), roughness);
     }
   }
@@ -96,7 +97,7 @@ class Integrator {
       }
       const TriangleHit hit = triangle_at(scene_, ray.hit);
       const SurfacePoint point = surface_at(hit, direction);
-      const Shading shading = shading_at<kNeeds>(hit, point);
+      const Shading shading = shading_at<kNeeds>(hit, point, -direction);
       first_dimension_ = static_cast<std::uint32_t>(layer) * kLayerDimensions;
       if (shading.opacity > 0.0f) sum += (through * shading.opacity) * reflected(point, shading, -direction);
       through *= 1.0f - shading.opacity;

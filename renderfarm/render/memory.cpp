@@ -9,6 +9,14 @@
 #include "common/base/text.h"
 
 namespace cyclorama {
+namespace {
+
+/// At its highest, while it is built: 100 with Embree 3.13 on meshes of 0.7 and 1.05 million triangles; some to spare.
+constexpr std::size_t kPeakBytesPerTriangle = 120;
+constexpr std::size_t kBytesPerInstance = 1024;
+constexpr std::size_t kReserveBytes = std::size_t{64} << 20;
+
+}  // namespace
 
 std::optional<std::size_t> parse_available_memory(std::string_view meminfo) {
   constexpr std::string_view kField = "MemAvailable:";
@@ -27,6 +35,19 @@ std::optional<std::size_t> available_memory() {
   std::ostringstream text;
   text << file.rdbuf();
   return parse_available_memory(text.str());
+}
+
+std::size_t memory_for_bvh(std::size_t available) { return available > kReserveBytes ? available - kReserveBytes : 0; }
+
+Status check_bvh_memory(std::size_t triangles, std::size_t instances, std::size_t available) {
+  const std::size_t need = triangles * kPeakBytesPerTriangle + instances * kBytesPerInstance;
+  const std::size_t free = memory_for_bvh(available);
+  if (need <= free) return Done{};
+  return Error(
+      ErrorCode::kSystem,
+      fmt::format("the BVH of {:.1f} million triangles needs about {} and {} are free; take a coarser scene or "
+                  "a machine with more memory",
+                  static_cast<double>(triangles) / 1e6, describe_bytes(need), describe_bytes(free)));
 }
 
 std::string describe_bytes(std::size_t bytes) {

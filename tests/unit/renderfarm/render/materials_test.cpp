@@ -225,6 +225,22 @@ TEST(Materials, a_white_metal_under_an_even_sky_is_nearly_as_bright) {
   }
 }
 
+TEST(Materials, a_coarse_mirror_ball_has_no_black_rings) {
+  Mesh ball = sphere_mesh(1.0f, 8);
+  for (const auto& p : ball.positions) ball.normals.push_back(p);
+  Scene scene = scene_of(std::move(ball), Eigen::Vector3f::Constant(0.9f));
+  scene.model.materials[0].metallic = 1.0f;
+  scene.model.materials[0].roughness = 0.0f;
+  scene.sky = even_sky(1.0f);
+  PanoramaView view = view_from({0, 0, 3}, 64, 64, 0.34, -0.34);
+  view.panorama.azimuth_span_rad = 0.6;
+  view.samples = 16;
+  const RadianceImage image = radiance_of(*built(std::move(scene)), view);
+  int dark = 0;
+  for (const float value : image.data()) dark += value < 0.5f ? 1 : 0;
+  EXPECT_EQ(dark, 0);
+}
+
 /// A board half a metre wide, 1 m above the floor, under a lamp of radius r, 2 m above it: full shadow in the middle,
 /// none far out, and in between a penumbra where geometry says.
 TEST(Materials, a_sphere_light_makes_a_penumbra_within_its_bounds) {

@@ -49,6 +49,16 @@ TEST(Memory, is_read_from_the_line_that_says_available) {
   EXPECT_GT(available_memory().value_or(0), 0u);
 }
 
+TEST(Memory, a_bvh_that_would_not_fit_is_refused_with_the_need) {
+  EXPECT_TRUE(check_bvh_memory(1'000'000, 0, std::size_t{1} << 30).has_value());
+  const Status status = check_bvh_memory(60'000'000, 0, std::size_t{1} << 30);
+  ASSERT_FALSE(status.has_value());
+  EXPECT_EQ(status.error().code(), ErrorCode::kSystem);
+  EXPECT_THAT(status.error().message(), testing::AllOf(testing::HasSubstr("7.2 GB"), testing::HasSubstr("1.0 GB")));
+  EXPECT_FALSE(check_bvh_memory(1, 0, 0).has_value());
+  EXPECT_FALSE(check_bvh_memory(1, 1'000'000, std::size_t{500} << 20).has_value());
+}
+
 TEST(SceneNeeds, are_those_of_what_is_used) {
   Scene scene = scene_of(square_mesh(1.0f));
   EXPECT_EQ(needs_of(scene), SceneNeeds{});

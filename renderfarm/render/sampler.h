@@ -15,7 +15,7 @@
 
 namespace cyclorama {
 
-/// A good 32-bit mixer. Source: Ettinger's "lowbias32".
+/// A good 32-bit mixer. Source: Wellons, "Prospecting for Hash Functions", 2018 (nullprogram.com).
 [[nodiscard]] constexpr std::uint32_t mix_bits(std::uint32_t x) {
   x ^= x >> 16;
   x *= 0x7feb352du;

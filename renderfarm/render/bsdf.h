@@ -44,8 +44,7 @@ struct Bsdf {
 
 /// `normal` bent just so far that what a mirror shows lies above the surface itself, whose side is `facing`: on coarse
 /// meshes a smooth normal otherwise reflects the inside, as black rings. All unit vectors; wo and normal are on
-/// facing's side. Source: Keller et al., "The Iray Light Transport Simulation and Rendering System", 2017, appendix
-/// A.3.
+/// facing's side. Source: Keller et al., "The Iray Light Transport Simulation and Rendering System", 2017.
 [[nodiscard]] inline Vec3 reflecting_normal(const Vec3& normal, const Vec3& facing, const Vec3& wo) {
   const Vec3 mirrored = 2.0f * normal.dot(wo) * normal - wo;
   const float wanted = std::min(0.05f, facing.dot(wo));

@@ -78,7 +78,7 @@ Result<TagDetector> TagDetector::create(const DetectorSettings& settings) {
   const auto refuse = [](std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); };
   if (!(settings.decimate >= 1.0 && settings.decimate <= 8.0)) return refuse("decimate must be 1 to 8");
   if (settings.threads < 1 || settings.threads > 16) return refuse("threads must be 1 to 16");
-  if (settings.most_hamming < 0 || settings.most_hamming > 1) return refuse("most_hamming must be 0 or 1");
+  if (settings.most_hamming < 0 || settings.most_hamming > 2) return refuse("most_hamming must be 0, 1 or 2");
   const auto* const family = std::find_if(kFamilies.begin(), kFamilies.end(),
                                           [&](const Family& known) { return settings.family == known.name; });
   if (family == kFamilies.end()) {

@@ -18,7 +18,7 @@ struct DetectorSettings {
   double decimate = 1.5;            ///< Quads are sought in a picture this many times smaller: 1 to 8.
   int threads = 1;                  ///< 1 to 16.
   bool refine_edges = true;         ///< Snaps edges to the full picture's gradients; wanted with any decimation.
-  int most_hamming = 0;             ///< Wrong bits that are corrected, 0 or 1. At 1 clutter begins to look like tags.
+  int most_hamming = 0;             ///< Wrong bits that are corrected: 0, 1 or 2. With each, clutter looks more like tags.
   double least_margin = 20.0;       ///< Mean contrast between a bit and its threshold, in grey levels.
 };
 

@@ -35,7 +35,7 @@ void read_detector(ConfigTable detector, DetectorSettings* ret) {
   ret->decimate = detector.number("decimate", {1, 8}, ret->decimate);
   ret->threads = detector.integer("threads", {1, 16}, ret->threads);
   ret->refine_edges = detector.flag("refine_edges", ret->refine_edges);
-  ret->most_hamming = detector.integer("most_hamming", {0, 1}, ret->most_hamming);
+  ret->most_hamming = detector.integer("most_hamming", {0, 2}, ret->most_hamming);
   ret->least_margin = detector.number("least_margin_grey", {0, 255}, ret->least_margin);
 }
 

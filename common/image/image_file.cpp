@@ -13,6 +13,7 @@
 namespace cyclorama {
 namespace {
 
+constexpr std::string_view kJpegMagic = "\xff\xd8";
 constexpr std::size_t kFileLimitBytes = std::size_t{512} << 20;
 
 bool begins_with(std::span<const std::byte> bytes, std::string_view magic, std::size_t offset = 0) {
@@ -32,11 +33,21 @@ Error unsupported(std::span<const std::byte> bytes) {
   return Error(ErrorCode::kBadData, fmt::format("this is {}; convert it to PNG or JPEG", name));
 }
 
+Result<GreyImage> grey_of(std::span<const std::byte> bytes, std::size_t limit_px) {
+  TRY_ASSIGN(const RgbaImage rgba, decode_image(bytes, limit_px));
+  GreyImage grey(rgba.width(), rgba.height());
+  for (std::size_t i = 0; i < grey.data().size(); ++i) {
+    const auto px = rgba.data().subspan(4 * i, 4);
+    grey.data()[i] = static_cast<std::uint8_t>((299 * px[0] + 587 * px[1] + 114 * px[2] + 500) / 1000);
+  }
+  return grey;
+}
+
 }  // namespace
 
 Result<RgbaImage> decode_image(std::span<const std::byte> bytes, std::size_t limit_px) {
   if (begins_with(bytes, "\x89PNG")) return decode_png(bytes, limit_px);
-  if (!begins_with(bytes, "\xff\xd8")) return unsupported(bytes);
+  if (!begins_with(bytes, kJpegMagic)) return unsupported(bytes);
   JpegDecoder decoder;
   TRY_ASSIGN(const RgbImage rgb, decoder.decode(bytes, limit_px));
   RgbaImage rgba(rgb.width(), rgb.height(), 255);
@@ -55,12 +66,10 @@ Result<RgbaImage> read_image(const std::filesystem::path& path, std::size_t limi
 }
 
 Result<GreyImage> read_grey_image(const std::filesystem::path& path, std::size_t limit_px) {
-  TRY_ASSIGN(const RgbaImage rgba, read_image(path, limit_px));
-  GreyImage grey(rgba.width(), rgba.height());
-  for (std::size_t i = 0; i < grey.data().size(); ++i) {
-    const auto px = rgba.data().subspan(4 * i, 4);
-    grey.data()[i] = static_cast<std::uint8_t>((299 * px[0] + 587 * px[1] + 114 * px[2] + 500) / 1000);
-  }
+  TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kFileLimitBytes));
+  // A JPEG holds its luma: taken as it is, it has no second rounding, and costs a third.
+  auto grey = begins_with(bytes, kJpegMagic) ? JpegDecoder().decode_grey(bytes, limit_px) : grey_of(bytes, limit_px);
+  if (!grey) return std::move(grey).error().while_doing(fmt::format("reading picture '{}'", path.string()));
   return grey;
 }
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/camera/pace.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/doubles/manual_clock.h"
+
+namespace cyclorama {
+namespace {
+
+using std::chrono::milliseconds;
+
+const TimePoint kStart(std::chrono::seconds(1000));
+const Pace kPace{kStart, milliseconds(100)};
+
+TEST(Pace, gives_the_first_picture_at_once_and_none_twice) {
+  EXPECT_EQ(kPace.next(kStart, std::nullopt), 0U);
+  EXPECT_EQ(kPace.next(kStart, 0), 1U);
+  EXPECT_EQ(kPace.next(kStart + milliseconds(99), 0), 1U);
+}
+
+TEST(Pace, gives_a_late_caller_the_newest) { EXPECT_EQ(kPace.next(kStart + milliseconds(1050), 2), 10U); }
+
+TEST(Pace, waits_for_the_first_when_the_clock_is_before_the_start) {
+  EXPECT_EQ(kPace.next(kStart - milliseconds(500), std::nullopt), 0U);
+  EXPECT_EQ(kPace.next(kStart - milliseconds(500), 3), 4U);
+}
+
+TEST(WaitForPicture, waits_no_longer_than_the_deadline) {
+  const ManualClock clock(kStart + milliseconds(10));
+  const auto late = wait_for_picture(kPace, 0, clock, kStart + milliseconds(50));
+  ASSERT_FALSE(late.has_value());
+  EXPECT_EQ(late.error().code(), ErrorCode::kTimedOut);
+  EXPECT_EQ(clock.now(), kStart + milliseconds(50));
+  const auto ready = wait_for_picture(kPace, 0, clock, kStart + milliseconds(500));
+  ASSERT_TRUE(ready.has_value());
+  EXPECT_EQ(*ready, 1U);
+  EXPECT_EQ(clock.now(), kStart + milliseconds(100));
+}
+
+TEST(WaitForPicture, gives_what_is_ready_even_when_the_deadline_is_over) {
+  const ManualClock clock(kStart + milliseconds(450));
+  const auto ready = wait_for_picture(kPace, 0, clock, kStart);
+  ASSERT_TRUE(ready.has_value());
+  EXPECT_EQ(*ready, 4U);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -26,11 +26,13 @@ inline constexpr Duration kRestartAfter = std::chrono::milliseconds(500);
 
 struct FilteredPosition {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< Metres.
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();  ///< Per second.
   TimePoint at{};
 };
 struct FilteredRotation {
   Eigen::Quaterniond value = Eigen::Quaterniond::Identity();
+  Eigen::Quaterniond measured = Eigen::Quaterniond::Identity();
   Eigen::Vector3d speed =
       Eigen::Vector3d::Zero();  ///< Angular velocity in the rotation's From frame, radians per second.
   TimePoint at{};

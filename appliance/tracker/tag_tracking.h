@@ -14,8 +14,8 @@ struct TrackingSettings {
   double tag_size_m = 0.12;    ///< Edge of the black square. More than 0.
   std::optional<int> only_id;  ///< The visitor's tag; any when not given.
   ChooserSettings chooser;
-  OneEuroSettings position{1.5, 6.0, 1.0};
-  OneEuroSettings rotation{1.0, 3.0, 1.0};
+  OneEuroSettings position{1.5, 40.0, 1.0};
+  OneEuroSettings rotation{1.5, 20.0, 1.0};
 };
 
 /// What is remembered from picture to picture. Empty at the start.

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/tracker/tag_tracking.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace cyclorama {
+namespace {
+
+using std::chrono::milliseconds;
+
+const Pinhole kLens = Pinhole::from_field_of_view(640, 480, 1.0472);
+const TimePoint kStart(std::chrono::seconds(1000));
+
+TagDetection tag(int id, double x_m, double z_m) {
+  TagDetection detection{id, 0, 80.0, {}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    detection.corners[i] = *kLens.pixel_of(corners_of_tag(0.12)[i] + Eigen::Vector3d(x_m, 0.0, z_m));
+  }
+  return detection;
+}
+
+std::optional<int> id_of(const TrackingResult& result) {
+  return result.tag ? std::optional<int>(result.tag->detection.id) : std::nullopt;
+}
+
+TEST(Track, gives_the_pose_of_the_tag_in_the_picture) {
+  const std::vector<TagDetection> seen{tag(4, 0.2, 0.9)};
+  const auto result = track({}, {}, seen, kLens, kStart);
+  ASSERT_TRUE(result.tag.has_value());
+  EXPECT_LT((result.tag->T_camera_tag.translation() - Eigen::Vector3d(0.2, 0.0, 0.9)).norm(), 1e-4);
+  EXPECT_LT(result.tag->chosen.pose.reprojection_px, 1e-3);
+}
+
+TEST(Track, stays_with_its_tag_when_a_larger_one_comes) {
+  const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
+  const std::vector<TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
+  const auto before = track({}, {}, first, kLens, kStart);
+  EXPECT_EQ(id_of(track({}, before.state, both, kLens, kStart + milliseconds(33))), 4);
+  EXPECT_EQ(id_of(track({}, {}, both, kLens, kStart)), 9);
+}
+
+TEST(Track, takes_another_tag_only_once_its_own_was_lost_for_a_while) {
+  const std::vector<TagDetection> own{tag(4, 0.2, 0.9)};
+  const std::vector<TagDetection> other{tag(9, -0.2, 0.5)};
+  const auto before = track({}, {}, own, kLens, kStart);
+  const auto soon = track({}, before.state, other, kLens, kStart + milliseconds(100));
+  EXPECT_EQ(id_of(soon), std::nullopt);
+  const auto later = track({}, soon.state, other, kLens, kStart + milliseconds(300));
+  ASSERT_EQ(id_of(later), 9);
+  // And begins anew with it: nothing of the first tag's place is left.
+  EXPECT_LT((later.tag->T_camera_tag.translation() - Eigen::Vector3d(-0.2, 0.0, 0.5)).norm(), 1e-4);
+}
+
+TEST(Track, sees_no_tag_but_the_one_that_it_was_told) {
+  TrackingSettings settings;
+  settings.only_id = 4;
+  const std::vector<TagDetection> other{tag(9, -0.2, 0.5)};
+  const std::vector<TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
+  EXPECT_EQ(id_of(track(settings, {}, other, kLens, kStart)), std::nullopt);
+  EXPECT_EQ(id_of(track(settings, {}, both, kLens, kStart)), 4);
+}
+
+TEST(Track, leaves_its_state_alone_when_the_corners_are_impossible) {
+  TagDetection broken = tag(4, 0.2, 0.9);
+  broken.corners[1].x() = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
+  const std::vector<TagDetection> bad{broken};
+  const auto before = track({}, {}, first, kLens, kStart);
+  const auto result = track({}, before.state, bad, kLens, kStart + milliseconds(33));
+  EXPECT_FALSE(result.tag.has_value());
+  EXPECT_EQ(result.state.seen_at, kStart);
+}
+
+TEST(Track, answers_a_repeated_time_with_the_same_pose) {
+  const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
+  const std::vector<TagDetection> moved{tag(4, 0.0, 0.9)};
+  const auto before = track({}, {}, first, kLens, kStart);
+  const auto again = track({}, before.state, moved, kLens, kStart);
+  ASSERT_TRUE(again.tag.has_value());
+  EXPECT_EQ(again.tag->T_camera_tag.translation(), before.tag->T_camera_tag.translation());
+}
+
+}  // namespace
+}  // namespace cyclorama

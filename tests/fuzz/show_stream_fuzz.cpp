@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Show stream's messages into the frame assembler. The input is a program: each step sends one message, either any
+// bytes as a message, or a begin, tile, end or lost stream with numbers from the input, so that whole frames come
+// about.
+#include <future>
+#include <map>
+
+#include "appliance/display/frame_assembler.h"
+#include "tests/doubles/jpeg_tiles.h"
+
+namespace cyclorama {
+namespace {
+
+class Input {
+ public:
+  Input(const std::uint8_t* data, std::size_t size) : left_(data, size) {}
+  [[nodiscard]] bool is_empty() const { return left_.empty(); }
+  std::uint32_t byte() {
+    if (left_.empty()) return 0;
+    const std::uint8_t value = left_.front();
+    left_ = left_.subspan(1);
+    return value;
+  }
+  std::span<const std::uint8_t> bytes(std::size_t count) {
+    const auto taken = left_.first(std::min(count, left_.size()));
+    left_ = left_.subspan(taken.size());
+    return taken;
+  }
+
+ private:
+  std::span<const std::uint8_t> left_;
+};
+
+/// What is ready must be whole; each frame has one outcome.
+class CheckingSink final : public FrameSink {
+ public:
+  void frame_ready(Frame frame) override {
+    CHECK(frame.picture != nullptr && frame.panorama.validate());
+    CHECK(frame.picture->width() == frame.panorama.width_px && frame.picture->height() == frame.panorama.height_px);
+    CHECK(frame.order > 0 && frame.number > 0);
+  }
+  void frame_dropped(std::uint64_t, const std::string& reason) override { CHECK(!reason.empty()); }
+};
+
+const std::string& jpeg_of(int width, int height) {
+  static std::map<std::pair<int, int>, std::string> made;
+  std::string& jpeg = made[{width, height}];
+  if (jpeg.empty()) {
+    const auto encoded = JpegEncoder().encode(RgbImage(width, height, 99), {80, true});
+    CHECK(encoded.has_value());
+    jpeg.assign(reinterpret_cast<const char*>(encoded->data()), encoded->size());
+  }
+  return jpeg;
+}
+
+wire::Tile tile_from(Input* input) {
+  wire::Tile tile;
+  tile.set_view_number(input->byte() % 4);
+  tile.set_x_px(16 * (input->byte() % 6));
+  tile.set_y_px(16 * (input->byte() % 6));
+  tile.set_width_px(1 + input->byte() % 80);
+  tile.set_height_px(1 + input->byte() % 80);
+  *tile.mutable_jpeg() = jpeg_of(static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px()));
+  for (std::uint32_t damage = input->byte() % 4; damage > 0; --damage) {
+    tile.mutable_jpeg()->at((input->byte() << 8 | input->byte()) % tile.jpeg().size()) =
+        static_cast<char>(input->byte());
+  }
+  return tile;
+}
+
+wire::ShowMessage message_from(Input* input) {
+  wire::ShowMessage message;
+  switch (input->byte() % 5) {
+    case 0: {
+      const auto bytes = input->bytes(input->byte());
+      if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) message.Clear();
+      return message;
+    }
+    case 1: {
+      const Panorama panorama{static_cast<int>(input->byte() % 90), static_cast<int>(input->byte() % 90), 1.0, 0.5,
+                              -0.5};
+      *message.mutable_begin() = view_of(input->byte() % 4, panorama);
+      return message;
+    }
+    case 2:
+    case 3:
+      *message.mutable_tile() = tile_from(input);
+      return message;
+    default: {
+      const std::uint32_t number = input->byte() % 4;
+      const std::uint32_t tiles = input->byte() % 30;
+      *message.mutable_end() = end_of(number, tiles, input->byte() % 8 != 0);
+      return message;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  Input input(data, size);
+  SteadyClock clock;
+  CheckingSink sink;
+  DecodePool pool(1);
+  FrameAssembler assembler(&pool, &sink, &clock);
+  while (!input.is_empty()) {
+    wire::ShowMessage message = message_from(&input);
+    const auto kind = message.message_case();
+    if (kind == wire::ShowMessage::MESSAGE_NOT_SET || kind == wire::ShowMessage::kHeading) {
+      assembler.stream_lost();
+    } else {
+      assembler.take(std::move(message));
+    }
+  }
+  // The one decode thread works in order: when it comes to this, all tiles before it are decoded.
+  std::promise<void> done;
+  pool.submit([&](JpegDecoder&) { done.set_value(); });
+  CHECK(done.get_future().wait_for(std::chrono::seconds(20)) == std::future_status::ready);
+  return 0;
+}

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <numbers>
+#include <span>
 
 #include "appliance/display/yaw_shift.h"
 
@@ -77,6 +78,40 @@ std::vector<Corner> corners_of(const WarpMesh& mesh) {
   return corners;
 }
 
+/// Whether any pixel in the box around three corners may be lit.
+bool is_lit(const WarpMesh& mesh, const MaskImage& mask, std::span<const std::uint32_t> triangle) {
+  float left = static_cast<float>(mask.width());
+  float top = static_cast<float>(mask.height());
+  float right = 0.0f;
+  float bottom = 0.0f;
+  for (const std::uint32_t corner : triangle) {
+    const WarpVertex& v = mesh.vertices[corner];
+    left = std::min(left, v.x_px);
+    right = std::max(right, v.x_px);
+    top = std::min(top, v.y_px);
+    bottom = std::max(bottom, v.y_px);
+  }
+  const int last_x = std::min(mask.width() - 1, static_cast<int>(right));
+  const int last_y = std::min(mask.height() - 1, static_cast<int>(bottom));
+  for (int y = static_cast<int>(top); y <= last_y; ++y) {
+    for (int x = static_cast<int>(left); x <= last_x; ++x) {
+      if (*mask.at(x, y) > 0.0f) return true;
+    }
+  }
+  return false;
+}
+
+/// The mesh's triangles without those that the mask blackens: a projector that reaches past the wall has many.
+std::vector<std::uint32_t> lit_triangles(const WarpMesh& mesh, const MaskImage& mask) {
+  const std::vector<std::uint32_t> all = mesh.triangles();
+  std::vector<std::uint32_t> lit;
+  for (std::size_t i = 0; i + 2 < all.size(); i += 3) {
+    const std::span<const std::uint32_t> triangle(all.data() + i, 3);
+    if (is_lit(mesh, mask, triangle)) lit.insert(lit.end(), triangle.begin(), triangle.end());
+  }
+  return lit;
+}
+
 /// GL counts rows from the bottom.
 std::vector<float> upside_down(const MaskImage& mask) {
   std::vector<float> rows;
@@ -111,7 +146,7 @@ Result<HeadPainter> HeadPainter::make(const Gl& gl, const WarpProgram& program, 
   painter.mask_ = GlTexture(gl);
 
   const std::vector<Corner> corners = corners_of(mesh);
-  const std::vector<std::uint32_t> indices = mesh.triangles();
+  const std::vector<std::uint32_t> indices = lit_triangles(mesh, mask);
   painter.index_count_ = static_cast<GLsizei>(indices.size());
   gl.BindVertexArray(painter.mesh_.id());
   gl.BindBuffer(GL_ARRAY_BUFFER, painter.vertices_.id());

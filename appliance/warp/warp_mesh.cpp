@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace cyclorama {
 namespace {
@@ -102,20 +103,29 @@ std::optional<PanoramaDirection> WarpMesh::interpolate(const Eigen::Vector2d& pi
 Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const Panorama& picture, double tolerance_px) {
   TRY(picture.validate());
   const Pinhole& lens = map.lens();
-  for (int cells = kFewestCells;; cells *= 2) {
-    const int cells_x = std::min(cells, lens.width_px);
-    const int cells_y = std::min(std::max(kFewestCells, cells * lens.height_px / lens.width_px), lens.height_px);
-    WarpMesh mesh = sampled(map, cells_x, cells_y);
+  const auto meshed = [&](int cells_x, int cells_y) {
+    WarpMesh mesh = sampled(map, std::min(cells_x, lens.width_px), std::min(cells_y, lens.height_px));
     mesh.worst_error_px = worst_error(map, mesh, picture);
-    if (mesh.worst_error_px <= tolerance_px) return mesh;
-    if (cells_x == lens.width_px && cells_y == lens.height_px) {
+    return mesh;
+  };
+  WarpMesh mesh = meshed(kFewestCells, kFewestCells);
+  while (!(mesh.worst_error_px <= tolerance_px)) {
+    if (mesh.cells_x == lens.width_px && mesh.cells_y == lens.height_px) {
       return Error(
           ErrorCode::kInvalidArgument,
           fmt::format("no warp mesh holds {} px (the finest is off by {:.2f} px): the projector is too near the "
                       "wall or meets it at a grazing angle; move it",
                       tolerance_px, mesh.worst_error_px));
     }
+    // Halve the cells along the direction that gains more: a cylinder bends across and is nearly straight upwards.
+    WarpMesh narrower = meshed(2 * mesh.cells_x, mesh.cells_y);
+    WarpMesh flatter = meshed(mesh.cells_x, 2 * mesh.cells_y);
+    const bool is_wide = mesh.cells_x < lens.width_px;
+    const bool is_high = mesh.cells_y < lens.height_px;
+    const bool across = is_wide && (!is_high || narrower.worst_error_px <= flatter.worst_error_px);
+    mesh = across ? std::move(narrower) : std::move(flatter);
   }
+  return mesh;
 }
 
 }  // namespace cyclorama

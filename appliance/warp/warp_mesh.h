@@ -36,9 +36,9 @@ struct WarpMesh {
   [[nodiscard]] std::optional<PanoramaDirection> interpolate(const Eigen::Vector2d& pixel) const;
 };
 
-/// The coarsest mesh, by powers of two, that keeps to `tolerance_px` of `picture`'s pixels wherever the projector meets
-/// the wall.
-/// kInvalidArgument  even cells of one pixel do not: the projector is too near the wall or grazes it.
+/// A mesh of few cells, halved along whichever direction gains more, that keeps to `tolerance_px` of
+/// `picture`'s pixels wherever the projector meets the wall. kInvalidArgument  even cells of one pixel do not: the
+/// projector is too near the wall or grazes it.
 Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const Panorama& picture, double tolerance_px = 0.05);
 
 }  // namespace cyclorama

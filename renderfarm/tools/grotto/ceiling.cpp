@@ -64,7 +64,7 @@ Patch top(std::uint32_t seed) {
   Patch patch;
   patch.width_m = 2.0f * kHalfX;
   patch.height_m = 2.0f * kHalfZ;
-  patch.density = 0.5f;
+  patch.density = 0.34f;
   patch.at = [=](float u, float v, float spacing) {
     const Vec2 p{mix(-kHalfX - kOver, kHalfX + kOver, u), mix(-kHalfZ - kOver, kHalfZ + kOver, v)};
     const Vec3 plane{p.x(), kTopHeight, p.y()};
@@ -86,10 +86,10 @@ Patch top(std::uint32_t seed) {
 
 std::vector<Patch> ceiling(std::uint32_t seed) {
   const Vec3 up{0.0f, kWallHeight, 0.0f};
-  return {cove(up + Vec3(0.0f, 0.0f, -kHalfDepth), Vec3::UnitX(), Vec3::UnitZ(), kHalfLength, 0.50f, seed),
-          cove(up + Vec3(0.0f, 0.0f, kHalfDepth), -Vec3::UnitX(), -Vec3::UnitZ(), kHalfLength, 0.28f, seed),
-          cove(up + Vec3(-kHalfLength, 0.0f, 0.0f), -Vec3::UnitZ(), Vec3::UnitX(), kHalfDepth, 0.36f, seed),
-          cove(up + Vec3(kHalfLength, 0.0f, 0.0f), Vec3::UnitZ(), -Vec3::UnitX(), kHalfDepth, 0.36f, seed), top(seed)};
+  return {cove(up + Vec3(0.0f, 0.0f, -kHalfDepth), Vec3::UnitX(), Vec3::UnitZ(), kHalfLength, 0.38f, seed),
+          cove(up + Vec3(0.0f, 0.0f, kHalfDepth), -Vec3::UnitX(), -Vec3::UnitZ(), kHalfLength, 0.22f, seed),
+          cove(up + Vec3(-kHalfLength, 0.0f, 0.0f), -Vec3::UnitZ(), Vec3::UnitX(), kHalfDepth, 0.30f, seed),
+          cove(up + Vec3(kHalfLength, 0.0f, 0.0f), Vec3::UnitZ(), -Vec3::UnitX(), kHalfDepth, 0.30f, seed), top(seed)};
 }
 
 }  // namespace cyclorama::grotto

@@ -49,11 +49,13 @@ float body(const Vec3& p, bool grief) {
   return blend(d, hands(p, grief), 0.012f);
 }
 
+constexpr float kFold = 0.065f;
+
 float fold(const Vec3& p) {
-  const float hanging = std::atan2(p.x(), p.z()) * 3.6f + 1.2f * p.y();
-  const float draped = std::hypot(p.x() + 0.10f, p.y() - 0.86f) / 0.045f;
+  const float hanging = std::atan2(p.x(), p.z()) * 2.8f + 1.2f * p.y();
+  const float draped = std::hypot(p.x() + 0.10f, p.y() - 0.86f) / kFold;
   const float phase = mix(hanging, draped, smooth_step(0.40f, 0.56f, p.y()));
-  return std::pow(0.5f + 0.5f * std::cos(2.0f * kPi * phase), 0.7f);
+  return fold_profile(phase);
 }
 
 Sculpture trunk(const Robes& robes, bool grief) {
@@ -63,7 +65,9 @@ Sculpture trunk(const Robes& robes, bool grief) {
     return std::min(breast, hands(p, grief) - 0.006f);
   };
   s.distance = [grief](const Vec3& p) { return body(p, grief); };
-  s.relief = [bare](const Vec3& p) { return (0.013f * fold(p) - 0.004f) * smooth_step(0.0f, 0.02f, bare(p)); };
+  s.relief = [bare](const Vec3& p, float spacing) {
+    return (0.016f * fold(p) - 0.006f) * smooth_step(0.0f, 0.02f, bare(p)) * shown(kFold, spacing);
+  };
   s.colour = [robes, bare](const Vec3& p, float spacing) {
     // The upper robe is thrown over one shoulder; the under robe shows on the other side.
     Spot spot(robes.outer);
@@ -71,7 +75,7 @@ Sculpture trunk(const Robes& robes, bool grief) {
     spot.lay(robes.inner, coverage(-edge, spacing) * (p.z() > -0.05f ? 1.0f : 0.0f));
     spot.lay(kGold, line_coverage(edge, 0.014f, spacing));
     spot.lay(robes.inner, coverage(p.y() - 0.06f, spacing));
-    spot.darken(0.42f * (1.0f - fold(p)));
+    spot.darken(0.42f * (1.0f - fold(p)) * shown(kFold, spacing));
     spot.lay(robes.skin, coverage(bare(p), spacing));
     spot.lay(kPlaster, 0.25f * unit_clamp(fractal_noise(p * 8.0f, 3, 51u) + 0.1f));
     return spot.colour();

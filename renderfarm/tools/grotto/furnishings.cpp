@@ -13,11 +13,11 @@ namespace {
 const Vec3 kBrass{0.62f, 0.47f, 0.22f};
 const Vec3 kFlame{1.0f, 0.86f, 0.52f};
 const Vec3 kWarm{1.0f, 0.62f, 0.30f};
-constexpr float kLedge = kAltarFront + 0.03f;
-constexpr std::array<float, 3> kGroups = {-3.1f, 0.1f, 3.3f};
+constexpr float kLedge = kAltarFront + 0.04f;
+constexpr std::array<float, 3> kGroups = {-5.6f, -0.6f, 3.6f};
 constexpr std::array<Vec2::Scalar, 3> kInGroup = {-0.24f, 0.0f, 0.24f};
 constexpr float kStandHeight = 1.02f;
-const std::array<Vec3, 2> kStands = {Vec3(-6.35f, 0.0f, -0.25f), Vec3(6.35f, 0.0f, -0.25f)};
+const std::array<Vec3, 2> kStands = {Vec3(-6.7f, 0.0f, 0.05f), Vec3(6.7f, 0.0f, 0.05f)};
 
 /// A bowl on a foot with a flame, turned on a lathe; `stem` lifts the bowl.
 Patch lamp_body(const Vec3& position, float stem, float scale) {
@@ -34,7 +34,7 @@ Patch lamp_body(const Vec3& position, float stem, float scale) {
   s.to = {0.0f, stem + 0.17f, 0.0f};
   s.reach = 0.12f;
   s.girth = 0.30f;
-  return wrapped(s, standing_at(position, 0.0f, scale), 1.6f);
+  return wrapped(s, standing_at(position, 0.0f, scale), 0.9f);
 }
 
 }  // namespace
@@ -55,8 +55,8 @@ std::vector<Lamp> lamp_lights() {
   for (std::size_t i = 0; i < kGroups.size(); ++i) {
     lamps.push_back({.name = "butter lamps " + std::to_string(i + 1),
                      .kind = "point",
-                     .position = {kGroups[i], kAltarHeight + 0.36f, kLedge + 0.06f},
-                     .intensity_cd = 0.9f * kWarm,
+                     .position = {kGroups[i], kAltarHeight + 0.36f, kLedge + 0.08f},
+                     .intensity_cd = 0.7f * kWarm,
                      .radius_m = 0.06f});
   }
   for (std::size_t i = 0; i < kStands.size(); ++i) {
@@ -69,8 +69,13 @@ std::vector<Lamp> lamp_lights() {
   lamps.push_back({.name = "daylight",
                    .kind = "point",
                    .position = {0.0f, 1.9f, 5.7f},
-                   .intensity_cd = {34.0f, 40.0f, 46.0f},
+                   .intensity_cd = {34.0f, 42.0f, 50.0f},
                    .radius_m = 0.45f});
+  lamps.push_back({.name = "light under the ceiling",
+                   .kind = "point",
+                   .position = {0.6f, 5.3f, 2.3f},
+                   .intensity_cd = {50.0f, 42.0f, 32.0f},
+                   .radius_m = 0.30f});
   lamps.push_back({.name = "light on the face",
                    .kind = "spot",
                    .position = {-1.6f, 4.9f, 2.4f},

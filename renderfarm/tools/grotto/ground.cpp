@@ -48,6 +48,9 @@ Patch rough_face(const Vec3& corner, const Vec3& across, const Vec3& up, const V
   return patch;
 }
 
+const Vec3 kDarkRock{0.40f, 0.34f, 0.28f};
+const Vec3 kDaylit{0.70f, 0.75f, 0.78f};  ///< Where the corridor ends in the open, a white cloth hangs.
+
 void add_corridor(std::uint32_t seed, std::vector<Patch>& patches) {
   // The mouth's edges are straight and shared with the wall to the bit, so that there is no crack round the door.
   const float mouth = kHalfDepth;
@@ -55,14 +58,14 @@ void add_corridor(std::uint32_t seed, std::vector<Patch>& patches) {
   const Vec3 down{0.0f, -0.2f, 0.0f};
   const Vec3 rise{0.0f, kDoorHeight + 0.4f, 0.0f};
   const Vec3 deep{0.0f, 0.0f, length};
-  patches.push_back(rough_face(Vec3(-kDoorHalfWidth, 0.0f, mouth) + down, deep, rise, Vec3::UnitX(), kPlaster, seed));
+  patches.push_back(rough_face(Vec3(-kDoorHalfWidth, 0.0f, mouth) + down, deep, rise, Vec3::UnitX(), kDarkRock, seed));
   patches.push_back(
-      rough_face(Vec3(kDoorHalfWidth, 0.0f, mouth) + down, deep, rise, -Vec3::UnitX(), kPlaster, seed + 1u));
+      rough_face(Vec3(kDoorHalfWidth, 0.0f, mouth) + down, deep, rise, -Vec3::UnitX(), kDarkRock, seed + 1u));
   const Vec3 wide{2.0f * kDoorHalfWidth + 0.6f, 0.0f, 0.0f};
   patches.push_back(
-      rough_face({-kDoorHalfWidth - 0.3f, kDoorHeight, mouth}, deep, wide, -Vec3::UnitY(), kPlaster, seed + 2u));
+      rough_face({-kDoorHalfWidth - 0.3f, kDoorHeight, mouth}, deep, wide, -Vec3::UnitY(), kDarkRock, seed + 2u));
   patches.push_back(
-      rough_face({-kDoorHalfWidth - 0.3f, -0.2f, kCorridorEnd}, wide, rise, -Vec3::UnitZ(), kWhite, seed + 3u));
+      rough_face({-kDoorHalfWidth - 0.3f, -0.2f, kCorridorEnd}, wide, rise, -Vec3::UnitZ(), kDaylit, seed + 3u));
 }
 
 /// The altar's profile from its foot to its top, as (forward, up).
@@ -82,6 +85,20 @@ constexpr std::array<Knot, 12> kProfile = {{{0.16f, -0.12f},
                                             {0.14f, 0.70f},
                                             {0.14f, 0.79f},
                                             {0.12f, 0.80f}}};
+
+/// The place on the profile at the fraction `v` of its length.
+Knot profile_at(float v) {
+  const auto length_of = [](std::size_t i) {
+    return std::hypot(kProfile[i + 1].forward - kProfile[i].forward, kProfile[i + 1].up - kProfile[i].up);
+  };
+  float whole = 0.0f;
+  for (std::size_t i = 0; i + 1 < kProfile.size(); ++i) whole += length_of(i);
+  float left = v * whole;
+  std::size_t i = 0;
+  while (i + 2 < kProfile.size() && left > length_of(i)) left -= length_of(i++);
+  const float t = unit_clamp(left / length_of(i));
+  return {mix(kProfile[i].forward, kProfile[i + 1].forward, t), mix(kProfile[i].up, kProfile[i + 1].up, t)};
+}
 
 Vec3 front_colour(float x, float up, float spacing) {
   if (up < 0.12f) return mix(kRust, kPlaster, 0.4f);
@@ -107,12 +124,9 @@ Patch altar_front(std::uint32_t seed) {
   Patch patch;
   patch.width_m = 2.0f * kHalf;
   patch.height_m = 1.15f;
-  patch.density = 0.72f;
+  patch.density = 0.95f;
   patch.at = [=](float u, float v, float spacing) {
-    const float at = v * static_cast<float>(kProfile.size() - 1);
-    const auto i = std::min(static_cast<std::size_t>(at), kProfile.size() - 2);
-    const float t = at - static_cast<float>(i);
-    const Knot knot{mix(kProfile[i].forward, kProfile[i + 1].forward, t), mix(kProfile[i].up, kProfile[i + 1].up, t)};
+    const Knot knot = profile_at(v);
     const Vec3 plane{mix(-kHalf, kHalf, u), knot.up, kAltarFront + knot.forward};
     const float loss = 0.20f + 0.25f * smooth_step(0.3f, 0.0f, knot.up);
     const Age age = age_of(plane, loss, seed);
@@ -133,7 +147,7 @@ Patch altar_top(std::uint32_t seed) {
   Patch patch;
   patch.width_m = 2.0f * kHalf;
   patch.height_m = kFront - kBack;
-  patch.density = 0.40f;
+  patch.density = 0.34f;
   patch.at = [=](float u, float v, float spacing) {
     const Vec3 plane{mix(-kHalf, kHalf, u), kAltarHeight, mix(kBack, kFront, v)};
     const float border = plane.z() - (kFront - 0.30f);

@@ -9,6 +9,8 @@ namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
 
+const Vec3 kGround{0.55f, 0.30f, 0.20f};
+
 struct Scheme {
   Vec3 ground;
   Vec3 mandorla;
@@ -19,14 +21,14 @@ struct Scheme {
 /// Eight colourings; one step to the right is one step on, one row up is three: the eye sees slanting rays.
 const Scheme& scheme_of(int column, int row) {
   static const std::array<Scheme, 8> schemes = {{
-      {kRust, kPaleGreen, kWhite, kCinnabar},
-      {kRust, kAzurite, kOchre, kInk},
-      {kRust, kWhite, kMalachite, kRust},
-      {kRust, kMalachite, kOchre, kCinnabar},
-      {kRust, kPaleBlue, kWhite, kRust},
-      {kRust, kOchre, kAzurite, kMalachite},
-      {kRust, kWhite, kPaleGreen, kCinnabar},
-      {kRust, kIndigo, kOchre, kPaleBlue},
+      {kGround, kPaleGreen, kWhite, kCinnabar},
+      {kGround, kAzurite, kOchre, kInk},
+      {kGround, kWhite, kMalachite, kRust},
+      {kGround, kMalachite, kOchre, kCinnabar},
+      {kGround, kPaleBlue, kWhite, kRust},
+      {kGround, kOchre, kAzurite, kMalachite},
+      {kGround, kWhite, kPaleGreen, kCinnabar},
+      {kGround, kIndigo, kOchre, kPaleBlue},
   }};
   return schemes[static_cast<std::size_t>(cycle(column + 3 * row, 8))];
 }

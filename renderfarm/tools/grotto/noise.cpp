@@ -74,9 +74,9 @@ float fractal_noise(const Vec3& p, int octaves, std::uint32_t seed) {
 float crack_lines(const Vec3& p, std::uint32_t seed) {
   const Vec3 bent =
       p + 0.35f * Vec3(noise(p * 1.7f, seed + 1u), noise(p * 1.7f, seed + 2u), noise(p * 1.7f, seed + 3u));
-  const float line = 1.0f - std::abs(noise(bent, seed)) * 14.0f;
+  const float line = 1.0f - std::abs(noise(bent, seed)) * 30.0f;
   // Most of a face has no crack: keep them where a second, slower noise is high.
-  return unit_clamp(line) * smooth_step(0.05f, 0.3f, noise(p * 0.45f, seed + 4u));
+  return unit_clamp(line) * smooth_step(0.12f, 0.35f, noise(p * 0.45f, seed + 4u));
 }
 
 float chisel_marks(const Vec2& p, std::uint32_t seed) {

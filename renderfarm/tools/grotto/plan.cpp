@@ -39,10 +39,11 @@ std::vector<Patch> disciples(std::uint32_t seed) {
   constexpr int kCount = 10;
   for (int i = 0; i < kCount; ++i) {
     const auto jitter = [&](int what) { return random_unit(i, what, seed + 201u) - 0.5f; };
-    const float x = -1.75f + 0.80f * static_cast<float>(i) + 0.22f * jitter(1);
-    const float row = i % 2 == 0 ? -3.12f : -3.22f;
-    const Pose pose = standing_at({x, kAltarHeight, row}, -0.35f + 0.5f * jitter(2), 2.42f + 0.26f * jitter(3));
-    append(mourning_disciple(pose, static_cast<std::uint32_t>(i) + seed % 6u, 0.8f * kFigureDensity), patches);
+    const float x = -0.55f + 0.62f * static_cast<float>(i) + 0.16f * jitter(1);
+    const bool behind = i % 2 == 0;
+    const float height = (behind ? 2.85f : 2.50f) + 0.18f * jitter(3);
+    const Pose pose = standing_at({x, kAltarHeight, behind ? -3.28f : -3.02f}, -0.35f + 0.5f * jitter(2), height);
+    append(mourning_disciple(pose, static_cast<std::uint32_t>(i) + seed % 6u, 0.85f * kFigureDensity), patches);
   }
   return patches;
 }

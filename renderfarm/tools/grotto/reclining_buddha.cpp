@@ -27,7 +27,8 @@ float left_arm(const Vec3& p) {
   return blend(limb(p, kLeftShoulder, 0.40f, kLeftElbow, 0.29f), limb(p, kLeftElbow, 0.29f, kLeftWrist, 0.20f), 0.12f);
 }
 
-float body(const Vec3& p) {
+/// The body proper, as if it floated.
+float torso_and_legs(const Vec3& p) {
   float d = ellipsoid(p, {-2.40f, 1.03f, 0.0f}, {1.00f, 0.92f, 0.62f});               // Chest.
   d = blend(d, ellipsoid(p, {-1.00f, 0.86f, 0.08f}, {1.20f, 0.76f, 0.60f}), 0.40f);   // Waist.
   d = blend(d, ellipsoid(p, {0.45f, 0.90f, 0.02f}, {1.15f, 0.90f, 0.66f}), 0.40f);    // Hip.
@@ -35,12 +36,16 @@ float body(const Vec3& p) {
   upper = blend(upper, limb(p, {2.50f, 0.98f, 0.26f}, 0.41f, {4.50f, 0.60f, 0.0f}, 0.23f), 0.20f);
   float lower = limb(p, {0.70f, 0.60f, 0.05f}, 0.58f, {2.60f, 0.44f, 0.38f}, 0.42f);  // Right leg.
   lower = blend(lower, limb(p, {2.60f, 0.44f, 0.38f}, 0.42f, {4.60f, 0.27f, 0.08f}, 0.24f), 0.20f);
-  d = blend(d, blend(upper, lower, 0.16f), 0.35f);
-  d = blend(d, left_arm(p), 0.14f);
-  d = blend(d, limb(p, kRightShoulder, 0.42f, kRightElbow, 0.33f), 0.22f);
-  // The robe spreads over the bed.
-  const float hem = rounded_box(p, {0.85f, 0.02f, 0.18f}, {3.95f, 0.09f, 0.86f - 0.04f * (p.x() + 1.0f)}, 0.08f);
-  return blend(d, hem, 0.22f);
+  return blend(d, blend(upper, lower, 0.16f), 0.35f);
+}
+
+float body(const Vec3& p) {
+  // From where the body is widest the robe falls straight to the bed, spreading a little.
+  const float widest = mix(0.55f, 0.28f, smooth_step(1.5f, 4.5f, p.x()));
+  const float below = std::max(0.0f, widest - p.y());
+  const Vec3 q{p.x(), std::max(p.y(), widest), p.z() / (1.0f + 0.18f * below)};
+  const float right_arm = limb(p, kRightShoulder, 0.42f, kRightElbow, 0.36f);
+  return blend(blend(torso_and_legs(q), right_arm, 0.22f), left_arm(p), 0.14f);
 }
 
 /// Distance from the throat over the breast: the robe's neckline is one of its circles.
@@ -49,11 +54,13 @@ float from_throat(const Vec3& p) {
   return std::sqrt(q.x() * q.x() + 1.3f * q.y() * q.y() + 0.5f * q.z() * q.z());
 }
 
-constexpr float kNeckline = 0.92f;
+constexpr float kNeckline = 0.66f;
+
+constexpr float kFold = 0.215f;
 
 /// Folds hang in circles round the throat, run along the legs, and wind round the arm.
 float fold_phase(const Vec3& p) {
-  const float torso = from_throat(p) / 0.215f;
+  const float torso = from_throat(p) / kFold;
   const float middle = mix(1.0f, 0.52f, smooth_step(0.0f, 4.6f, p.x()));
   const float around = std::atan2(p.y() - middle, p.z() + 0.25f);
   const float wave = 0.55f * std::sin(1.3f * p.x() + 0.8f) + 0.35f * noise(p * 0.8f, 71u);
@@ -64,62 +71,79 @@ float fold_phase(const Vec3& p) {
 float arm_share(const Vec3& p) { return smooth_step(0.16f, 0.02f, left_arm(p)); }
 
 float fold(const Vec3& p) {
-  const float cloth = std::pow(0.5f + 0.5f * std::cos(2.0f * kPi * fold_phase(p)), 0.65f);
+  const float cloth = fold_profile(fold_phase(p));
   const float arm = arm_share(p);
   if (arm <= 0.0f) return cloth;
   const float sleeve_phase = (0.75f * p.x() + 0.9f * p.y() - 0.5f * p.z()) / 0.23f + 0.4f * noise(p * 1.5f, 72u);
-  return mix(cloth, std::pow(0.5f + 0.5f * std::cos(2.0f * kPi * sleeve_phase), 0.65f), arm);
+  return mix(cloth, fold_profile(sleeve_phase), arm);
 }
 
 /// Positive where cloth covers the body.
 float covered(const Vec3& p) { return p.z() > -0.2f ? from_throat(p) - kNeckline : 1.0f; }
 
-float fold_height(const Vec3& p) {
+float fold_height(const Vec3& p, float spacing) {
   const float calm = 0.75f + 0.25f * noise(p * 0.7f, 73u);
   const float cloth = smooth_step(0.0f, 0.12f, covered(p));
-  const float collar = 0.035f * smooth_window(0.02f, 0.17f, 0.02f, covered(p));
-  return cloth * calm * 0.050f * (fold(p) - 0.45f) + collar;
+  const float collar = 0.035f * smooth_window(0.02f, 0.19f, 0.02f, covered(p));
+  return cloth * calm * 0.058f * (fold(p) - 0.45f) * shown(kFold, spacing) + collar;
 }
 
-/// The patchwork of a monk's robe: panels parted by bands.
+/// The patchwork of a monk's robe: panels in tones of red, parted by bands; gold roundels.
 void lay_patchwork(const Vec3& p, float spacing, Spot& spot) {
   const float along = p.x() + 0.25f * std::sin(1.1f * p.x());
   const float around = std::atan2(p.y() - 0.6f, p.z() + 0.4f) * 0.95f + 0.10f * p.x();
-  const auto [row, y] = repeat(around, 0.46f);
-  const auto [column, x] = repeat(along + 0.37f * static_cast<float>(cycle(row, 2)), 0.95f);
-  const std::array<Vec3, 3> panels = {mix(kCinnabar, kRust, 0.35f), kRust * 1.1f, mix(kCinnabar, kOchre, 0.25f)};
+  const auto [row, y] = repeat(around, 0.62f);
+  const auto [column, x] = repeat(along + 0.61f * static_cast<float>(cycle(row, 2)), 1.30f);
+  const std::array<Vec3, 3> panels = {mix(kCinnabar, kRust, 0.25f), mix(kCinnabar, kRust, 0.60f),
+                                      mix(kCinnabar, kOchre, 0.16f)};
   spot.lay(panels[static_cast<std::size_t>(cycle(column + 2 * row, 3))], 1.0f);
-  const float blossom = std::hypot(repeat(x, 0.235f).offset, repeat(y + 0.115f, 0.23f).offset);
-  spot.lay(kOchre, 0.65f * coverage(std::abs(blossom - 0.045f) - 0.012f, spacing));
-  spot.lay(kGold, 0.8f * coverage(blossom - 0.018f, spacing));
-  const float seam = std::min(0.475f - std::abs(x), 0.23f - std::abs(y));
-  spot.lay(kGold, coverage(seam - 0.065f, spacing));
-  spot.lay(mix(kMalachite, kInk, 0.25f), coverage(seam - 0.050f, spacing));
+  const float seam = std::min(0.65f - std::abs(x), 0.31f - std::abs(y));
+  spot.lay(kOchre, 0.75f * coverage(seam - 0.045f, spacing));
+  spot.lay(kRust * 0.75f, coverage(seam - 0.030f, spacing));
+  const Vec2 q{repeat(x + 0.325f, 0.65f).offset, y};
+  const float r = q.norm();
+  const float petals = r - 0.088f - 0.022f * std::cos(6.0f * std::atan2(q.y(), q.x()));
+  spot.lay(kGold, 0.85f * coverage(petals, spacing));
+  spot.lay(kRust, coverage(r - 0.055f, spacing));
+  spot.lay(kGold, coverage(r - 0.032f, spacing));
 }
+
+/// A hem `width` wide (0 at its inner edge): scroll of pearls on malachite between gold cords.
+void lay_hem(float across, float along, float width, float spacing, Spot& spot) {
+  const float middle = across - 0.5f * width;
+  spot.lay(mix(kMalachite, kInk, 0.15f), coverage(std::abs(middle) - 0.5f * width, spacing));
+  const float blossom = std::hypot(repeat(along, 1.15f * width).offset, middle);
+  spot.lay(kGold, coverage(blossom - 0.30f * width, spacing));
+  spot.lay(kCinnabar, coverage(blossom - 0.16f * width, spacing));
+  spot.lay(kGold, line_coverage(std::abs(middle) - 0.5f * width, 0.035f, spacing));
+}
+
+constexpr float kCollar = 0.20f;     ///< Width of the under robe's hem round the breast.
+constexpr float kOuterRobe = 1.36f;  ///< From the throat to the outer robe's hem, which crosses the breast.
 
 Vec3 robe_colour(const Vec3& p, float spacing) {
   Spot spot(kCinnabar);
   lay_patchwork(p, spacing, spot);
-  // Under robe at the ankles, with its hem.
-  const float ankles = 4.15f + 0.10f * std::sin(9.0f * p.y()) - p.x();
-  spot.lay(kPaleGreen, coverage(ankles, spacing));
-  spot.lay(kGold, line_coverage(ankles, 0.05f, spacing));
-  spot.lay(kCinnabar, coverage(4.55f - p.x(), spacing));
-  // The collar, with a scroll on it; inside it, skin.
   const float over = covered(p);
-  spot.lay(kMalachite, coverage(over - 0.17f, spacing));
-  const float turn = std::atan2(p.y() - 1.1f, p.x() + 3.4f);
-  const float pearl = std::hypot(repeat(turn, 0.14f).offset * 1.0f, over - 0.085f) - 0.042f;
-  spot.lay(kGold, coverage(pearl, spacing));
-  spot.lay(kCinnabar, coverage(pearl + 0.022f, spacing));
-  spot.lay(kGold, line_coverage(over - 0.17f, 0.03f, spacing));
-  spot.lay(kGold, line_coverage(over - 0.01f, 0.03f, spacing));
+  const float turn = 1.3f * std::atan2(p.y() - 1.1f, p.x() + 3.4f);
+  // The under robe shows at the breast, between its own hem and the outer robe's.
+  const float under = from_throat(p) - kOuterRobe + 0.25f * (p.y() - 1.0f);
+  if (p.z() > -0.2f) {
+    spot.lay(mix(kPaleGreen, kAzurite, 0.30f), coverage(under, spacing));
+    lay_hem(under, 1.5f * turn, kCollar, spacing, spot);
+    lay_hem(over, turn, kCollar, spacing, spot);
+  }
+  // Under robe at the ankles, and the hem that lies on the bed.
+  const float ankles = 4.12f + 0.08f * std::sin(9.0f * p.y()) - p.x();
+  spot.lay(mix(kPaleGreen, kAzurite, 0.30f), coverage(ankles, spacing));
+  lay_hem(ankles, p.y(), kCollar, spacing, spot);
+  lay_hem(p.y() - 0.03f, p.x(), 0.17f, spacing, spot);
   const float shade = (1.0f - fold(p)) * smooth_step(0.0f, 0.2f, over);
-  spot.darken(0.50f * shade);
+  spot.darken(0.48f * shade * shown(kFold, spacing));
   spot.lay(kSkin, coverage(over, spacing));
-  spot.darken(0.45f * smooth_step(0.25f, 0.0f, p.y()));  // Contact with the bed.
-  spot.darken(0.25f * smooth_window(-0.12f, 0.05f, 0.06f, left_arm(p)) * (1.0f - arm_share(p)));
-  spot.lay(kPlaster, 0.26f * unit_clamp(fractal_noise(p * 1.6f, 4, 74u) + 0.05f));
+  spot.darken(0.35f * smooth_step(0.20f, 0.0f, p.y()));  // Contact with the bed.
+  spot.darken(0.30f * smooth_window(-0.12f, 0.05f, 0.06f, left_arm(p)) * (1.0f - arm_share(p)));
+  spot.lay(kPlaster, 0.20f * unit_clamp(fractal_noise(p * 1.6f, 4, 74u) + 0.05f));
   return spot.colour();
 }
 
@@ -256,8 +280,8 @@ Pose composed(const Pose& outer, const Pose& inner) {
 std::vector<Patch> reclining_buddha(const Pose& pose, float density) {
   Pose nimbus;
   nimbus.position = {-4.35f, 1.30f, -0.62f};
-  return {wrapped(robe(), pose, density),
-          wrapped(head({.skin = kSkin}), composed(pose, head_pose()), 1.7f * density),
+  return {wrapped(robe(), pose, 1.25f * density),
+          wrapped(head({.skin = kSkin}), composed(pose, head_pose()), 2.9f * density),
           wrapped(right_hand(), pose, 1.1f * density),
           wrapped(left_hand(), pose, 1.1f * density),
           wrapped(foot(0.22f, 4.72f), pose, 1.1f * density),

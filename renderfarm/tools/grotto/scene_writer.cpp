@@ -23,7 +23,7 @@ heading_deg = 0.0
 [visitor]
 eye_height_m = 1.6
 walking_scale = 1.0
-walkable_m = [[-8.1, -0.3], [8.1, -0.3], [8.1, 3.1], [0.8, 3.1], [0.8, 4.6], [-0.8, 4.6], [-0.8, 3.1], [-8.1, 3.1]]
+walkable_m = [[-8.1, 0.3], [8.1, 0.3], [8.1, 3.1], [0.8, 3.1], [0.8, 4.6], [-0.8, 4.6], [-0.8, 3.1], [-8.1, 3.1]]
 
 [sky]
 zenith = [0.01, 0.012, 0.016]
@@ -31,7 +31,7 @@ horizon = [0.01, 0.012, 0.016]
 ground = [0.004, 0.004, 0.004]
 
 [light]
-ambient = [0.075, 0.064, 0.056]
+ambient = [0.12, 0.105, 0.095]
 eye_lamp_cd = [0.0, 0.0, 0.0]
 )";
 
@@ -48,7 +48,7 @@ const std::vector<Stop>& stops() {
       {"The disciples in mourning", {2.4f, 1.6f, 1.2f}, 4.0f},
       {"The feet", {5.6f, 1.6f, 0.6f}, -12.0f},
       {"The niche of the future Buddha", {5.2f, 1.6f, 1.2f}, 90.0f},
-      {"Back to the daylight", {0.0f, 1.6f, -0.2f}, 180.0f},
+      {"Back to the daylight", {0.0f, 1.6f, 0.4f}, 180.0f},
   };
   return all;
 }

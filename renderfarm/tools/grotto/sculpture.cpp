@@ -16,7 +16,7 @@ class Grid {
       : from_(s.from), axis_(s.to - s.from), along_(axis_.normalized()), focus_(s.front_focus) {
     front_ = (s.front - s.front.dot(along_) * along_).normalized();
     side_ = along_.cross(front_);
-    cap_ = 0.25f * s.girth;
+    cap_ = 0.25f * s.girth * s.ends;
     height_ = axis_.norm() + 2.0f * cap_;
   }
 
@@ -80,7 +80,7 @@ Patch wrapped(const Sculpture& sculpture, const Pose& pose, float density) {
   patch.at = [sculpture, pose, grid](float u, float v, float spacing) {
     const Outlook look = grid.at(u, v);
     const Vec3 p = look.origin + outermost(sculpture, look) * look.direction;
-    const float relief = sculpture.relief ? sculpture.relief(p) : 0.0f;
+    const float relief = sculpture.relief ? sculpture.relief(p, spacing / pose.scale) : 0.0f;
     return Surfel{pose.to_room(p + relief * look.direction), sculpture.colour(p, spacing / pose.scale)};
   };
   turn_towards(patch, pose.to_room(0.5f * (sculpture.from + sculpture.to)), true);

@@ -25,8 +25,9 @@ struct Pose {
 struct Sculpture {
   /// Negative inside. The solid should be seen whole from its axis; what another part hides there is bridged.
   std::function<float(const Vec3&)> distance;
-  /// How far the chisel goes beyond the solid at a place on it, for folds and curls; may be empty.
-  std::function<float(const Vec3&)> relief;
+  /// How far the chisel goes beyond the solid at a place on it, for folds and curls; may be empty. What is finer than
+  /// the distance between vertices is to be left out.
+  std::function<float(const Vec3& p, float spacing_m)> relief;
   std::function<Vec3(const Vec3& p, float spacing_m)> colour;
   /// The grid's axis: half a sphere of directions at each end, and around in between.
   Vec3 from = Vec3::Zero();
@@ -34,6 +35,7 @@ struct Sculpture {
   Vec3 front = Vec3::UnitZ();  ///< Across the axis; the seam is opposite.
   float reach = 1.0f;          ///< No part is farther from the axis.
   float front_focus = 0.0f;    ///< 0 spreads columns evenly, towards 1 gathers them at the front.
+  float ends = 1.0f;           ///< Rows for the two ends, relative to those along the axis.
   float girth = 1.0f;          ///< Length round it, in its own unit: with the axis it decides the share of triangles.
 };
 

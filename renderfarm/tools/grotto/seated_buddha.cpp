@@ -55,28 +55,32 @@ float opening(const Vec3& p) {
   return ellipse({p.x() + 0.018f, p.y()}, {0.0f, 0.60f}, {0.105f, 0.20f});
 }
 
+constexpr float kFold = 0.052f;
+
 /// Folds: rings hung from the shoulders over the trunk, rings round the knees over the legs.
 float fold_phase(const Vec3& p) {
-  const float trunk = std::hypot(p.x() * 0.75f + 0.04f, p.y() - 0.74f) / 0.036f;
-  const float legs = std::hypot(std::abs(p.x()) - 0.05f, (p.y() - 0.30f) * 1.2f) / 0.036f;
+  const float trunk = std::hypot(p.x() * 0.75f + 0.04f, p.y() - 0.74f) / kFold;
+  const float legs = std::hypot(std::abs(p.x()) - 0.05f, (p.y() - 0.30f) * 1.2f) / kFold;
   return mix(legs, trunk, smooth_step(0.17f, 0.24f, p.y()));
 }
 
-float fold(const Vec3& p) { return std::pow(0.5f + 0.5f * std::cos(2.0f * kPi * fold_phase(p)), 0.7f); }
+float fold(const Vec3& p) { return fold_profile(fold_phase(p)); }
 
 float bare(const Vec3& p) { return std::min(opening(p), hands(p) - 0.008f); }
 
 Sculpture trunk(const Robes& robes) {
   Sculpture s;
   s.distance = body;
-  s.relief = [](const Vec3& p) { return (0.010f * fold(p) - 0.004f) * smooth_step(0.0f, 0.02f, bare(p)); };
+  s.relief = [](const Vec3& p, float spacing) {
+    return (0.013f * fold(p) - 0.005f) * smooth_step(0.0f, 0.02f, bare(p)) * shown(kFold, spacing);
+  };
   s.colour = [robes](const Vec3& p, float spacing) {
     const float skin = bare(p);
     Spot spot(robes.outer);
     spot.lay(robes.inner, coverage(std::abs(opening(p) - 0.018f) - 0.018f, spacing));
     spot.lay(kGold, line_coverage(opening(p) - 0.040f, 0.008f, spacing));
     spot.lay(robes.inner, coverage(0.038f - p.y(), spacing));
-    spot.darken(0.42f * (1.0f - fold(p)) * smooth_step(0.0f, 0.02f, skin));
+    spot.darken(0.42f * (1.0f - fold(p)) * smooth_step(0.0f, 0.02f, skin) * shown(kFold, spacing));
     spot.lay(robes.skin, coverage(skin, spacing));
     spot.darken(0.35f * smooth_step(0.12f, 0.0f, p.y()));
     spot.lay(kPlaster, 0.30f * unit_clamp(fractal_noise(p * 9.0f, 3, 41u) + 0.1f));
@@ -102,7 +106,9 @@ Sculpture throne(std::uint32_t variety) {
     d = blend(d, ellipsoid(p, {0.0f, -0.125f, 0.06f}, {0.40f, 0.10f, 0.34f}), 0.03f);
     return blend(d, ellipsoid(p, {0.0f, -0.20f, 0.06f}, {0.50f, 0.045f, 0.42f}), 0.03f);
   };
-  s.relief = [petal](const Vec3& p) { return 0.022f * std::sqrt(petal(p, p.y() > -0.12f ? 0.0f : kPi / kPetals)); };
+  s.relief = [petal](const Vec3& p, float) {
+    return 0.022f * std::sqrt(petal(p, p.y() > -0.12f ? 0.0f : kPi / kPetals));
+  };
   s.colour = [petal, variety](const Vec3& p, float spacing) {
     const float edge = petal(p, p.y() > -0.12f ? 0.0f : kPi / kPetals);
     Spot spot(variety % 2u == 0u ? kMalachite : kCinnabar);

@@ -41,4 +41,12 @@ namespace cyclorama::grotto {
 /// `a` without `b`, with a rounded edge about `k` wide.
 [[nodiscard]] inline float carve(float a, float b, float k) { return -blend(-a, b, k); }
 
+/// The height of a fold, in [0, 1], where `phase` counts the folds: round ridges, sharp valleys.
+[[nodiscard]] inline float fold_profile(float phase) {
+  return std::pow(0.5f + 0.5f * std::cos(2.0f * kPi * phase), 0.65f);
+}
+
+/// How much of a pattern of the given period a grid can show: none, when it has under three vertices for it.
+[[nodiscard]] inline float shown(float period, float spacing) { return smooth_step(0.42f, 0.25f, spacing / period); }
+
 }  // namespace cyclorama::grotto

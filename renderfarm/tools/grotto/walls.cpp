@@ -61,33 +61,40 @@ Vec3 niche_colour(const Niche& niche, const Vec2& p, float distance, float spaci
   return spot.colour();
 }
 
+/// Signed distance to the outline of the door.
+float door(const Vec2& p) { return box(p, {0.0f, 0.0f}, {kDoorHalfWidth, kDoorHeight}); }
+
+/// The bands of the wall, from the floor to the cove.
+Vec3 bands_colour(const Vec2& p, float spacing) {
+  const float y = p.y();
+  if (y > kValanceFrom) return valance({p.x(), y - kValanceFrom}, kWallHeight - kValanceFrom, spacing);
+  if (y > kBandFrom) return scroll_band({p.x(), y - kBandFrom}, kValanceFrom - kBandFrom, spacing);
+  if (y > kGridFrom) return thousand_buddhas({p.x(), y - kGridFrom}, spacing);
+  if (y > kPetalsFrom) return petal_band({p.x(), y - kPetalsFrom}, kGridFrom - kPetalsFrom, spacing);
+  // The dado: draped cloth over plain red earth.
+  const float drape = 0.42f - 0.10f * std::abs(std::sin(kPi * p.x() / 0.9f));
+  Spot spot(kRust * 0.8f);
+  spot.lay(kOchre, coverage(drape - y, spacing));
+  spot.lay(kPlaster * (0.85f + 0.15f * std::sin(p.x() * 34.0f)), coverage(drape + 0.03f - y, spacing));
+  return spot.colour();
+}
+
 Vec3 face_colour(const WallFrame& frame, const Vec2& p, float spacing) {
   const Nearest near = nearest_niche(frame, p);
   if (near.niche != nullptr && near.distance < 0.0f) return niche_colour(*near.niche, p, near.distance, spacing);
   const float y = p.y();
-  Vec3 colour;
-  if (y > kValanceFrom) {
-    colour = valance({p.x(), y - kValanceFrom}, kWallHeight - kValanceFrom, spacing);
-  } else if (y > kBandFrom) {
-    colour = scroll_band({p.x(), y - kBandFrom}, kValanceFrom - kBandFrom, spacing);
-  } else if (y > kGridFrom) {
-    colour = thousand_buddhas({p.x(), y - kGridFrom}, spacing);
-  } else if (y > kPetalsFrom) {
-    colour = petal_band({p.x(), y - kPetalsFrom}, kGridFrom - kPetalsFrom, spacing);
-  } else {
-    // The dado: draped cloth over plain red earth.
-    const float drape = 0.42f - 0.10f * std::abs(std::sin(kPi * p.x() / 0.9f));
-    Spot spot(kRust * 0.8f);
-    spot.lay(kOchre, coverage(drape - y, spacing));
-    spot.lay(kPlaster * (0.85f + 0.15f * std::sin(p.x() * 34.0f)), coverage(drape + 0.03f - y, spacing));
-    colour = spot.colour();
+  Spot spot(bands_colour(p, spacing));
+  constexpr float kDoorFrame = 0.26f;
+  if (frame.has_door && door(p) < kDoorFrame) {
+    const float along = std::abs(p.x()) > kDoorHalfWidth ? y : p.x();
+    spot.lay(scroll_band({along, std::max(0.0f, door(p))}, kDoorFrame, spacing),
+             coverage(door(p) - kDoorFrame, spacing));
   }
-  if (near.niche == nullptr) return colour;
+  if (near.niche == nullptr) return spot.colour();
   // The painted frame of the niche.
   const float width = 0.07f + 0.05f * near.niche->width;
-  Spot spot(colour);
   const float beyond = near.distance - width;
-  if (beyond > spacing || y < near.niche->sill - 0.02f) return colour;
+  if (beyond > spacing || y < near.niche->sill - 0.02f) return spot.colour();
   const Vec2 q{p.x() - near.niche->centre, y - near.niche->sill - 0.5f * near.niche->height};
   const float along = std::atan2(q.x(), q.y()) * 0.5f * near.niche->width * 1.5f;
   spot.lay(scroll_band({along, near.distance}, width, spacing), coverage(beyond, spacing));
@@ -102,7 +109,7 @@ float face_height(const WallFrame& frame, const Vec2& p, const Vec3& p3, const A
   height -= 0.012f * age.crack;
   if (frame.has_door) {
     // Straight where the corridor joins, so that there is no crack round the door.
-    height *= smooth_step(0.0f, 0.25f, box(p, {0.0f, 0.0f}, {kDoorHalfWidth, kDoorHeight}));
+    height *= smooth_step(0.0f, 0.25f, door(p));
   }
   const Nearest near = nearest_niche(frame, p);
   if (near.niche == nullptr) return height;
@@ -135,7 +142,7 @@ Patch face(const WallFrame& frame, const Extent& extent, float knee, float rows_
                                  : mix(knee, extent.top, (v - rows_low) / (1.0f - rows_low));
     const Vec2 p{mix(extent.left, extent.right, u), y};
     const Vec3 p3 = frame.origin + p.x() * frame.along + p.y() * Vec3::UnitY();
-    const float loss = loss_at(p, half_width);
+    const float loss = loss_at(p, half_width) * smooth_step(0.0f, 0.3f, nearest_niche(frame, p).distance);
     const Age age = age_of(p3, loss, seed);
     Spot spot(aged(face_colour(frame, p, spacing), age, p3, loss, seed));
     spot.darken(0.40f * smooth_step(0.35f, 0.0f, half_width - std::abs(p.x())));  // Corners see less of the room.
@@ -147,7 +154,7 @@ Patch face(const WallFrame& frame, const Extent& extent, float knee, float rows_
 
 /// The wall with the door: left and right of it, and above.
 std::vector<Patch> entrance(const WallFrame& frame, std::uint32_t seed) {
-  constexpr float kDensity = 0.30f;
+  constexpr float kDensity = 0.38f;
   constexpr float kEnd = kHalfLength + kReachBehind;
   constexpr float kTop = kWallHeight + kReachBehind;
   return {face(frame, {-kEnd, -kDoorHalfWidth, -0.2f, kTop}, 0.8f, 0.15f, kHalfLength, kDensity, seed),

@@ -29,29 +29,32 @@ Vec3 cove_colour(float x, float s, float spacing) {
   return scroll_band({x, std::min(s - kSkyTo, 0.24f)}, 0.24f, spacing);
 }
 
+/// All four have the same number of rows, by which they meet at the hips to the bit.
+constexpr float kCoveDensity = 0.34f;
+
+/// How much of the rock's roughness is left at `edge` metres from where a patch meets another.
+float freedom(float edge) { return smooth_step(0.0f, 0.25f, edge); }
+
 /// One of four: `along` runs along its wall, `inward` from the wall into the room.
-Patch cove(const Vec3& origin, const Vec3& along, const Vec3& inward, float half_length, float density,
-           std::uint32_t seed) {
+Patch cove(const Vec3& origin, const Vec3& along, const Vec3& inward, float half_length, std::uint32_t seed) {
   Patch patch;
   patch.width_m = 2.0f * half_length;
   patch.height_m = kArc;
-  patch.density = density;
+  patch.density = kCoveDensity;
   patch.at = [=](float u, float v, float spacing) {
-    // From a little behind the wall to a little past the flat part, where the neighbours hide the ends.
-    const float t = mix(-0.05f, 1.03f, v);
-    const float angle = 0.5f * kPi * unit_clamp(t);
-    const float depth = t < 0.0f ? t * kArc : kCoveDepth * (1.0f - std::cos(angle)) + std::max(0.0f, t - 1.0f) * kArc;
-    const float rise = kRise * std::sin(angle);
-    const float half = half_length - depth + 0.25f;
+    const float angle = 0.5f * kPi * v;
+    const float depth = kCoveDepth * (1.0f - std::cos(angle));
+    const float half = half_length - depth;
     const float x = mix(-half, half, u);
-    const Vec3 plane = origin + x * along + depth * inward + rise * Vec3::UnitY();
+    const Vec3 plane = origin + x * along + depth * inward + kRise * std::sin(angle) * Vec3::UnitY();
     const Vec3 out = (std::cos(angle) / kCoveDepth * inward - std::sin(angle) / kRise * Vec3::UnitY()).normalized();
-    const float s = unit_clamp(t) * kArc;
+    const float s = v * kArc;
     const Age age = age_of(plane, kLoss, seed);
     Spot spot(aged(cove_colour(x, s, spacing), age, plane, kLoss, seed));
-    spot.darken(0.30f * smooth_step(0.45f, 0.0f, half - 0.25f - std::abs(x)));
-    spot.darken(0.22f * unit_clamp(t));  // Soot of a thousand years of lamps.
-    return Surfel{plane + height_of(plane, {x, s}, age, seed) * out, spot.colour()};
+    spot.darken(0.30f * smooth_step(0.45f, 0.0f, half - std::abs(x)));
+    spot.darken(0.22f * v);  // Soot of a thousand years of lamps.
+    const float free = freedom(std::min({half - std::abs(x), s, kArc - s}));
+    return Surfel{plane + free * height_of(plane, {x, s}, age, seed) * out, spot.colour()};
   };
   turn_towards(patch, Vec3(0.0f, 2.0f, 0.0f));
   return patch;
@@ -60,15 +63,16 @@ Patch cove(const Vec3& origin, const Vec3& along, const Vec3& inward, float half
 Patch top(std::uint32_t seed) {
   constexpr float kHalfX = kHalfLength - kCoveDepth;
   constexpr float kHalfZ = kHalfDepth - kCoveDepth;
-  constexpr float kOver = 0.20f;
   Patch patch;
   patch.width_m = 2.0f * kHalfX;
   patch.height_m = 2.0f * kHalfZ;
   patch.density = 0.34f;
   patch.at = [=](float u, float v, float spacing) {
-    const Vec2 p{mix(-kHalfX - kOver, kHalfX + kOver, u), mix(-kHalfZ - kOver, kHalfZ + kOver, v)};
+    const Vec2 p{mix(-kHalfX, kHalfX, u), mix(-kHalfZ, kHalfZ, v)};
     const Vec3 plane{p.x(), kTopHeight, p.y()};
-    const float x = repeat(p.x() + kHalfZ, 2.0f * kHalfZ).offset;
+    // Five lanterns side by side, a little longer than wide.
+    constexpr float kStep = 2.0f * kHalfX / 5.0f;
+    const float x = repeat(p.x() + 0.5f * kStep, kStep).offset * 2.0f * kHalfZ / kStep;
     const Age age = age_of(plane, kLoss, seed);
     Spot spot(aged(lantern({x, p.y()}, kHalfZ, spacing), age, plane, kLoss, seed));
     spot.darken(0.22f);
@@ -76,7 +80,8 @@ Patch top(std::uint32_t seed) {
     const float in = kHalfZ - std::max(std::abs(x), std::abs(p.y()));
     const float diagonal = 0.68f * kHalfZ - (std::abs(x) + std::abs(p.y())) * 0.7071f;
     const float steps = 0.05f * smooth_step(0.10f, 0.16f, in) + 0.06f * smooth_step(0.0f, 0.05f, diagonal);
-    return Surfel{plane + (steps - height_of(plane, p, age, seed)) * Vec3::UnitY(), spot.colour()};
+    const float free = freedom(std::min(kHalfX - std::abs(p.x()), kHalfZ - std::abs(p.y())));
+    return Surfel{plane + free * (steps - height_of(plane, p, age, seed)) * Vec3::UnitY(), spot.colour()};
   };
   turn_towards(patch, Vec3(0.0f, 2.0f, 0.0f));
   return patch;
@@ -86,10 +91,10 @@ Patch top(std::uint32_t seed) {
 
 std::vector<Patch> ceiling(std::uint32_t seed) {
   const Vec3 up{0.0f, kWallHeight, 0.0f};
-  return {cove(up + Vec3(0.0f, 0.0f, -kHalfDepth), Vec3::UnitX(), Vec3::UnitZ(), kHalfLength, 0.38f, seed),
-          cove(up + Vec3(0.0f, 0.0f, kHalfDepth), -Vec3::UnitX(), -Vec3::UnitZ(), kHalfLength, 0.22f, seed),
-          cove(up + Vec3(-kHalfLength, 0.0f, 0.0f), -Vec3::UnitZ(), Vec3::UnitX(), kHalfDepth, 0.30f, seed),
-          cove(up + Vec3(kHalfLength, 0.0f, 0.0f), Vec3::UnitZ(), -Vec3::UnitX(), kHalfDepth, 0.30f, seed), top(seed)};
+  return {cove(up + Vec3(0.0f, 0.0f, -kHalfDepth), Vec3::UnitX(), Vec3::UnitZ(), kHalfLength, seed),
+          cove(up + Vec3(0.0f, 0.0f, kHalfDepth), -Vec3::UnitX(), -Vec3::UnitZ(), kHalfLength, seed),
+          cove(up + Vec3(-kHalfLength, 0.0f, 0.0f), -Vec3::UnitZ(), Vec3::UnitX(), kHalfDepth, seed),
+          cove(up + Vec3(kHalfLength, 0.0f, 0.0f), Vec3::UnitZ(), -Vec3::UnitX(), kHalfDepth, seed), top(seed)};
 }
 
 }  // namespace cyclorama::grotto

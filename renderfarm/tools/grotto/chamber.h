@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The hollow in the rock: walls with niches, coved ceiling, floor, altar, entrance corridor. Every patch reaches some
-/// way behind its neighbours, so that the hollow is closed whatever the grids' finenesses are; all face inwards.
+/// The hollow in the rock: walls with niches, coved ceiling, floor, altar, entrance corridor. It is closed whatever the
+/// grids' finenesses are: walls and ceiling end on the same straight edges (at the hips, on the same vertices), where the
+/// rock's roughness fades away; floor, altar and corridor run on through what they meet. All patches face inwards.
 #pragma once
 
 #include <cstdint>

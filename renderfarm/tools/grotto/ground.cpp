@@ -171,7 +171,7 @@ std::vector<Patch> floor_and_corridor(std::uint32_t seed) {
   Patch room;
   room.width_m = 2.0f * kHalf;
   room.height_m = kHalfDepth + 0.3f - kFrom;
-  room.density = 0.30f;
+  room.density = 0.38f;
   room.at = [=](float u, float v, float spacing) {
     return ground({mix(-kHalf, kHalf, u), mix(kFrom, kHalfDepth + 0.3f, v)}, spacing, seed);
   };

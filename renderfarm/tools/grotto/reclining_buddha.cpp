@@ -45,7 +45,8 @@ float body(const Vec3& p) {
   const float below = std::max(0.0f, widest - p.y());
   const Vec3 q{p.x(), std::max(p.y(), widest), p.z() / (1.0f + 0.18f * below)};
   const float right_arm = limb(p, kRightShoulder, 0.42f, kRightElbow, 0.36f);
-  return blend(blend(torso_and_legs(q), right_arm, 0.22f), left_arm(p), 0.14f);
+  const float whole = blend(blend(torso_and_legs(q), right_arm, 0.22f), left_arm(p), 0.14f);
+  return std::max(whole, -0.05f - p.y());  // Nothing of it is seen under the bed.
 }
 
 /// Distance from the throat over the breast: the robe's neckline is one of its circles.

@@ -15,7 +15,8 @@ using Vec3 = Eigen::Vector3f;
 
 inline constexpr float kPi = std::numbers::pi_v<float>;
 
-[[nodiscard]] inline float mix(float a, float b, float t) { return a + (b - a) * t; }
+/// Exactly `a` at 0 and `b` at 1: patches meet there to the bit.
+[[nodiscard]] inline float mix(float a, float b, float t) { return a * (1.0f - t) + b * t; }
 [[nodiscard]] inline Vec3 mix(const Vec3& a, const Vec3& b, float t) { return a + (b - a) * t; }
 [[nodiscard]] inline float unit_clamp(float x) { return std::clamp(x, 0.0f, 1.0f); }
 

@@ -11,7 +11,6 @@ namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
 
-constexpr float kReachBehind = 0.30f;  ///< How far a wall runs on behind its neighbours.
 constexpr float kValanceFrom = 3.78f;
 constexpr float kBandFrom = 3.50f;
 constexpr float kGridFrom = 0.86f;  ///< Thousand Buddhas stand on this line...
@@ -67,7 +66,8 @@ float door(const Vec2& p) { return box(p, {0.0f, 0.0f}, {kDoorHalfWidth, kDoorHe
 /// The bands of the wall, from the floor to the cove.
 Vec3 bands_colour(const Vec2& p, float spacing) {
   const float y = p.y();
-  if (y > kValanceFrom) return valance({p.x(), y - kValanceFrom}, kWallHeight - kValanceFrom, spacing);
+  if (y > kValanceFrom)
+    return valance({p.x(), std::min(y, kWallHeight) - kValanceFrom}, kWallHeight - kValanceFrom, spacing);
   if (y > kBandFrom) return scroll_band({p.x(), y - kBandFrom}, kValanceFrom - kBandFrom, spacing);
   if (y > kGridFrom) return thousand_buddhas({p.x(), y - kGridFrom}, spacing);
   if (y > kPetalsFrom) return petal_band({p.x(), y - kPetalsFrom}, kGridFrom - kPetalsFrom, spacing);
@@ -101,16 +101,27 @@ Vec3 face_colour(const WallFrame& frame, const Vec2& p, float spacing) {
   return spot.colour();
 }
 
-/// Rough rock under plaster: how far the face lies from its plane, positive into the room.
-float face_height(const WallFrame& frame, const Vec2& p, const Vec3& p3, const Age& age, std::uint32_t seed) {
+/// Distance to the nearest edge at which the face meets another: corners, the cove, the door and the line above its
+/// posts.
+float to_edge(const WallFrame& frame, const Vec2& p, float half_width) {
+  const float edge = std::min(half_width - std::abs(p.x()), kWallHeight - p.y());
+  if (!frame.has_door) return edge;
+  const float post = std::abs(p.x()) - kDoorHalfWidth;
+  return std::min({edge, std::abs(post), post > 0.0f ? edge : std::abs(p.y() - kDoorHeight)});
+}
+
+/// Rough rock under plaster: how far the face lies from its plane, positive into the room; nothing at its edges.
+float face_height(const WallFrame& frame, const Vec2& p, const Vec3& p3, const Age& age, float half_width,
+                  std::uint32_t seed) {
   float height = 0.055f * fractal_noise(p3 * 0.55f, 3, seed + 101u) + 0.006f * noise(p3 * 5.0f, seed + 102u);
   height -= age.plaster_lost *
             (0.012f + 0.022f * chisel_marks(p, seed + 103u) + 0.012f * fractal_noise(p3 * 6.0f, 3, seed + 104u));
   height -= 0.012f * age.crack;
-  if (frame.has_door) {
-    // Straight where the corridor joins, so that there is no crack round the door.
-    height *= smooth_step(0.0f, 0.25f, door(p));
-  }
+  const float edge = to_edge(frame, p, half_width);
+  height *= smooth_step(0.0f, 0.25f, edge);
+  // A rail under the cove.
+  height +=
+      0.05f * smooth_window(kWallHeight - 0.13f, kWallHeight - 0.03f, 0.015f, p.y()) * smooth_step(0.0f, 0.03f, edge);
   const Nearest near = nearest_niche(frame, p);
   if (near.niche == nullptr) return height;
   const float width = 0.07f + 0.05f * near.niche->width;
@@ -146,7 +157,7 @@ Patch face(const WallFrame& frame, const Extent& extent, float knee, float rows_
     const Age age = age_of(p3, loss, seed);
     Spot spot(aged(face_colour(frame, p, spacing), age, p3, loss, seed));
     spot.darken(0.40f * smooth_step(0.35f, 0.0f, half_width - std::abs(p.x())));  // Corners see less of the room.
-    return Surfel{p3 + face_height(frame, p, p3, age, seed) * frame.inward, spot.colour()};
+    return Surfel{p3 + face_height(frame, p, p3, age, half_width, seed) * frame.inward, spot.colour()};
   };
   turn_towards(patch, Vec3(0.0f, 2.0f, 0.0f));
   return patch;
@@ -155,12 +166,10 @@ Patch face(const WallFrame& frame, const Extent& extent, float knee, float rows_
 /// The wall with the door: left and right of it, and above.
 std::vector<Patch> entrance(const WallFrame& frame, std::uint32_t seed) {
   constexpr float kDensity = 0.38f;
-  constexpr float kEnd = kHalfLength + kReachBehind;
-  constexpr float kTop = kWallHeight + kReachBehind;
-  return {face(frame, {-kEnd, -kDoorHalfWidth, -0.2f, kTop}, 0.8f, 0.15f, kHalfLength, kDensity, seed),
-          face(frame, {kDoorHalfWidth, kEnd, -0.2f, kTop}, 0.8f, 0.15f, kHalfLength, kDensity, seed),
-          face(frame, {-kDoorHalfWidth - kReachBehind, kDoorHalfWidth + kReachBehind, kDoorHeight, kTop},
-               kDoorHeight + 0.1f, 0.06f, kHalfLength, kDensity, seed)};
+  return {face(frame, {-kHalfLength, -kDoorHalfWidth, -0.2f, kWallHeight}, 0.8f, 0.15f, kHalfLength, kDensity, seed),
+          face(frame, {kDoorHalfWidth, kHalfLength, -0.2f, kWallHeight}, 0.8f, 0.15f, kHalfLength, kDensity, seed),
+          face(frame, {-kDoorHalfWidth, kDoorHalfWidth, kDoorHeight, kWallHeight}, kDoorHeight + 0.1f, 0.06f,
+               kHalfLength, kDensity, seed)};
 }
 
 }  // namespace
@@ -193,17 +202,13 @@ WallFrame wall_frame(Side side) {
 
 std::vector<Patch> wall(Side side, std::uint32_t seed) {
   const WallFrame frame = wall_frame(side);
-  constexpr float kTop = kWallHeight + kReachBehind;
   switch (side) {
-    case Side::kAltar: {
-      constexpr float kEnd = kHalfLength + kReachBehind;
-      return {face(frame, {-kEnd, kEnd, kAltarHeight - 0.2f, kTop}, 1.3f, 0.06f, kHalfLength, 1.0f, seed)};
-    }
+    case Side::kAltar:
+      return {face(frame, {-kHalfLength, kHalfLength, kAltarHeight - 0.2f, kWallHeight}, 1.3f, 0.06f, kHalfLength, 1.0f,
+                   seed)};
     case Side::kHead:
-    case Side::kFeet: {
-      constexpr float kEnd = kHalfDepth + kReachBehind;
-      return {face(frame, {-kEnd, kEnd, -0.2f, kTop}, 0.8f, 0.14f, kHalfDepth, 0.62f, seed)};
-    }
+    case Side::kFeet:
+      return {face(frame, {-kHalfDepth, kHalfDepth, -0.2f, kWallHeight}, 0.8f, 0.14f, kHalfDepth, 0.62f, seed)};
     case Side::kEntrance:
       break;
   }

@@ -55,21 +55,18 @@ void ShowStream::OnReadInitialMetadataDone(bool ok) {
 }
 
 void ShowStream::OnReadDone(bool ok) {
-  if (ok) {
+  {
+    const std::lock_guard serial(listening_);
     {
       const std::lock_guard lock(mutex_);
-      is_up_ = true;
+      is_up_ = is_up_ || ok;
+      is_ending_ = !ok;
     }
-    listener_(std::move(message_));
-    message_.Clear();
-    StartRead(&message_);
-    return;
+    if (ok) listener_(std::move(message_));
   }
-  {
-    const std::lock_guard lock(mutex_);
-    is_ending_ = true;
-  }
-  RemoveHold();
+  if (!ok) return RemoveHold();
+  message_.Clear();
+  StartRead(&message_);
 }
 
 void ShowStream::OnWriteDone(bool ok) {

@@ -48,6 +48,7 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
   grpc::ClientContext context_;
   wire::ShowMessage message_;  // What gRPC reads into.
 
+  std::mutex listening_;  // Held while the listener runs: gRPC's own order between its threads is no promise to us.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<wire::DisplayReport> reports_;  // The first is being written while is_writing_.

@@ -248,10 +248,10 @@ TEST_F(Displaying, makes_pictures_for_watchers) {
   for (const auto& [name, width] :
        {std::pair<std::string, unsigned>{"panorama", 512}, {"projector/left", 640}, {"projector/right", 640}}) {
     wire::Picture picture;
-    EXPECT_TRUE(wait_until([&] {
+    EXPECT_TRUE(wait_until([&, wanted = name] {
       grpc::ClientContext context;
       wire::PictureRequest request;
-      request.set_name(name);
+      request.set_name(wanted);
       return stub->GetPicture(&context, request, &picture).ok();
     })) << name;
     EXPECT_EQ(picture.width_px(), width);

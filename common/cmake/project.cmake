@@ -102,7 +102,7 @@ function(project_test path)
   target_link_libraries(${name} PRIVATE cyclorama_options ${arg_LINK} GTest::gmock GTest::gtest_main)
   add_test(NAME ${path} COMMAND ${name})
   set_tests_properties(${path} PROPERTIES LABELS "${arg_LABELS}" SKIP_RETURN_CODE 77 TIMEOUT ${arg_TIMEOUT}
-    ENVIRONMENT "CYCLORAMA_SHARED=${PROJECT_SOURCE_DIR}/../shared;CYCLORAMA_SOURCE=${PROJECT_SOURCE_DIR}")
+    ENVIRONMENT "CYCLORAMA_SHARED=${PROJECT_SOURCE_DIR}/../shared;CYCLORAMA_SOURCE=${PROJECT_SOURCE_DIR};TSAN_OPTIONS=ignore_noninstrumented_modules=1 suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
 endfunction()
 
 # project_fuzz(fuzz/ply_fuzz LINK cyclorama::scene): a libFuzzer target; tests/fuzz/run starts them.

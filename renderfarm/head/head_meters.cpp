@@ -33,6 +33,7 @@ void HeadMeters::update(const HeadState& state, TimePoint now) {
   inspection_.set_gauge("nodes", static_cast<double>(state.nodes()));
   inspection_.set_gauge("sessions", static_cast<double>(state.sessions()));
   const std::string& scene = state.farm_scenes().front().name;
+  inspection_.set_gauge("nodes_ready", static_cast<double>(state.nodes_with(scene)));  // For the default scene.
   inspection_.set_fact("scene", scene);
   if (const wire::SceneDescription* const known = state.description(scene)) {
     inspection_.set_fact("triangles", fmt::format("{}", known->triangles_seen()));

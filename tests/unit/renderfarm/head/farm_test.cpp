@@ -91,7 +91,7 @@ class Farm : public testing::Test {
     EXPECT_TRUE(started);
     return *std::move(started);
   }
-  /// Asks the operator's window until `nodes` nodes have come and the farm says that it works.
+  /// Asks the operator's window until `nodes` nodes have the default scene.
   bool wait_for_nodes(std::size_t nodes) {
     const auto channel = make_channel("[::1]:" + std::to_string(head->inspect_port()));
     const auto stub = wire::Inspection::NewStub(*channel);

@@ -64,6 +64,9 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
       whole->instances.push_back({instance.mesh + first_mesh, T * instance.T_model_mesh});
     }
     for (const Light& light : part.lights) whole->lights.push_back(placed(light, T, unit_m));
+    for (const Viewpoint& view : part.viewpoints) {
+      whole->viewpoints.push_back({view.name, T * view.eye, (T.linear() * view.direction).normalized()});
+    }
   }
   move_to_end(&part.textures, &whole->textures);
   move_to_end(&part.materials, &whole->materials);

@@ -44,6 +44,21 @@ Status show_mesh(const Stage& stage, const GltfObject& node, const Eigen::Affine
   return Done{};
 }
 
+/// What is noted of a camera is where it stands: the wall decides how wide one sees.
+Status read_viewpoint(const Stage& stage, const GltfObject& node, const Eigen::Affine3d& T_model_node) {
+  TRY_ASSIGN(const std::optional<std::size_t> camera, stage.document->index(node, "camera", "cameras"));
+  if (!camera) return Done{};
+  const Eigen::Vector3d direction = T_model_node.linear() * -Eigen::Vector3d::UnitZ();
+  const double length = direction.norm();
+  if (!T_model_node.matrix().allFinite() || !(length > 0.0)) {
+    stage.context->notes.add("a camera has no direction: ignored", node.place());
+    return Done{};
+  }
+  TRY(stage.context->budget.take(node.place(), 1, sizeof(Viewpoint)));
+  stage.model->viewpoints.push_back({node.name(), T_model_node.translation(), direction / length});
+  return Done{};
+}
+
 Status show_nodes(const Stage& stage, const GltfForest& forest) {
   struct Waiting {
     std::size_t node;
@@ -60,6 +75,7 @@ Status show_nodes(const Stage& stage, const GltfForest& forest) {
     TRY_ASSIGN(const Eigen::Affine3d T_parent_node, read_node_transform(node, &stage.context->notes));
     const Eigen::Affine3d T_model_node = next.T_model_parent * T_parent_node;
     TRY(show_mesh(stage, node, T_model_node));
+    TRY(read_viewpoint(stage, node, T_model_node));
     TRY_ASSIGN(std::optional<Light> light, read_node_light(*stage.document, node, T_model_node, &stage.context->notes));
     if (light) stage.model->lights.push_back(*std::move(light));
     const std::vector<std::size_t>& children = forest.children[next.node];

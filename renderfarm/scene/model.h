@@ -86,6 +86,13 @@ struct Light {
   double outer_cone_rad = 0.7853981633974483;
 };
 
+/// A camera that the file placed; scenes offer them as tour stops.
+struct Viewpoint {
+  std::string name;
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction = -Eigen::Vector3d::UnitZ();  ///< Where it looks; unit length.
+};
+
 /// A value. Invariants, kept by every importer: all indices are inside their vectors, all numbers are finite, there is
 /// at least one material.
 struct Model {
@@ -94,6 +101,7 @@ struct Model {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<Light> lights;
+  std::vector<Viewpoint> viewpoints;
   /// What the file asked for and did not get, one sentence each: "KHR_materials_sheen is not supported: ignored".
   std::vector<std::string> notes;
 };

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <system_error>
 
@@ -78,6 +79,15 @@ void light(const ScenePackage& package, const FoundSettings& found, Scene* scene
   if (!package_says) scene->ambient.setConstant(kShadow / static_cast<float>(scene->exposure));
 }
 
+/// A stop looks ahead; a camera that looks straight down keeps heading 0.
+std::vector<SceneTourStop> stops_at(const std::vector<Viewpoint>& viewpoints) {
+  std::vector<SceneTourStop> stops;
+  for (const Viewpoint& view : viewpoints) {
+    stops.push_back({view.name, view.eye, std::atan2(view.direction.x(), -view.direction.z())});
+  }
+  return stops;
+}
+
 /// What the package leaves open is found from the geometry.
 Result<Scene> furnish(ScenePackage package, Model model, const std::filesystem::path& path) {
   Scene scene;
@@ -94,7 +104,7 @@ Result<Scene> furnish(ScenePackage package, Model model, const std::filesystem::
   scene.info.eye_height_m = package.eye_height_m.value_or(found.eye_height_m);
   scene.info.walking_scale = package.walking_scale.value_or(found.walking_scale);
   scene.info.walkable = package.walkable.empty() ? found.walkable : std::move(package.walkable);
-  scene.info.stops = std::move(package.stops);
+  scene.info.stops = package.stops.empty() ? stops_at(scene.model.viewpoints) : std::move(package.stops);
   scene.sky = package.sky.value_or(Sky{});
   scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());
   scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());

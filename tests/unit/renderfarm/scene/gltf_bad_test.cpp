@@ -159,7 +159,7 @@ const std::map<std::string, bool> kRefusedInstead = {
 };
 
 bool is_read(const std::string& pointer) {
-  for (const char* const unread : {"/camera", "/skin", "/targets/", "/attributes/_"}) {
+  for (const char* const unread : {"/skin", "/targets/", "/attributes/_"}) {
     if (pointer.find(unread) != std::string::npos) return false;
   }
   return true;

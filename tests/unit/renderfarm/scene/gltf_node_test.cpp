@@ -203,6 +203,21 @@ TEST(GltfLight, what_cannot_be_a_light_is_refused_or_noted) {
   EXPECT_THAT(error_of(file.import()), HasSubstr("index 3 of 1 lights"));
 }
 
+TEST(GltfViewpoint, a_camera_is_where_one_may_stand) {
+  GltfBuilder file =
+      with_nodes({{{"mesh", 0}},
+                  {{"camera", 0}, {"name", "stop"}, {"translation", {1, 2, 3}}, {"rotation", {0, kHalf, 0, kHalf}}}},
+                 {0, 1});
+  EXPECT_THAT(error_of(file.import()), HasSubstr("/nodes/1/camera: index 0 of 0 cameras"));
+  file.json["cameras"] = {{{"type", "perspective"}}};
+  const Result<Model> model = file.import();
+  ASSERT_TRUE(model.has_value()) << error_of(model);
+  ASSERT_EQ(model->viewpoints.size(), 1u);
+  EXPECT_EQ(model->viewpoints[0].name, "stop");
+  EXPECT_EQ(model->viewpoints[0].eye, Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(model->viewpoints[0].direction.isApprox(Eigen::Vector3d(-1, 0, 0)));
+}
+
 TEST(GltfTransform, invertible_means_finite_and_with_volume) {
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
   EXPECT_TRUE(is_invertible(transform));

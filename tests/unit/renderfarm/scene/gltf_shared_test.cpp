@@ -113,6 +113,7 @@ TEST(GltfSharedDetails, the_grotto_keeps_its_lamps_and_their_strength) {
   const Result<Model> model = import_gltf(file, ImportLimits{});
   ASSERT_TRUE(model.has_value());
   EXPECT_EQ(model->lights.size(), 7u);
+  EXPECT_EQ(model->viewpoints.size(), 6u);
   EXPECT_THAT(model->notes, ::testing::IsEmpty());
   const auto glow =
       std::max_element(model->materials.begin(), model->materials.end(),

@@ -76,8 +76,7 @@ void HeadState::order_block(SessionId id, const Session& session, const FrameInF
 
 void HeadState::give_again(SessionId id, Session& session, FrameInFlight& frame, const std::vector<PixelRect>& tiles,
                            NodeId not_to) {
-  std::vector<NodeId> nodes = nodes_for(session.scene);
-  std::erase(nodes, not_to);
+  const std::vector<NodeId> nodes = nodes_for(session.scene, not_to);
   for (const PixelRect& tile : tiles) {
     if (nodes.empty()) return fail(frame, "no node is left that can render it", session);
     if (frame.assembly.attempts(tile) >= kMostAttempts) {
@@ -92,7 +91,7 @@ void HeadState::give_again(SessionId id, Session& session, FrameInFlight& frame,
 }
 
 void HeadState::take_over_stragglers(SessionId id, Session& session, FrameInFlight& frame) {
-  if (frame.is_over() || nodes_for(session.scene).size() < 2) return;
+  if (frame.is_over() || nodes_with(session.scene) < 2) return;
   const double slowest = frame.assembly.summary().render_seconds;
   const Duration patience = std::max(
       kStragglerLeast, std::chrono::duration_cast<Duration>(std::chrono::duration<double>(kStragglerFactor * slowest)));
@@ -110,7 +109,10 @@ void HeadState::take_over_stragglers(SessionId id, Session& session, FrameInFlig
       std::ranges::any_of(frame.assembly.blocks(), [](const auto& b) { return b.second.ended; });
   if (!others_are_done) return;
   for (const auto& [number, node] : late) {
-    peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over", nodes_.at(node).name));
+    Node& straggler = nodes_.at(node);
+    if (!std::exchange(straggler.late, true)) {
+      peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over", straggler.name));
+    }
     give_again(id, session, frame, frame.assembly.give_up(number), node);
     if (frame.failure) return;
   }

@@ -49,6 +49,7 @@ void HeadState::node_reported(NodeId id, wire::NodeReport report) {
   if (found == nodes_.end()) return;
   Node& node = found->second;
   node.heard_at = clock_.now();
+  node.late = false;
   Status fine = Done{};
   if (report.has_hello() == (node.threads > 0.0)) {
     fine = broken("a node must say hello first, and once");

@@ -34,15 +34,21 @@ const wire::SceneDescription* HeadState::description(const std::string& scene) c
   return known == descriptions_.end() ? nullptr : &known->second;
 }
 
-std::vector<NodeId> HeadState::nodes_for(const std::string& scene) const {
-  std::vector<NodeId> ids;
+std::vector<NodeId> HeadState::nodes_for(const std::string& scene, NodeId not_to) const {
+  std::vector<NodeId> all;
+  std::vector<NodeId> prompt;
   for (const auto& [id, node] : nodes_) {
-    if (node.has(scene)) ids.push_back(id);
+    if (!node.has(scene) || id == not_to) continue;
+    all.push_back(id);
+    if (!node.late) prompt.push_back(id);
   }
-  return ids;
+  return prompt.empty() ? all : prompt;
 }
 
-std::size_t HeadState::nodes_with(const std::string& scene) const { return nodes_for(scene).size(); }
+std::size_t HeadState::nodes_with(const std::string& scene) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(nodes_, [&](const auto& entry) { return entry.second.has(scene); }));
+}
 
 std::string HeadState::summary() const {
   if (nodes_.empty()) return "no node is connected; start cyclorama-node on the render hosts";

@@ -108,7 +108,8 @@ class HeadState {
   void finish(SessionId id, Session& session, FrameInFlight& frame);
   void send(SessionId id, Session& session, wire::VisitReply reply);
   FrameInFlight* find_frame(const BlockPlace& place);
-  [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene) const;
+  /// Those to give blocks to: that have the scene and are not late, or, if there are none, all that have it.
+  [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene, NodeId not_to = {}) const;
 
   const std::vector<FarmScene> scenes_;
   const BalanceStrategy strategy_;

@@ -63,6 +63,7 @@ struct Node {
   double threads = 0.0;  ///< 0 until hello.
   TimePoint arrived_at{};
   TimePoint heard_at{};
+  bool late = false;  ///< It kept a frame waiting, and has said nothing since: it gets no new blocks while others do.
   std::map<std::string, LoadedScene> scenes{};
   std::map<std::uint64_t, BlockPlace> blocks{};  ///< Ordered and not yet ended, whether or not still wanted.
 

@@ -300,9 +300,15 @@ TEST(HeadState, helps_a_straggler_once_the_others_are_done) {
   s.clock.advance(std::chrono::milliseconds(200));
   s.state.tick();
   EXPECT_TRUE(s.work(quick));
+  s.ask(visit, view_of(2));  // As long as it is silent, it gets nothing new to do.
+  s.settle({quick});
+  EXPECT_EQ(s.complete, 2);
   s.work(slow);  // It wakes up: what it brings first counts, the rest is dropped.
   s.settle({quick, slow});
-  EXPECT_EQ(s.complete, 1);
+  s.ask(visit, view_of(3));
+  s.settle({quick, slow});
+  EXPECT_EQ(s.complete, 3);
+  EXPECT_EQ(s.last_end.nodes(), 2u);
 }
 
 TEST(HeadState, does_not_mix_nodes_with_different_scenes) {

@@ -9,7 +9,7 @@
 #   --triangles N     of the generated grotto (1000000)
 #   --seed S          of the generated grotto (1)
 #   --nodes N         render nodes (2)
-#   --size WxH        the panorama on the wall, in pixels (960x480)
+#   --size WxH        the panorama on the wall, in pixels (768x288)
 #   --samples N       rays per pixel (1)
 #   --camera SPEC     the tag camera: simulated (default), file:PHOTO, file:VIDEO
 #   --port N          of the page (8080)
@@ -17,7 +17,7 @@ set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")"
 started=$(date +%s.%N)
 
-headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 size=960x480 samples=1 camera="" page_port=8080
+headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 size=768x288 samples=1 camera="" page_port=8080
 usage() { sed -n '3,15s/^# \{0,1\}//p' "$0"; }
 need() { [ $# -ge 2 ] || { echo "demo.sh: $1 needs a value; see --help" >&2; exit 2; }; }
 while [ $# -gt 0 ]; do
@@ -51,7 +51,7 @@ if [ -z "${CYCLORAMA_BUILD:-}" ]; then
   cmake --preset release -DCYCLORAMA_TESTS=$tests >/dev/null
   cmake --build --preset release --target programs
 fi
-program() { find "$build" -type f -name "$1" -perm -u+x | head -n 1; }
+program() { echo "$build/bin/$1"; }
 
 run_dir=$(mktemp -d "${TMPDIR:-/tmp}/cyclorama-demo.XXXXXX")
 mkdir "$run_dir/log"
@@ -71,7 +71,7 @@ trap 'exit 0' INT TERM
 
 start() {  # NAME PROGRAM ARGUMENTS...
   local name=$1 path; path=$(program "$2"); shift 2
-  [ -n "$path" ] || { echo "demo.sh: $name is not built" >&2; exit 1; }
+  [ -x "$path" ] || { echo "demo.sh: $name is not built" >&2; exit 1; }
   "$path" "$@" >"$run_dir/log/$name.log" 2>&1 &
   pids[$name]=$!
 }
@@ -98,8 +98,8 @@ start head cyclorama-farm --scene "visit=$scene" --museums "$(at 0)" --nodes "$(
 for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --head "$(at 1)" --threads 1 --name "node-$i"; done
 start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" --samples "$samples"
 start display cyclorama-display --installation demo/installation.toml --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --width "${size%x*}" --height "${size#*x}" --refresh-hz 20
-start simulated-room cyclorama-simulated-room --installation demo/installation.toml --run-dir "$run_dir" --listen "$(at 5)"
-start tracker cyclorama-tracker --camera "${camera:-simulated}" --tour "$(at 2)" --listen "$(at 4)"
+start simulated-room cyclorama-simulated-room --installation demo/installation.toml --run-dir "$run_dir" --listen "$(at 5)" --rate-hz 6
+start tracker cyclorama-tracker --camera "${camera:-simulated}" --decimate 2 --tour "$(at 2)" --listen "$(at 4)"
 [ "$headless" = 1 ] || start operator cyclorama-operator --listen "[::1]:$page_port" "${watch[@]}"
 
 if [ "$headless" = 1 ]; then

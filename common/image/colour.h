@@ -19,8 +19,7 @@ namespace cyclorama {
   return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
 }
 
-[[nodiscard]] inline std::uint8_t linear_to_srgb8(float linear) {
-  return static_cast<std::uint8_t>(linear_to_srgb(linear) * 255.0f + 0.5f);
-}
+/// The code value of 8 bits nearest to linear_to_srgb(); by a table, many times quicker. Reentrant.
+[[nodiscard]] std::uint8_t linear_to_srgb8(float linear);
 
 }  // namespace cyclorama

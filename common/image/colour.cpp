@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/image/colour.h"
+
+#include <array>
+#include <cstddef>
+
+namespace cyclorama {
+namespace {
+
+/// Light is cut into kBuckets equal steps; in each, the code of its lower edge, from which at most two steps up remain.
+struct CodeTable {
+  static constexpr std::size_t kBuckets = 4096;
+  std::array<std::uint8_t, kBuckets + 1> first{};
+  std::array<float, 257> least{};  ///< The darkest light of each code; after the last, more than there is.
+
+  CodeTable() {
+    for (std::size_t code = 1; code < 256; ++code) {
+      least[code] = srgb_to_linear((static_cast<float>(code) - 0.5f) / 255.0f);
+    }
+    least[256] = 2.0f;
+    std::uint8_t code = 0;
+    for (std::size_t i = 0; i <= kBuckets; ++i) {
+      while (static_cast<float>(i) / kBuckets >= least[code + std::size_t{1}]) ++code;
+      first[i] = code;
+    }
+  }
+};
+
+}  // namespace
+
+std::uint8_t linear_to_srgb8(float linear) {
+  static const CodeTable table;
+  if (!(linear > 0.0f)) return 0;  // NaN too.
+  if (linear >= 1.0f) return 255;
+  std::uint8_t code = table.first[static_cast<std::size_t>(linear * CodeTable::kBuckets)];
+  while (linear >= table.least[code + std::size_t{1}]) ++code;
+  return code;
+}
+
+}  // namespace cyclorama

@@ -26,8 +26,10 @@ struct SteeringWish {
   friend bool operator==(const SteeringWish&, const SteeringWish&) = default;
 };
 
-/// Of a visitor who walks in the museum; a scene's walking_scale multiplies lengths. At most 0.8 s from full speed to
-/// rest (settings are checked for it), so that a lost tag ends in rest within a second.
+/// From full speed to rest, so that a lost tag ends in rest within a second; settings are checked for it.
+inline constexpr Duration kLongestGlide = std::chrono::milliseconds(650);
+
+/// Of a visitor who walks in the museum; a scene's walking_scale multiplies lengths.
 struct WalkLimits {
   double forward_m_per_s = 1.0;
   double sideways_m_per_s = 0.7;

@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurnFollowedS = 0.2;
-constexpr double kLongestGlideS = 0.8;
+
+const double kLongestGlideS = to_seconds(kLongestGlide);
 
 double degrees(double radians) { return radians / kDegree; }
 Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }

@@ -39,6 +39,15 @@ Status check_address(const std::string& address) {
   return Done{};
 }
 
+/// Where nobody listens, gRPC tells a long story with the address in percent signs; its end says it all.
+std::string reason_of(const grpc::Status& status) {
+  const std::string& message = status.error_message();
+  if (message.empty()) return "the peer gave no reason";
+  const std::size_t last = message.rfind(": ");
+  if (!message.starts_with("failed to connect to all addresses") || last == std::string::npos) return message;
+  return "it cannot be reached: " + message.substr(last + 2);
+}
+
 }  // namespace
 
 grpc::Status to_grpc(const Error& error) {
@@ -54,8 +63,7 @@ Error from_grpc(const grpc::Status& status, std::string_view doing) {
   for (const auto& [ours, theirs] : kCodes) {
     if (theirs == status.error_code()) code = ours;
   }
-  const std::string reason = status.error_message().empty() ? "the peer gave no reason" : status.error_message();
-  return Error(code, fmt::format("{}: {}", doing, reason));
+  return Error(code, fmt::format("{}: {}", doing, reason_of(status)));
 }
 
 Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address) {

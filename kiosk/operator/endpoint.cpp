@@ -60,10 +60,11 @@ Result<std::vector<Endpoint>> gather_endpoints(const std::vector<std::string>& w
       listed.push_back(std::move(endpoint));
     }
     TRY(config.finish());
+    const std::vector<Endpoint> given = endpoints;
     for (Endpoint& endpoint : listed) {
-      const bool given = std::any_of(endpoints.begin(), endpoints.end(),
-                                     [&](const Endpoint& other) { return other.name == endpoint.name; });
-      if (!given) TRY(add(std::move(endpoint), &endpoints));
+      const bool replaced =
+          std::any_of(given.begin(), given.end(), [&](const Endpoint& other) { return other.name == endpoint.name; });
+      if (!replaced) TRY(add(std::move(endpoint), &endpoints));
     }
   }
   if (endpoints.empty()) {

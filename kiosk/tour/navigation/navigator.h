@@ -34,8 +34,8 @@ struct NavigationSettings {
 
 /// As museum.proto says of Steer.
 inline constexpr Duration kKeysHeld = std::chrono::milliseconds(300);
-/// A tag is still held this long after it was last seen: missed pictures, and a tracker that makes only five a second, must
-/// not be felt. With the longest glide (kLongestGlide) it stays below one second from lost to rest.
+/// A tag is still held this long after it was last seen: missed pictures, and a tracker that makes only five a second,
+/// must not be felt. With the longest glide (kLongestGlide) it stays below one second from lost to rest.
 inline constexpr Duration kTagHeld = std::chrono::milliseconds(300);
 /// A tag that lies in sight and asks for nothing keeps the guide away this many times longer: somebody may just be
 /// looking, but a tag forgotten on its stand must not silence the guide for good.

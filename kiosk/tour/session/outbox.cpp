@@ -22,14 +22,14 @@ void Outbox::put_heading(double heading_rad, std::int64_t shutter_ns) {
 std::optional<std::uint64_t> Outbox::put(const SharedShowMessage& message) {
   if (message->has_begin()) {
     const auto dropped = drop_unstarted_frame();
-    accepting_ = true;
+    accepting_ = message->begin().number();
     push(message);
     return dropped;
   }
   if (!accepting_) return std::nullopt;  // It joined in the middle, or gave this frame up.
   if (bytes_ + bytes_of(*message) > most_bytes_) return give_up_frame();
   push(message);
-  if (message->has_end()) accepting_ = false;
+  if (message->has_end()) accepting_.reset();
   return std::nullopt;
 }
 
@@ -56,16 +56,12 @@ std::optional<std::uint64_t> Outbox::drop_unstarted_frame() {
 }
 
 std::optional<std::uint64_t> Outbox::give_up_frame() {
-  accepting_ = false;
-  if (const auto number = drop_unstarted_frame()) return number;
+  const std::optional<std::uint64_t> number = std::exchange(accepting_, std::nullopt);
+  if (drop_unstarted_frame()) return number;
   // Its begin was sent: take back what can be, and tell the display not to wait for the rest.
-  std::uint64_t number = 0;
-  while (!frames_.empty() && frames_.back()->has_tile()) {
-    number = frames_.back()->tile().view_number();
-    pop_back();
-  }
+  while (!frames_.empty() && frames_.back()->has_tile() && frames_.back()->tile().view_number() == number) pop_back();
   auto message = std::make_shared<wire::ShowMessage>();
-  message->mutable_end()->set_view_number(number);
+  message->mutable_end()->set_view_number(*number);
   message->mutable_end()->set_complete(false);
   message->mutable_end()->set_reason("the display is too slow for frames of this size");
   push(message);

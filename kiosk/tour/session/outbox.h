@@ -46,7 +46,7 @@ class Outbox {
   std::optional<wire::Heading> heading_;
   std::deque<SharedShowMessage> frames_;
   std::size_t bytes_ = 0;
-  bool accepting_ = false;  ///< The frame that the farm sends now is wanted here.
+  std::optional<std::uint64_t> accepting_;  ///< The frame that the farm sends now, if it is wanted here.
 };
 
 }  // namespace cyclorama

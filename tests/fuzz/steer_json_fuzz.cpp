@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a page posts to steer.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "common/base/check.h"
+#include "kiosk/operator/status_json.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto wish = cyclorama::parse_steer({reinterpret_cast<const char*>(data), size});
+  if (wish) {
+    for (const double value : {wish->forward(), wish->right(), wish->turn()}) CHECK(std::abs(value) <= 1.0);
+  } else {
+    CHECK(!wish.error().message().empty());
+  }
+  return 0;
+}

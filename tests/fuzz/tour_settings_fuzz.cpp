@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// site.toml.
+#include <cstddef>
+#include <cstdint>
+
+#include "common/base/check.h"
+#include "kiosk/tour/session/tour_settings.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto settings = cyclorama::parse_tour_settings({reinterpret_cast<const char*>(data), size}, "site.toml");
+  if (settings) {
+    CHECK(!settings->heads.empty());
+    CHECK(settings->navigation.tag.yaw_rad.full > settings->navigation.tag.yaw_rad.dead);
+    CHECK(settings->navigation.limits.acceleration_m_per_s2 > 0.0);
+    CHECK(settings->picture.guard_rad >= 0.0 && settings->picture.guard_rad < 2.0);
+  }
+  return 0;
+}

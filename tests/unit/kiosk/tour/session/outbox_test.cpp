@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/outbox.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+
+namespace cyclorama {
+namespace {
+
+SharedShowMessage begin(std::uint64_t number) {
+  auto message = std::make_shared<wire::ShowMessage>();
+  message->mutable_begin()->set_number(number);
+  return message;
+}
+SharedShowMessage tile(std::uint64_t number, std::size_t bytes = 100) {
+  auto message = std::make_shared<wire::ShowMessage>();
+  message->mutable_tile()->set_view_number(number);
+  message->mutable_tile()->set_jpeg(std::string(bytes, 'j'));
+  return message;
+}
+SharedShowMessage end(std::uint64_t number) {
+  auto message = std::make_shared<wire::ShowMessage>();
+  message->mutable_end()->set_view_number(number);
+  message->mutable_end()->set_complete(true);
+  return message;
+}
+Outbox introduced(std::size_t most_bytes = 1000) {
+  Outbox outbox(wire::Panorama(), most_bytes);
+  outbox.put_heading(0.0, 0);
+  EXPECT_TRUE(outbox.take()->has_heading());
+  return outbox;
+}
+
+TEST(Outbox, says_nothing_before_the_first_heading_which_carries_what_is_shown) {
+  wire::Panorama shown;
+  shown.set_width_px(77);
+  Outbox outbox(shown);
+  outbox.put(begin(1));
+  EXPECT_EQ(outbox.take(), nullptr);
+  outbox.put_heading(0.5, 9);
+  outbox.put_heading(0.6, 10);
+  const auto first = outbox.take();
+  EXPECT_EQ(first->heading().heading_rad(), 0.6) << "the newest wins";
+  EXPECT_EQ(first->heading().shown().width_px(), 77u);
+  outbox.put_heading(0.7, 11);
+  EXPECT_FALSE(outbox.take()->heading().has_shown());
+}
+
+TEST(Outbox, lets_a_heading_overtake_tiles) {
+  Outbox outbox = introduced();
+  outbox.put(begin(1));
+  outbox.put(tile(1));
+  outbox.put_heading(0.1, 0);
+  EXPECT_TRUE(outbox.take()->has_heading());
+  EXPECT_TRUE(outbox.take()->has_begin());
+  EXPECT_TRUE(outbox.take()->has_tile());
+}
+
+TEST(Outbox, gives_up_a_frame_that_waits_for_the_next_one) {
+  Outbox outbox = introduced();
+  for (const auto& message : {begin(1), tile(1), end(1)}) EXPECT_FALSE(outbox.put(message));
+  EXPECT_EQ(outbox.put(begin(2)), 1u);
+  EXPECT_EQ(outbox.take()->begin().number(), 2u);
+  EXPECT_EQ(outbox.waiting_bytes(), 0u);
+}
+
+TEST(Outbox, finishes_the_frame_that_is_being_sent) {
+  Outbox outbox = introduced();
+  for (const auto& message : {begin(1), tile(1), tile(1), end(1)}) outbox.put(message);
+  EXPECT_TRUE(outbox.take()->has_begin());
+  EXPECT_FALSE(outbox.put(begin(2)));
+  EXPECT_EQ(outbox.put(begin(3)), 2u);
+  EXPECT_EQ(outbox.take()->tile().view_number(), 1u);
+  EXPECT_EQ(outbox.take()->tile().view_number(), 1u);
+  EXPECT_EQ(outbox.take()->end().view_number(), 1u);
+  EXPECT_EQ(outbox.take()->begin().number(), 3u);
+}
+
+TEST(Outbox, starts_a_display_that_joins_late_with_the_next_frame) {
+  Outbox outbox = introduced();
+  outbox.put(tile(1));
+  outbox.put(end(1));
+  EXPECT_EQ(outbox.take(), nullptr);
+  outbox.put(begin(2));
+  EXPECT_EQ(outbox.take()->begin().number(), 2u);
+}
+
+TEST(Outbox, ends_a_frame_that_is_too_large_for_it_as_incomplete) {
+  Outbox outbox = introduced(250);
+  outbox.put(begin(1));
+  EXPECT_TRUE(outbox.take()->has_begin());
+  outbox.put(tile(1));
+  outbox.put(tile(1));
+  EXPECT_EQ(outbox.put(tile(1)), 1u);
+  EXPECT_FALSE(outbox.put(tile(1)));
+  EXPECT_FALSE(outbox.put(end(1)));
+  const auto last = outbox.take();
+  ASSERT_TRUE(last->has_end());
+  EXPECT_FALSE(last->end().complete());
+  EXPECT_EQ(last->end().view_number(), 1u);
+  EXPECT_EQ(outbox.take(), nullptr);
+}
+
+TEST(Outbox, names_the_frame_also_when_all_its_tiles_were_sent_before_the_one_that_is_too_large) {
+  Outbox outbox = introduced(250);
+  outbox.put(begin(7));
+  EXPECT_TRUE(outbox.take()->has_begin());
+  EXPECT_EQ(outbox.put(tile(7, 300)), 7u);
+  EXPECT_EQ(outbox.take()->end().view_number(), 7u);
+}
+
+TEST(Outbox, forgets_a_frame_that_is_too_large_before_it_was_begun) {
+  Outbox outbox = introduced(250);
+  outbox.put(begin(1));
+  outbox.put(tile(1));
+  outbox.put(tile(1));
+  EXPECT_EQ(outbox.put(tile(1)), 1u);
+  EXPECT_EQ(outbox.take(), nullptr);
+}
+
+TEST(Outbox, keeps_its_promises_for_any_order_of_putting_and_taking) {
+  std::mt19937 random(5);
+  Outbox outbox = introduced(600);
+  std::uint64_t number = 0;
+  std::uint64_t open = 0;
+  int tiles_left = 0;
+  for (int i = 0; i < 50'000; ++i) {
+    const auto dice = random() % 10;
+    if (dice < 4) {
+      if (tiles_left == 0 && number > 0) outbox.put(end(number));
+      if (tiles_left-- <= 0) {
+        outbox.put(begin(++number));
+        tiles_left = static_cast<int>(random() % 6);
+      } else {
+        outbox.put(tile(number, random() % 300));
+      }
+    } else if (dice == 4) {
+      outbox.put_heading(1.0, 0);
+    } else if (const auto message = outbox.take()) {
+      if (message->has_begin()) {
+        ASSERT_EQ(open, 0u);
+        open = message->begin().number();
+      } else if (message->has_tile()) {
+        ASSERT_EQ(message->tile().view_number(), open);
+      } else if (message->has_end()) {
+        ASSERT_EQ(message->end().view_number(), open);
+        open = 0;
+      }
+    }
+    ASSERT_LE(outbox.waiting_bytes(), 600u);
+  }
+  EXPECT_GT(number, 1000u);
+}
+
+}  // namespace
+}  // namespace cyclorama

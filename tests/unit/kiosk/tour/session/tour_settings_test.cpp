@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/tour_settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+TEST(TourSettings, are_the_defaults_for_an_empty_file) {
+  const auto settings = parse_tour_settings("", "site.toml");
+  ASSERT_TRUE(settings) << settings.error().message();
+  const TourSettings defaults = default_tour_settings();
+  EXPECT_EQ(settings->heads, defaults.heads);
+  EXPECT_NEAR(settings->picture.guard_rad, defaults.picture.guard_rad, 1e-12);
+  EXPECT_NEAR(settings->picture.guard_rad, 8.0 * kDegree, 0.1 * kDegree);
+  EXPECT_NEAR(settings->navigation.limits.turn_rad_per_s, defaults.navigation.limits.turn_rad_per_s, 1e-12);
+  EXPECT_EQ(settings->navigation.guide_after, defaults.navigation.guide_after);
+}
+
+TEST(TourSettings, read_every_key_in_its_unit) {
+  const auto settings = parse_tour_settings(R"(
+[farm]
+heads = ["[2001:db8::1]:7401", "[2001:db8::2]:7401"]
+scene = "grotto"
+museum = "Hall 3"
+[picture]
+samples = 4
+jpeg_quality = 92
+subsample_chroma = false
+guard_deg = 12
+[walk]
+forward_m_per_s = 1.2
+sideways_m_per_s = 0.5
+turn_deg_per_s = 30
+acceleration_m_per_s2 = 3
+turn_acceleration_deg_per_s2 = 120
+neutral_distance_m = 1.5
+neutral_right_m = -0.1
+yaw_dead_deg = 5
+yaw_full_deg = 40
+sideways_dead_m = 0.05
+sideways_full_m = 0.3
+distance_dead_m = 0.1
+distance_full_m = 0.5
+tag_smoothing_ms = 80
+guide_after_s = 0
+)",
+                                            "site.toml");
+  ASSERT_TRUE(settings) << settings.error().message();
+  EXPECT_EQ(settings->heads.size(), 2u);
+  EXPECT_EQ(settings->museum, "Hall 3");
+  EXPECT_EQ(settings->picture.jpeg_quality, 92);
+  EXPECT_FALSE(settings->picture.subsample_chroma);
+  EXPECT_NEAR(settings->picture.guard_rad, 12 * kDegree, 1e-12);
+  EXPECT_NEAR(settings->navigation.limits.turn_rad_per_s, 30 * kDegree, 1e-12);
+  EXPECT_NEAR(settings->navigation.tag.yaw_rad.full, 40 * kDegree, 1e-12);
+  EXPECT_EQ(settings->navigation.tag_smoothing, std::chrono::milliseconds(80));
+  EXPECT_EQ(settings->navigation.guide_after, Duration::zero());
+}
+
+struct Wrong {
+  const char* text;
+  const char* line;
+  const char* says;
+};
+
+TEST(TourSettings, name_line_and_remedy_of_every_mistake) {
+  for (const Wrong& wrong : std::vector<Wrong>{
+           {"[farm]\nheads = []", "site.toml:2", "name the farm's head"},
+           {"[farm]\nheads = [1]", "site.toml:2", "texts"},
+           {"[picture]\nsamples = 0", "site.toml:2", "between 1 and 4096"},
+           {"[picture]\njpeg_quality = 101", "site.toml:2", "between 1 and 100"},
+           {"[picture]\nguard_rad = 1", "site.toml:2", "guard_deg"},
+           {"[walk]\nforward_m_per_s = nan", "site.toml:2", "between"},
+           {"[walk]\nforwards_m_per_s = 1", "site.toml:2", "did you mean 'forward_m_per_s'"},
+           {"[walk]\nyaw_dead_deg = 50\nyaw_full_deg = 40", "site.toml:3", "must be above 'yaw_dead_deg'"},
+           {"[walk]\nacceleration_m_per_s2 = 0.5", "site.toml:2", "lost tag"},
+           {"[walk]\nturn_deg_per_s = 170", "site.toml:1", "lost tag"},
+           {"[walks]", "site.toml:1", "not a setting"},
+           {"[walk\n", "site.toml:1", "not TOML"}}) {
+    const auto settings = parse_tour_settings(wrong.text, "site.toml");
+    ASSERT_FALSE(settings) << wrong.text;
+    EXPECT_EQ(settings.error().code(), ErrorCode::kBadData);
+    EXPECT_THAT(settings.error().message(), HasSubstr(wrong.line));
+    EXPECT_THAT(settings.error().message(), HasSubstr(wrong.says));
+  }
+}
+
+TEST(TourSettings, say_which_file_is_missing) {
+  const auto settings = read_tour_settings("/nowhere/site.toml");
+  ASSERT_FALSE(settings);
+  EXPECT_EQ(settings.error().code(), ErrorCode::kNotFound);
+  EXPECT_THAT(settings.error().message(), HasSubstr("/nowhere/site.toml"));
+}
+
+}  // namespace
+}  // namespace cyclorama

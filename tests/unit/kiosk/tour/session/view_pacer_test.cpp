@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/view_pacer.h"
+
+#include <gtest/gtest.h>
+
+#include "kiosk/tour/session/tracker_choice.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+
+wire::View view(std::uint64_t number, double heading, std::int64_t shutter_ns = 0) {
+  wire::View view;
+  view.set_number(number);
+  view.set_heading_rad(heading);
+  view.set_shutter_ns(shutter_ns);
+  return view;
+}
+
+TEST(ViewPacer, asks_for_what_is_new_and_once_a_second_for_what_is_not) {
+  ViewPacer pacer;
+  const TimePoint now(10s);
+  EXPECT_TRUE(pacer.wants(view(1, 0.0), now));
+  pacer.asked(view(1, 0.0), now);
+  EXPECT_FALSE(pacer.wants(view(2, 0.0), now + 999ms));
+  EXPECT_FALSE(pacer.wants(view(2, 0.0, 12345), now + 999ms)) << "a new picture of a still tag";
+  EXPECT_TRUE(pacer.wants(view(2, 0.0), now + 1s));
+  EXPECT_TRUE(pacer.wants(view(2, 1e-6), now + 1ms));
+}
+
+TEST(ViewPacer, keeps_two_frames_in_flight_at_most) {
+  ViewPacer pacer;
+  const TimePoint now(10s);
+  pacer.asked(view(1, 0.1), now);
+  pacer.asked(view(2, 0.2), now);
+  EXPECT_FALSE(pacer.wants(view(3, 0.3), now + 5s));
+  pacer.ended(1);
+  EXPECT_TRUE(pacer.wants(view(3, 0.3), now));
+}
+
+TEST(ViewPacer, counts_views_that_the_farm_passed_over) {
+  ViewPacer pacer;
+  pacer.asked(view(1, 0.1), TimePoint(1s));
+  pacer.asked(view(2, 0.2), TimePoint(1s));
+  EXPECT_EQ(pacer.began(2), 1u);
+  EXPECT_EQ(pacer.in_flight(), 1u);
+  pacer.ended(2);
+  EXPECT_EQ(pacer.in_flight(), 0u);
+}
+
+TEST(ViewPacer, keeps_the_newest_in_flight_when_the_farm_is_lost) {
+  ViewPacer pacer;
+  pacer.lost();
+  pacer.asked(view(1, 0.1), TimePoint(1s));
+  pacer.asked(view(2, 0.2), TimePoint(1s));
+  pacer.lost();
+  EXPECT_EQ(pacer.in_flight(), 1u);
+  EXPECT_EQ(pacer.began(2), 0u);
+}
+
+TEST(TrackerChoice, leaves_control_with_the_first_until_it_has_lost_the_tag_for_a_second) {
+  TrackerChoice choice;
+  const TimePoint now(10s);
+  EXPECT_TRUE(choice.sees_tag(1, now));
+  EXPECT_FALSE(choice.sees_tag(2, now + 500ms));
+  EXPECT_TRUE(choice.sees_tag(1, now + 900ms));
+  EXPECT_FALSE(choice.sees_tag(2, now + 1800ms));
+  EXPECT_TRUE(choice.sees_tag(2, now + 2s));
+  EXPECT_FALSE(choice.sees_tag(1, now + 2100ms));
+  choice.leaves(1);
+  EXPECT_FALSE(choice.sees_tag(1, now + 2200ms));
+  choice.leaves(2);
+  EXPECT_TRUE(choice.sees_tag(1, now + 2300ms));
+}
+
+}  // namespace
+}  // namespace cyclorama

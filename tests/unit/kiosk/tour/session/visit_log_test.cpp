@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/visit_log.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "kiosk/tour/session/display_hub.h"
+#include "kiosk/tour/session/site.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Log {
+  InspectionService inspection{"tour"};
+  VisitLog log{&inspection};
+  TimePoint now{100s};
+
+  double gauge(const std::string& name) {
+    const wire::ProcessStatus status = inspection.status();
+    for (const auto& gauge : status.gauges()) {
+      if (gauge.name() == name) return gauge.value();
+    }
+    return -1.0;
+  }
+  wire::Stage stage(const std::string& name) {
+    const wire::ProcessStatus status = inspection.status();
+    for (const auto& stage : status.stages()) {
+      if (stage.name() == name) return stage;
+    }
+    return {};
+  }
+  void show(std::uint64_t number, std::int64_t shutter_ns, std::int64_t presented_ns) {
+    wire::View view;
+    view.set_number(number);
+    view.set_shutter_ns(shutter_ns);
+    log.add_view(view, now, now - 5ms);
+    wire::FramePresented presented;
+    presented.set_view_number(number);
+    presented.set_presented_ns(presented_ns);
+    log.add_presented(presented, now);
+  }
+};
+
+TEST(VisitLog, measures_from_shutter_to_photon_where_both_clocks_are_one) {
+  Log log;
+  log.show(1, 1'000'000'000, 1'080'000'000);
+  EXPECT_NEAR(log.stage("shutter_to_photon").p50_ms(), 80.0, 1e-9);
+  EXPECT_NEAR(log.stage("steer").p50_ms(), 5.0, 1e-9);
+  log.show(2, 0, 5);                          // Keys steered.
+  log.show(3, 9'000'000'000, 8'000'000'000);  // Another machine's clock.
+  log.show(4, 1, 3'600'000'000'000);          // Another machine's clock, the other way.
+  log.show(5, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(log.stage("shutter_to_photon").count(), 1u);
+}
+
+TEST(VisitLog, counts_a_frame_once_however_many_displays_show_it) {
+  Log log;
+  log.show(1, 0, 5);
+  wire::FramePresented again;
+  again.set_view_number(1);
+  log.log.add_presented(again, log.now);
+  again.set_view_number(99);  // Never asked for.
+  log.log.add_presented(again, log.now);
+  EXPECT_EQ(log.gauge("frames"), 1.0);
+}
+
+TEST(VisitLog, tells_the_rate_of_the_last_seconds) {
+  Log log;
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    log.show(i, 0, 1);
+    log.now += 50ms;
+  }
+  EXPECT_NEAR(log.log.frames_per_second(log.now), 20.0, 0.5);
+  EXPECT_LT(log.log.frames_per_second(log.now + 4s), 10.0);
+  EXPECT_EQ(log.log.frames_per_second(log.now + 6s), 0.0);
+}
+
+TEST(VisitLog, tells_bytes_balance_and_why_frames_were_dropped) {
+  Log log;
+  wire::Tile tile;
+  tile.set_jpeg(std::string(600, 'j'));
+  log.log.add_tile(tile);
+  log.log.add_tile(tile);
+  wire::FrameEnd end;
+  end.set_complete(true);
+  end.set_balance_efficiency(0.9);
+  end.set_nodes(3);
+  log.log.add_end(end, log.now);
+  log.log.add_tile(tile);
+  end.set_complete(false);
+  end.set_reason("a node was lost");
+  log.log.add_end(end, log.now);
+  EXPECT_EQ(log.gauge("bytes_per_frame"), 1200.0) << "of complete frames";
+  EXPECT_EQ(log.gauge("balance_efficiency"), 0.9);
+  EXPECT_EQ(log.gauge("nodes"), 3.0);
+  EXPECT_EQ(log.gauge("dropped: a node was lost"), 1.0);
+}
+
+TEST(VisitLog, does_not_grow_with_names_that_peers_invent) {
+  Log log;
+  wire::FramePresented presented;
+  for (int i = 0; i < 1000; ++i) {
+    log.log.add_dropped("reason " + std::to_string(i));
+    wire::StageTime* const stage = presented.add_stages();
+    stage->set_name("stage\n\xff" + std::to_string(i));
+    stage->set_seconds(i % 2 == 0 ? 0.1 : std::numeric_limits<double>::quiet_NaN());
+  }
+  log.log.add_presented(presented, log.now);
+  const wire::ProcessStatus status = log.inspection.status();
+  EXPECT_LT(status.gauges_size(), 40);
+  EXPECT_LT(status.stages_size(), 60);
+  EXPECT_GT(log.gauge("dropped: other"), 900.0);
+}
+
+TEST(Covering, is_the_smallest_panorama_with_both_inside) {
+  const Panorama wide{800, 200, 4.0, 0.3, -0.3};
+  const Panorama tall{600, 600, 1.5, 0.9, -0.5};
+  EXPECT_EQ(covering(wide, wide), wide);
+  const Panorama both = covering(wide, tall);
+  EXPECT_TRUE(both.validate());
+  EXPECT_EQ(both, covering(tall, wide));
+  EXPECT_EQ(both.azimuth_span_rad, 4.0);
+  EXPECT_EQ(both.tan_elevation_top, 0.9);
+  EXPECT_EQ(both.tan_elevation_bottom, -0.5);
+  EXPECT_LE(both.radians_per_px(), 1.5 / 600 + 1e-12);
+  const Panorama sharp{16384, 16384, 0.1, 0.1, -0.1};
+  EXPECT_TRUE(covering(wide, sharp).validate()) << "as far as the largest picture allows";
+}
+
+TEST(Site, puts_start_and_stops_inside_and_says_when_nobody_can_walk) {
+  wire::SceneDescription scene;
+  scene.set_walking_scale(1.0);
+  for (const auto& [x, z] : {std::pair{0.0, 0.0}, {4.0, 0.0}, {4.0, 4.0}, {0.0, 4.0}}) {
+    scene.add_walkable()->set_x_m(x);
+    scene.mutable_walkable(scene.walkable_size() - 1)->set_z_m(z);
+  }
+  scene.mutable_start_eye_m()->set_x(50.0);
+  scene.add_stops()->mutable_eye_m()->set_z(-9.0);
+  std::string warning;
+  const Site site = site_of(scene, &warning);
+  EXPECT_EQ(warning, "");
+  EXPECT_TRUE(site.area->allows(site.start.place_m));
+  EXPECT_TRUE(site.area->allows(site.stops.front().place_m));
+  scene.clear_walkable();
+  EXPECT_EQ(site_of(scene, &warning).area, nullptr);
+  EXPECT_NE(warning.find("scene.toml"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -68,13 +68,13 @@ Status check_target(const fs::path& folder, bool replace) {
   return Error(ErrorCode::kBusy, fmt::format("'{}' holds a grotto already: --force replaces it", folder.string()));
 }
 
-Status check_space(const fs::path& folder, std::uint64_t bytes) {
+Status check_space(const fs::path& folder, const fs::path& target, std::uint64_t bytes) {
   std::error_code error;
   const fs::space_info space = fs::space(folder, error);
   if (error || space.available >= bytes) return Done{};
   constexpr double kGigabyte = 1e9;
   return Error(ErrorCode::kSystem,
-               fmt::format("'{}' has {:.3f} GB free; this grotto takes {:.3f} GB", folder.string(),
+               fmt::format("the disk of '{}' has {:.3f} GB free; this grotto takes {:.3f} GB", target.string(),
                            static_cast<double>(space.available) / kGigabyte, static_cast<double>(bytes) / kGigabyte));
 }
 
@@ -108,7 +108,7 @@ Result<PackageReport> write_package(const PackageOrder& order, const KeepGoing& 
   PackageReport report{.counts = grotto.counts()};
   for (const Part& part : grotto.parts) report.bytes += ply_bytes(part.counts());
   TRY_ASSIGN(const Scaffold scaffold, Scaffold::beside(target));
-  TRY(check_space(scaffold.path(), report.bytes));
+  TRY(check_space(scaffold.path(), target, report.bytes));
   PlySink sink(scaffold.path());
   TRY(generate(grotto, sink, order.threads, keep_going));
   TRY(write_file_atomically(scaffold.path() / "scene.toml", scene_toml(grotto, order.seed)));

@@ -99,8 +99,8 @@ void lay_patchwork(const Vec3& p, float spacing, Spot& spot) {
                                       mix(kCinnabar, kOchre, 0.16f)};
   spot.lay(panels[static_cast<std::size_t>(cycle(column + 2 * row, 3))], 1.0f);
   const float seam = std::min(0.65f - std::abs(x), 0.31f - std::abs(y));
-  spot.lay(kOchre, 0.75f * coverage(seam - 0.045f, spacing));
-  spot.lay(kRust * 0.75f, coverage(seam - 0.030f, spacing));
+  spot.lay(kOchre, 0.6f * coverage(seam - 0.045f, spacing));
+  spot.lay(kRust * 0.85f, 0.6f * coverage(seam - 0.028f, spacing));
   const Vec2 q{repeat(x + 0.325f, 0.65f).offset, y};
   const float r = q.norm();
   const float petals = r - 0.088f - 0.022f * std::cos(6.0f * std::atan2(q.y(), q.x()));
@@ -288,7 +288,7 @@ std::vector<Patch> reclining_buddha(const Pose& pose, float density) {
           wrapped(foot(0.22f, 4.72f), pose, 1.1f * density),
           wrapped(foot(0.57f, 4.66f), pose, 1.1f * density),
           wrapped(pillow(), pose, 0.8f * density),
-          nimbus_disc(composed(pose, nimbus), {1.45f, 1.45f}, 0, 1.1f * density)};
+          nimbus_disc(composed(pose, nimbus), {1.45f, 1.45f}, 0, 1.7f * density)};
 }
 
 }  // namespace cyclorama::grotto

@@ -14,7 +14,7 @@ std::string list(const Vec3& v) { return fmt::format("[{:.4g}, {:.4g}, {:.4g}]",
 
 constexpr const char* kRoom = R"(unit_m = 1.0
 up = "y"
-exposure = 1.0
+exposure = 1.15
 
 [start]
 eye_m = [0.0, 1.6, 3.1]

@@ -208,7 +208,7 @@ std::vector<Patch> wall(Side side, std::uint32_t seed) {
                    seed)};
     case Side::kHead:
     case Side::kFeet:
-      return {face(frame, {-kHalfDepth, kHalfDepth, -0.2f, kWallHeight}, 0.8f, 0.14f, kHalfDepth, 0.62f, seed)};
+      return {face(frame, {-kHalfDepth, kHalfDepth, -0.2f, kWallHeight}, 0.8f, 0.14f, kHalfDepth, 0.74f, seed)};
     case Side::kEntrance:
       break;
   }

@@ -15,7 +15,7 @@ const Vec3 kFlame{1.0f, 0.86f, 0.52f};
 const Vec3 kWarm{1.0f, 0.62f, 0.30f};
 constexpr float kLedge = kAltarFront + 0.04f;
 constexpr std::array<float, 3> kGroups = {-5.6f, -0.6f, 3.6f};
-constexpr std::array<Vec2::Scalar, 3> kInGroup = {-0.24f, 0.0f, 0.24f};
+constexpr std::array<float, 3> kInGroup = {-0.24f, 0.0f, 0.24f};
 constexpr float kStandHeight = 1.02f;
 const std::array<Vec3, 2> kStands = {Vec3(-6.7f, 0.0f, 0.05f), Vec3(6.7f, 0.0f, 0.05f)};
 

@@ -3,7 +3,6 @@
 
 #include "renderfarm/tools/grotto/figures.h"
 #include "renderfarm/tools/grotto/head.h"
-#include "renderfarm/tools/grotto/motifs.h"
 #include "renderfarm/tools/grotto/noise.h"
 #include "renderfarm/tools/grotto/paint.h"
 #include "renderfarm/tools/grotto/solid.h"
@@ -113,7 +112,7 @@ Sculpture throne(std::uint32_t variety) {
     const float edge = petal(p, p.y() > -0.12f ? 0.0f : kPi / kPetals);
     Spot spot(variety % 2u == 0u ? kMalachite : kCinnabar);
     spot.lay(kWhite, coverage((edge - 0.45f) * 0.05f, spacing));
-    spot.lay(kGold, coverage(0.0f - (p.y() + 0.0f), spacing) * 0.5f);
+    spot.lay(kGold, 0.5f * coverage(-p.y(), spacing));  // The seat's upper side.
     spot.darken(0.4f * (1.0f - std::sqrt(edge)));
     return spot.colour();
   };
@@ -140,25 +139,6 @@ std::vector<Patch> seated_buddha(const Pose& pose, std::uint32_t variety, float 
           wrapped(throne(variety), pose, 0.8f * density),
           nimbus_disc(mandorla, {0.56f, 0.62f}, static_cast<int>(variety), 0.9f * density),
           nimbus_disc(halo, {0.29f, 0.29f}, static_cast<int>(variety) + 1, 0.9f * density)};
-}
-
-Patch nimbus_disc(const Pose& pose, const Vec2& radii, int scheme, float density) {
-  Patch patch;
-  patch.width_m = 2.0f * radii.x() * pose.scale;
-  patch.height_m = 2.0f * radii.y() * pose.scale;
-  patch.density = density;
-  patch.at = [pose, radii, scheme](float u, float v, float spacing) {
-    // A square becomes a disc without a pole. Source: M. Fong, "Analytical methods for squaring the disc", 2014.
-    const float x = 2.0f * u - 1.0f;
-    const float y = 2.0f * v - 1.0f;
-    const Vec2 disc{x * std::sqrt(1.0f - 0.5f * y * y), y * std::sqrt(1.0f - 0.5f * x * x)};
-    const float r = disc.norm();
-    const Vec3 p{disc.x() * radii.x(), disc.y() * radii.y(), 0.05f * radii.minCoeff() * r * r};
-    const float metres = radii.minCoeff() * pose.scale;
-    return Surfel{pose.to_room(p), nimbus(r, std::atan2(disc.x(), disc.y()), metres, scheme, spacing)};
-  };
-  turn_towards(patch, pose.to_room(Vec3::UnitZ()));
-  return patch;
 }
 
 }  // namespace cyclorama::grotto

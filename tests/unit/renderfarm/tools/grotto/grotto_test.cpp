@@ -2,9 +2,9 @@
 #include "renderfarm/tools/grotto/grotto.h"
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 
-#include <set>
+#include <algorithm>
+#include <atomic>
 
 #include "renderfarm/tools/grotto/chamber.h"
 #include "tests/doubles/counting_sink.h"

@@ -4,6 +4,7 @@
 
 #include "renderfarm/tools/grotto/figures.h"
 #include "renderfarm/tools/grotto/head.h"
+#include "renderfarm/tools/grotto/motifs.h"
 #include "renderfarm/tools/grotto/noise.h"
 #include "renderfarm/tools/grotto/paint.h"
 #include "renderfarm/tools/grotto/solid.h"

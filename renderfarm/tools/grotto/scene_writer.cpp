@@ -45,7 +45,7 @@ const std::vector<Stop>& stops() {
   static const std::vector<Stop> all = {
       {"The nirvana", {0.0f, 1.6f, 3.1f}, 0.0f},
       {"The face of the Buddha", {-3.0f, 1.6f, 0.9f}, -18.0f},
-      {"The disciples in mourning", {2.4f, 1.6f, 1.2f}, 4.0f},
+      {"The disciples in mourning", {2.6f, 1.6f, 2.9f}, 2.0f},
       {"The feet", {5.6f, 1.6f, 0.6f}, -12.0f},
       {"The niche of the future Buddha", {5.2f, 1.6f, 1.2f}, 90.0f},
       {"Back to the daylight", {0.0f, 1.6f, 0.4f}, 180.0f},

@@ -72,6 +72,8 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
   move_to_end(&part.materials, &whole->materials);
   move_to_end(&part.meshes, &whole->meshes);
   move_to_end(&part.notes, &whole->notes);
+  if (!part.credits.empty() && !whole->credits.empty()) whole->credits += "; ";
+  whole->credits += part.credits;
 }
 
 void free_lamps(Model* model) {

@@ -12,7 +12,7 @@ namespace cyclorama {
 /// From a file's own axes and unit to metres and y up.
 [[nodiscard]] Eigen::Affine3d T_part_file(double unit_m, bool z_up);
 
-/// Moves `part` into `whole`, once for each placement: meshes are stored once, instances and lights are repeated.
+/// Moves `part` into `whole`, once for each placement: meshes are stored once, instances, lights and views are repeated.
 /// The candelas of a file are taken as what its author saw in the file's own unit, so they shrink with its square.
 void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_whole_file, Model* whole);
 

@@ -7,17 +7,15 @@
 #include <numbers>
 #include <optional>
 
+#include "renderfarm/scene/ground.h"
 #include "renderfarm/scene/space_grid.h"
 
 namespace cyclorama {
 namespace {
 
 constexpr double kEyeHeightM = 1.6;
-constexpr double kHeadroomM = 0.15;
-constexpr double kStepOverM = 0.4;    ///< Lower things do not stop a visitor.
 constexpr double kLeastPlaceM = 2.2;  ///< In all three directions: less is no place for a visitor, but an object.
 constexpr double kLeastSiteM = 6.0;
-constexpr double kWallDistanceM = 0.3;
 constexpr int kDirections = 32;
 
 /// A heading's direction: 0 looks along -z, positive turns to the right.
@@ -27,8 +25,7 @@ double heading_of(int direction) { return 2.0 * std::numbers::pi * direction / k
 
 /// What is seen from a place.
 struct Place {
-  Eigen::Vector3d eye;
-  double floor = 0.0;
+  Standing standing;
   int walls = 0;  ///< Of kDirections, how many end at something.
   int from_behind = 0;
   bool has_ceiling = false;
@@ -43,8 +40,9 @@ struct Place {
   [[nodiscard]] double score() const { return std::min(nearest_m, 3.0) + 0.1 * std::min(mean_m, 15.0); }
 };
 
-Place look_around(const SpaceGrid& grid, const Eigen::Vector3d& eye, double floor) {
-  Place place{.eye = eye, .floor = floor};
+Place look_around(const SpaceGrid& grid, const Standing& standing) {
+  const Eigen::Vector3d& eye = standing.eye;
+  Place place{.standing = standing};
   const SpaceGrid::Ray up = grid.cast(eye, Eigen::Vector3d::UnitY());
   place.has_ceiling = up.hits;
   place.ceiling_m = up.length_m;
@@ -70,17 +68,6 @@ Place look_around(const SpaceGrid& grid, const Eigen::Vector3d& eye, double floo
   return place;
 }
 
-/// Is a body's height free over `floor` in the column of `at`?
-bool is_free(const SpaceGrid& grid, const Eigen::Vector3d& at, double floor) {
-  Eigen::Vector3i cell = grid.cell_of({at.x(), floor + kStepOverM, at.z()});
-  const int above_floor = grid.cell_of({at.x(), floor, at.z()}).y() + 1;
-  const int last = grid.cell_of({at.x(), floor + kEyeHeightM + kHeadroomM, at.z()}).y();
-  for (cell.y() = std::max(cell.y(), above_floor); cell.y() <= last; ++cell.y()) {
-    if (grid.is_solid(cell)) return false;
-  }
-  return true;
-}
-
 /// Calls `use` for each place where a visitor could stand.
 template <typename Use>
 void for_each_place(const SpaceGrid& grid, const Use& use) {
@@ -91,8 +78,8 @@ void for_each_place(const SpaceGrid& grid, const Use& use) {
         if (!grid.is_solid(cell) || grid.is_solid(cell + Eigen::Vector3i::UnitY())) continue;
         const Eigen::Vector3d centre = grid.centre_of(cell);
         const double floor = grid.top_of(cell);
-        if (!is_free(grid, centre, floor)) continue;
-        use(look_around(grid, {centre.x(), floor + kEyeHeightM, centre.z()}, floor));
+        if (!body_fits(grid, centre.x(), centre.z(), floor, kEyeHeightM)) continue;
+        use(look_around(grid, {{centre.x(), floor + kEyeHeightM, centre.z()}, floor}));
       }
     }
   }
@@ -113,35 +100,24 @@ BestPlaces find_places(const SpaceGrid& grid) {
   return best;
 }
 
-/// How far one can walk from the eye, over ground that is neither too high nor missing.
-double walk_length(const SpaceGrid& grid, const Place& place, const Eigen::Vector3d& direction) {
-  constexpr double kFarthestM = 40.0;
-  constexpr double kUnevenM = 0.6;
-  const double step = 0.5 * grid.cell_m();
-  double solid_ground = 0.0;
-  for (double length = step; length < kFarthestM; length += step) {
-    const Eigen::Vector3d at = place.eye + length * direction;
-    Eigen::Vector3i cell = grid.cell_of({at.x(), place.floor - kUnevenM, at.z()});
-    const int highest = grid.cell_of({at.x(), place.floor + kStepOverM, at.z()}).y();
-    bool has_ground = false;
-    for (; cell.y() <= highest; ++cell.y()) has_ground = has_ground || grid.is_solid(cell);
-    if (!is_free(grid, at, place.floor)) break;
-    if (has_ground) solid_ground = length;
-    if (length - solid_ground > 2.0 * grid.cell_m()) break;  // Scans have small holes, and sites have edges.
+/// At an eye that somebody chose.
+Standing stand_at(const SpaceGrid& grid, const Eigen::Vector3d& eye) {
+  const SpaceGrid::Ray down = grid.cast(eye, -Eigen::Vector3d::UnitY());
+  Standing standing{eye, eye.y() - kEyeHeightM};
+  if (down.hits && down.length_m < 3.0 * kEyeHeightM) {
+    const double floor = grid.top_of(grid.cell_of(eye - down.length_m * Eigen::Vector3d::UnitY()));
+    if (floor < eye.y() - 0.3) standing.floor = floor;
   }
-  return solid_ground;
+  return standing;
 }
 
-std::vector<Eigen::Vector2d> walkable_around(const SpaceGrid& grid, const Place& place) {
-  const double margin = std::max(kWallDistanceM, 0.5 * grid.cell_m());
-  std::vector<Eigen::Vector2d> corners;
-  for (int i = 0; i < kDirections; ++i) {
-    const Eigen::Vector3d direction = ahead(heading_of(i));
-    const double length = std::max(walk_length(grid, place, direction) - margin, 0.25);
-    const Eigen::Vector3d corner = place.eye + length * direction;
-    corners.emplace_back(corner.x(), corner.z());
-  }
-  return corners;
+std::vector<Eigen::Vector2d> square_around(const Eigen::Vector3d& eye, double half_side) {
+  const double x = eye.x();
+  const double z = eye.z();
+  return {{x - half_side, z - half_side},
+          {x + half_side, z - half_side},
+          {x + half_side, z + half_side},
+          {x - half_side, z + half_side}};
 }
 
 /// A ring around the object, cut open behind it: an area has one outline.
@@ -157,7 +133,7 @@ std::vector<Eigen::Vector2d> ring(const Eigen::Vector3d& middle, double inner, d
   return corners;
 }
 
-FoundSettings before_object(const Eigen::AlignedBox3d& bounds) {
+FoundSettings before_object(const Eigen::AlignedBox3d& bounds, const std::optional<Eigen::Vector3d>& eye) {
   constexpr double kDistanceByHeight = 1.3;  // Fits between tangents of -0.5 and 0.3: a wall 2.6 m high, 3 m away.
   constexpr double kDistanceByWidth = 0.8;
   constexpr double kUsualDistanceM = 2.5;  // Before an object of a man's size: there, steps are as long as they feel.
@@ -167,23 +143,28 @@ FoundSettings before_object(const Eigen::AlignedBox3d& bounds) {
       std::max({kDistanceByHeight * size.y(), kDistanceByWidth * size.x(), 0.1 * size.maxCoeff(), 1e-3});
   FoundSettings found;
   found.kind = SceneKind::kObject;
-  found.eye = {middle.x(), middle.y() + 0.1 * size.y(), bounds.max().z() + distance};
+  found.eye = eye.value_or(Eigen::Vector3d(middle.x(), middle.y() + 0.1 * size.y(), bounds.max().z() + distance));
   found.eye_height_m = std::max(found.eye.y() - bounds.min().y(), 1e-3);
   found.walking_scale = std::clamp(distance / kUsualDistanceM, 1e-4, 1e4);
   found.view_m = distance;
   const double around = 0.5 * std::hypot(size.x(), size.z());
-  const double eye_radius = 0.5 * size.z() + distance;
-  found.walkable = ring(middle, std::min(1.1 * around, 0.9 * eye_radius), std::max(around, eye_radius) + distance);
+  const double eye_radius = std::hypot(found.eye.x() - middle.x(), found.eye.z() - middle.z());
+  if (eye_radius > 0.1 * distance) {
+    found.walkable = ring(middle, std::min(1.1 * around, 0.9 * eye_radius), std::max(around, eye_radius) + distance);
+  } else {
+    found.walkable = square_around(found.eye, distance);
+  }
   return found;
 }
 
 FoundSettings standing_at(const SpaceGrid& grid, const Place& place, SceneKind kind) {
   FoundSettings found;
   found.kind = kind;
-  found.eye = place.eye;
+  found.eye = place.standing.eye;
   found.heading_rad = place.view_heading_rad;
-  found.eye_height_m = kEyeHeightM;
-  found.walkable = walkable_around(grid, place);
+  found.eye_height_m = place.standing.eye_height_m();
+  found.walkable = walkable_outline(grid, place.standing);
+  if (found.walkable.empty()) found.walkable = square_around(found.eye, 0.5);
   found.view_m = place.mean_m;
   found.ceiling_m = place.ceiling_m;
   found.free_m = std::min(place.nearest_m, 3.0);
@@ -204,15 +185,21 @@ Eigen::Vector3d irradiance(const Light& light, const Eigen::Vector3d& p) {
 
 }  // namespace
 
-FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds) {
+FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds,
+                            const std::optional<Eigen::Vector3d>& eye) {
   const Eigen::Vector3d size = bounds.sizes();
-  if (size.minCoeff() < kLeastPlaceM && std::min(size.x(), size.z()) < kLeastSiteM) return before_object(bounds);
+  if (size.minCoeff() < kLeastPlaceM && std::min(size.x(), size.z()) < kLeastSiteM) return before_object(bounds, eye);
   const SpaceGrid grid(model, bounds);
+  if (eye && bounds.contains(*eye)) {
+    const Place place = look_around(grid, stand_at(grid, *eye));
+    return standing_at(grid, place, place.is_room() ? SceneKind::kRoom : SceneKind::kSite);
+  }
+  if (eye) return before_object(bounds, eye);
   const BestPlaces best = find_places(grid);
   if (best.room) return standing_at(grid, *best.room, SceneKind::kRoom);
   const bool is_wide = std::min(size.x(), size.z()) >= std::max(kLeastSiteM, 0.7 * size.y());
   if (best.site && is_wide) return standing_at(grid, *best.site, SceneKind::kSite);
-  return before_object(bounds);
+  return before_object(bounds, std::nullopt);
 }
 
 void add_light(const FoundSettings& found, Scene* scene) {

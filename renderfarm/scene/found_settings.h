@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "renderfarm/scene/scene.h"
@@ -30,8 +31,10 @@ struct FoundSettings {
   double free_m = 0.0;                    ///< Rooms: nothing is nearer at eye height.
 };
 
-/// Precondition: `bounds` is bounds_of(model), not empty. In metres, y up. Reentrant.
-[[nodiscard]] FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds);
+/// `eye`, when somebody has chosen one, is kept, and the rest found around it. Precondition: `bounds` is
+/// bounds_of(model), not empty. In metres, y up. Reentrant.
+[[nodiscard]] FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds,
+                                          const std::optional<Eigen::Vector3d>& eye);
 
 /// Gives light to a scene that has none: the sky and a sun-like lamp outside and around objects, one lamp at the
 /// eye and one above in rooms. What shines by itself does not count: it lights nothing else.

@@ -26,6 +26,10 @@ Result<Model> import_checked(std::span<const std::byte> bytes, const std::option
   if (model.instances.empty()) context.notes.add("the file shows no triangles", "");
   if (model.materials.empty()) model.materials.emplace_back();
   model.notes = context.notes.sentences();
+  TRY_ASSIGN(const std::optional<GltfObject> asset, document.root().object("asset"));
+  if (asset) {
+    TRY_ASSIGN(model.credits, asset->text_or("copyright", ""));
+  }
   return model;
 }
 

@@ -102,6 +102,7 @@ struct Model {
   std::vector<Instance> instances;
   std::vector<Light> lights;
   std::vector<Viewpoint> viewpoints;
+  std::string credits;  ///< As the file states them; licences often ask that visitors can read them.
   /// What the file asked for and did not get, one sentence each: "KHR_materials_sheen is not supported: ignored".
   std::vector<std::string> notes;
 };

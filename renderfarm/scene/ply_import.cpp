@@ -116,7 +116,13 @@ Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& 
       TRY(read_body(PlyBinaryCursor<std::endian::native != std::endian::big>(file, header), header, &mesh));
       break;
   }
-  return std::move(mesh).finish();
+  Result<Model> model = std::move(mesh).finish();
+  if (model && !header.texture_file.empty()) {
+    model->notes.push_back(
+        fmt::format("the texture '{}' is not shown: PLY textures are not supported; convert it to glTF",
+                    printable(header.texture_file)));
+  }
+  return model;
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <new>
 #include <string_view>
 #include <system_error>
 
@@ -79,13 +81,18 @@ void light(const ScenePackage& package, const FoundSettings& found, Scene* scene
   if (!package_says) scene->ambient.setConstant(kShadow / static_cast<float>(scene->exposure));
 }
 
-/// A stop looks ahead; a camera that looks straight down keeps heading 0.
-std::vector<SceneTourStop> stops_at(const std::vector<Viewpoint>& viewpoints) {
-  std::vector<SceneTourStop> stops;
-  for (const Viewpoint& view : viewpoints) {
-    stops.push_back({view.name, view.eye, std::atan2(view.direction.x(), -view.direction.z())});
+/// A heading; a camera that looks straight down keeps heading 0.
+double heading_of(const Viewpoint& view) { return std::atan2(view.direction.x(), -view.direction.z()); }
+
+/// The cameras of the files are the tour of a package that has none, and the first one its start.
+void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoints) {
+  if (package->stops.empty()) {
+    for (const Viewpoint& view : viewpoints) package->stops.push_back({view.name, view.eye, heading_of(view)});
   }
-  return stops;
+  if (!package->start_eye && !viewpoints.empty()) {
+    package->start_eye = viewpoints.front().eye;
+    if (!package->start_heading_rad) package->start_heading_rad = heading_of(viewpoints.front());
+  }
 }
 
 /// What the package leaves open is found from the geometry.
@@ -96,15 +103,16 @@ Result<Scene> furnish(ScenePackage package, Model model, const std::filesystem::
   if (scene.bounds.isEmpty()) {
     return Error(ErrorCode::kBadData, fmt::format("'{}' holds no triangles: there is nothing to show", path.string()));
   }
-  const FoundSettings found = find_settings(scene.model, scene.bounds);
+  add_viewpoints(&package, scene.model.viewpoints);
+  const FoundSettings found = find_settings(scene.model, scene.bounds, package.start_eye);
   scene.info.title = std::move(package.title);
-  scene.info.credits = std::move(package.credits);
+  scene.info.credits = package.credits.empty() ? scene.model.credits : std::move(package.credits);
   scene.info.start_eye = package.start_eye.value_or(found.eye);
-  scene.info.start_heading_rad = package.start_heading_rad.value_or(package.start_eye ? 0.0 : found.heading_rad);
+  scene.info.start_heading_rad = package.start_heading_rad.value_or(found.heading_rad);
   scene.info.eye_height_m = package.eye_height_m.value_or(found.eye_height_m);
   scene.info.walking_scale = package.walking_scale.value_or(found.walking_scale);
   scene.info.walkable = package.walkable.empty() ? found.walkable : std::move(package.walkable);
-  scene.info.stops = package.stops.empty() ? stops_at(scene.model.viewpoints) : std::move(package.stops);
+  scene.info.stops = std::move(package.stops);
   scene.sky = package.sky.value_or(Sky{});
   scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());
   scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());
@@ -165,10 +173,16 @@ Result<Scene> load_scene(const std::filesystem::path& path, const ImportLimits& 
   if (is_folder && !std::filesystem::exists(file, error)) {
     return Error(ErrorCode::kNotFound, fmt::format("'{}' is no scene package: it has no scene.toml", path.string()));
   }
-  Result<Scene> scene =
-      file.extension() == ".toml" ? load_package(file, limits, progress) : load_file(file, limits, progress);
-  if (scene && progress) progress(1.0);
-  return scene;
+  const bool is_package = file.extension() == ".toml";
+  try {
+    Result<Scene> scene = is_package ? load_package(file, limits, progress) : load_file(file, limits, progress);
+    if (scene && progress) progress(1.0);
+    return scene;
+  } catch (const std::bad_alloc&) {
+    return Error(ErrorCode::kSystem, fmt::format("'{}': there is not enough memory; reduce the scene", path.string()));
+  } catch (const std::exception& e) {
+    return Error(ErrorCode::kBadData, fmt::format("'{}' cannot be read: {}", path.string(), e.what()));
+  }
 }
 
 std::uint64_t Scene::triangles_stored() const {

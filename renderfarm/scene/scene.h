@@ -59,7 +59,8 @@ using LoadProgress = std::function<void(double)>;
 
 /// Loads a scene package (a folder with scene.toml, or that file) or one geometry file (.glb .gltf .ply .obj), for
 /// which sensible settings are found from its bounds. The format is told by content, then by name.
-/// Errors as the importers' and Config's; kNotFound when `path` does not exist. Reentrant.
+/// Errors as the importers' and Config's; kNotFound when `path` does not exist; kSystem also when memory runs out.
+/// Reentrant.
 Result<Scene> load_scene(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress);
 
 }  // namespace cyclorama

@@ -9,6 +9,7 @@
 
 #include "common/base/text.h"
 #include "common/config/config.h"
+#include "renderfarm/scene/area.h"
 
 namespace cyclorama {
 namespace {
@@ -133,29 +134,6 @@ std::optional<Sky> read_sky(ConfigTable* root) {
              colour_of(table.numbers("ground", 3, kLight, none))};
 }
 
-double area_of(const std::vector<Eigen::Vector2d>& corners) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Eigen::Vector2d& a = corners[i];
-    const Eigen::Vector2d& b = corners[(i + 1) % corners.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return 0.5 * std::abs(twice);
-}
-
-/// Even-odd rule.
-bool is_inside(const std::vector<Eigen::Vector2d>& corners, const Eigen::Vector2d& place) {
-  bool inside = false;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Eigen::Vector2d& a = corners[i];
-    const Eigen::Vector2d& b = corners[(i + 1) % corners.size()];
-    if ((a.y() > place.y()) == (b.y() > place.y())) continue;
-    const double crossing = a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-    if (place.x() < crossing) inside = !inside;
-  }
-  return inside;
-}
-
 void read_visitor(ConfigTable table, ScenePackage* package) {
   package->eye_height_m = number_if_given(&table, "eye_height_m", {0.01, 100.0});
   package->walking_scale = number_if_given(&table, "walking_scale", {1e-4, 1e4});
@@ -167,6 +145,8 @@ void read_visitor(ConfigTable table, ScenePackage* package) {
                  fmt::format("has {} corners; at most {} are accepted", package->walkable.size(), kMostCorners));
   } else if (table.has("walkable_m") && !(area_of(package->walkable) > 0.0)) {
     table.refuse("walkable_m", "must be the [x, z] corners of an area: three or more, not all on a line");
+  } else if (table.has("walkable_m") && !package->start_eye) {
+    table.refuse("walkable_m", "needs a place to start in it; give [start] eye_m as well");
   } else if (package->start_eye && !package->walkable.empty() &&
              !is_inside(package->walkable, {package->start_eye->x(), package->start_eye->z()})) {
     table.refuse("walkable_m", "does not hold the start: [start] eye_m is outside of walkable_m; move one of them");

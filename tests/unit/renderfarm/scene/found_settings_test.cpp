@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "renderfarm/scene/area.h"
 #include "renderfarm/scene/assemble.h"
 
 namespace cyclorama {
@@ -41,23 +42,10 @@ Model model_of(std::vector<Mesh> meshes) {
 
 Box box(const Eigen::Vector3d& least, const Eigen::Vector3d& most) { return {least, most}; }
 
-/// Even-odd rule.
-bool contains(const std::vector<Eigen::Vector2d>& corners, const Eigen::Vector2d& p) {
-  bool inside = false;
-  for (std::size_t i = 0, k = corners.size() - 1; i < corners.size(); k = i++) {
-    const Eigen::Vector2d& a = corners[i];
-    const Eigen::Vector2d& b = corners[k];
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) {
-      inside = !inside;
-    }
-  }
-  return inside;
-}
-
 FoundSettings settings_of(const Model& model) {
-  const FoundSettings found = find_settings(model, bounds_of(model));
+  const FoundSettings found = find_settings(model, bounds_of(model), std::nullopt);
   EXPECT_GE(found.walkable.size(), 3u);
-  EXPECT_TRUE(contains(found.walkable, {found.eye.x(), found.eye.z()}));
+  EXPECT_TRUE(is_inside(found.walkable, {found.eye.x(), found.eye.z()}));
   EXPECT_TRUE(found.eye.allFinite());
   return found;
 }
@@ -111,11 +99,37 @@ TEST(FindSettings, an_object_of_any_size_is_seen_whole_and_one_can_walk_around_i
     EXPECT_GT(distance, 0.0);
     EXPECT_LT((size - found.eye.y()) / distance, 0.35);
     EXPECT_GT((0.0 - found.eye.y()) / distance, -0.55);
-    EXPECT_FALSE(contains(found.walkable, {0.4 * size, 0.3 * size})) << "in the object";
-    EXPECT_TRUE(contains(found.walkable, {0.4 * size + (found.eye.z() - 0.3 * size), 0.3 * size})) << "beside it";
+    EXPECT_FALSE(is_inside(found.walkable, {0.4 * size, 0.3 * size})) << "in the object";
+    EXPECT_TRUE(is_inside(found.walkable, {0.4 * size + (found.eye.z() - 0.3 * size), 0.3 * size})) << "beside it";
     EXPECT_GT(found.eye_height_m, 0.0);
     EXPECT_GT(found.walking_scale, 0.0);
   }
+}
+
+TEST(FindSettings, the_walkable_area_goes_round_corners_and_keeps_from_walls) {
+  // An L: a room of 10 x 10 m whose quarter beyond (5, 5) is a block.
+  const Mesh room = box_mesh(box({0, 0, 0}, {10, 3, 10}), true);
+  const Mesh block = box_mesh(box({5, 0, 5}, {10, 3, 10}), false);
+  const FoundSettings found = settings_of(model_of({room, block}));
+  EXPECT_TRUE(is_inside(found.walkable, {1.0, 9.0}));
+  EXPECT_TRUE(is_inside(found.walkable, {9.0, 1.0}));
+  EXPECT_FALSE(is_inside(found.walkable, {7.0, 7.0}));
+  EXPECT_FALSE(is_inside(found.walkable, {0.1, 5.0}));
+  EXPECT_NEAR(area_of(found.walkable), 61.0, 6.0);
+  EXPECT_LT(found.walkable.size(), 20u);
+}
+
+TEST(FindSettings, an_eye_that_somebody_chose_is_kept_and_can_walk) {
+  const Model model = model_of({box_mesh(box({0, 0, 0}, {6, 3, 6}), true)});
+  for (const Eigen::Vector3d& eye :
+       {Eigen::Vector3d(1, 1.2, 1), Eigen::Vector3d(0.05, 1.6, 3), Eigen::Vector3d(3, 2.9, 3),
+        Eigen::Vector3d(50, 1.6, 3), Eigen::Vector3d(3, 1.6, 3)}) {
+    const FoundSettings found = find_settings(model, bounds_of(model), eye);
+    EXPECT_EQ(found.eye, eye);
+    EXPECT_TRUE(is_inside(found.walkable, {eye.x(), eye.z()})) << eye.transpose();
+    EXPECT_GT(area_of(found.walkable), 0.5);
+  }
+  EXPECT_NEAR(find_settings(model, bounds_of(model), Eigen::Vector3d(1, 1.2, 1)).eye_height_m, 1.2, 0.05);
 }
 
 TEST(FindSettings, what_has_no_thickness_or_no_size_still_gets_a_view) {
@@ -133,7 +147,7 @@ TEST(AddLight, gives_rooms_lamps_and_objects_a_sky) {
   Scene room;
   room.model = model_of({box_mesh(box({0, 0, 0}, {6, 3, 6}), true)});
   room.bounds = bounds_of(room.model);
-  const FoundSettings in_room = find_settings(room.model, room.bounds);
+  const FoundSettings in_room = find_settings(room.model, room.bounds, std::nullopt);
   add_light(in_room, &room);
   EXPECT_GT(room.eye_lamp.x(), 0.0f);
   ASSERT_EQ(room.model.lights.size(), 1u);
@@ -141,7 +155,7 @@ TEST(AddLight, gives_rooms_lamps_and_objects_a_sky) {
   Scene object;
   object.model = model_of({box_mesh(box({0, 0, 0}, {1, 1, 1}), false)});
   object.bounds = bounds_of(object.model);
-  add_light(find_settings(object.model, object.bounds), &object);
+  add_light(find_settings(object.model, object.bounds, std::nullopt), &object);
   EXPECT_GT(object.sky.zenith.x(), 0.0f);
   ASSERT_EQ(object.model.lights.size(), 1u);
   EXPECT_LT(object.model.lights[0].direction.y(), 0.0) << "from above";
@@ -152,7 +166,7 @@ TEST(FindExposure, brings_any_lamp_to_the_same_picture) {
   Scene scene;
   scene.model = model_of({box_mesh(box({0, 0, 0}, {6, 3, 6}), true)});
   scene.bounds = bounds_of(scene.model);
-  const FoundSettings found = find_settings(scene.model, scene.bounds);
+  const FoundSettings found = find_settings(scene.model, scene.bounds, std::nullopt);
   EXPECT_EQ(find_exposure(found, scene), 1.0) << "no lamp";
   Light lamp;
   lamp.position = {3, 2.8, 3};

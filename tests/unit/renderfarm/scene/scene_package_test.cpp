@@ -155,6 +155,7 @@ TEST_F(ScenePackageTest, mistakes_name_their_line) {
               HasSubstr("must be below outer_cone_deg"));
   EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[9,0],[9,9]]\n[start]\neye_m = [0, 1.6, 5]\n"),
               HasSubstr("outside of walkable_m"));
+  EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[9,0],[9,9]]\n"), HasSubstr("give [start] eye_m"));
 }
 
 }  // namespace

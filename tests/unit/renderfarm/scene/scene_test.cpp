@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "renderfarm/scene/area.h"
 #include "renderfarm/scene/assemble.h"
 #include "tests/doubles/model_invariants.h"
 #include "tests/doubles/shared_data.h"
@@ -164,6 +165,18 @@ TEST(Assemble, a_lamp_in_a_globe_shines_from_around_it) {
   EXPECT_EQ(model.lights[1].radius_m, 0.0);
 }
 
+TEST(Scenes, cameras_of_a_file_are_its_tour_and_its_copyright_the_credits) {
+  CYCLORAMA_SHARED_DATA(file, "scenes/grotto_thousand_buddhas.glb");
+  const auto scene = load_scene(file, {}, nullptr);
+  ASSERT_TRUE(scene.has_value()) << scene.error().message();
+  ASSERT_EQ(scene->info.stops.size(), 6u);
+  EXPECT_EQ(scene->info.stops[0].title, "tour_stop_0");
+  EXPECT_EQ(scene->info.start_eye, scene->info.stops[0].eye);
+  EXPECT_THAT(scene->info.credits, HasSubstr("CC BY 4.0"));
+  // They walk along the cave, which lies along +z: heading 180 degrees, more or less.
+  for (const SceneTourStop& stop : scene->info.stops) EXPECT_LT(std::cos(stop.heading_rad), -0.9);
+}
+
 TEST(Scenes, every_real_scene_and_relic_loads_with_a_visitor_in_it) {
   for (const char* const folder_name : {"scenes", "relics"}) {
     CYCLORAMA_SHARED_DATA(folder, folder_name);
@@ -176,6 +189,7 @@ TEST(Scenes, every_real_scene_and_relic_loads_with_a_visitor_in_it) {
       EXPECT_GT(scene->triangles_stored(), 1000u);
       EXPECT_GE(scene->info.walkable.size(), 3u);
       EXPECT_TRUE(scene->info.start_eye.allFinite());
+      EXPECT_TRUE(is_inside(scene->info.walkable, {scene->info.start_eye.x(), scene->info.start_eye.z()}));
       EXPECT_LT(scene->bounds.sizes().maxCoeff(), 100.0) << "in metres";
       const bool is_site = std::string(folder_name) == "scenes";
       EXPECT_EQ(scene->bounds.contains(scene->info.start_eye), is_site) << entry.path();

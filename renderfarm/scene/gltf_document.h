@@ -8,6 +8,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "common/base/result.h"
 #include "renderfarm/scene/gltf_context.h"

@@ -6,7 +6,9 @@
 #include <draco/metadata/metadata_decoder.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <cstring>
+#include <limits>
 #include <string>
 
 #include "common/base/text.h"

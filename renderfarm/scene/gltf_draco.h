@@ -2,6 +2,7 @@
 /// KHR_draco_mesh_compression, by libdraco.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "common/base/result.h"
 #include "renderfarm/scene/gltf_context.h"

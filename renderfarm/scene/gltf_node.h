@@ -22,8 +22,8 @@ struct GltfForest {
 /// kBadData  a loop, a node with two parents, or a scene that names a node which is not a root.
 Result<GltfForest> read_gltf_forest(const GltfDocument& document);
 
-/// Fills instances, lights and viewpoints, and through `meshes` all that they need. A file of meshes without any node shows each
-/// mesh once.
+/// Fills instances, lights and viewpoints, and through `meshes` all that they need. A file of meshes without any node
+/// shows each mesh once.
 Status show_gltf_scene(GltfDocument* document, GltfContext* context, GltfMeshes* meshes, Model* ret_model);
 
 }  // namespace cyclorama

@@ -19,6 +19,7 @@ namespace {
 // The only one that the extension allows.
 constexpr int kBitstreamMajor = 2;
 constexpr int kBitstreamMinor = 2;
+constexpr std::uint16_t kBitstream = DRACO_BITSTREAM_VERSION(kBitstreamMajor, kBitstreamMinor);
 // libdraco 1.5.5 takes 45 bytes for each triangle of a scanned cave (595 k of them, positions only; peak of the process
 // less what stays); more than twice that leaves room for other attributes.
 constexpr std::size_t kWorkBytesPerTriangle = 120;
@@ -45,7 +46,7 @@ std::optional<AnnouncedSize> announced_size(std::span<const std::byte> bytes) {
       type != draco::TRIANGULAR_MESH || method > draco::MESH_EDGEBREAKER_ENCODING) {
     return std::nullopt;
   }
-  buffer.set_bitstream_version(DRACO_BITSTREAM_VERSION(major, minor));
+  buffer.set_bitstream_version(kBitstream);
   draco::GeometryMetadata metadata;
   if ((flags & METADATA_FLAG_MASK) != 0 && !draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) {
     return std::nullopt;

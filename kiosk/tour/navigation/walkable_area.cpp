@@ -158,8 +158,19 @@ bool WalkableArea::find_place_near(const Vector2d& place, Vector2d* ret_found) c
 }
 
 bool WalkableArea::find_some_place() {
+  // Beside an edge, ever farther along its normal: few questions, since a hostile polygon has none to find.
   for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
-    if (find_place_near(0.5 * (corners_[i] + corners_[j]), &some_place_)) return true;
+    const Vector2d edge = corners_[i] - corners_[j];
+    if (edge.norm() <= 0.0) continue;
+    const Vector2d normal = Vector2d(-edge.y(), edge.x()).normalized();
+    for (const double along : {0.5, 0.2, 0.8}) {
+      for (double distance = 1.01 * margin_m_; distance < size_m_; distance *= 2.0) {
+        for (const double side : {distance, -distance}) {
+          some_place_ = corners_[j] + along * edge + side * normal;
+          if (allows(some_place_)) return true;
+        }
+      }
+    }
   }
   return false;
 }

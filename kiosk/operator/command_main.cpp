@@ -124,7 +124,7 @@ void record_span(const Options& options, Recording* recording, RecordedSpan* spa
   }
   // Counted up to the newest answer of the tour.
   span->seconds = to_seconds(SteadyClock().now() - begin);
-  span->frames = recording->frames() - frames_before;
+  span->frames = std::max(0.0, recording->frames() - frames_before);
 }
 
 Status record(const Options& options, std::vector<ProcessLink> links, const StopSignal& stop) {

@@ -61,9 +61,9 @@ void judge_picture(const Recording& recording, const std::string& name, const ch
   }
 }
 
-void judge_pictures(const Recording& recording, std::vector<std::string>* problems) {
-  judge_picture(recording, "panorama", "display", true, problems);
-  judge_picture(recording, "wall", "simulated-room", true, problems);
+void judge_pictures(const Recording& recording, bool moves, std::vector<std::string>* problems) {
+  judge_picture(recording, "panorama", "display", moves, problems);
+  judge_picture(recording, "wall", "simulated-room", moves, problems);
   judge_picture(recording, "camera", "tracker", false, problems);
   bool projectors = false;
   for (const auto& [key, picture] : recording.pictures()) {
@@ -110,7 +110,7 @@ std::vector<std::string> problems_of(const Recording& recording, const RecordedS
     problems.push_back(fmt::format("{:.0f} frames were presented in {:.1f} s; at least {:.0f} were expected",
                                    span.frames, span.seconds, span.frames_wanted));
   }
-  judge_pictures(recording, &problems);
+  judge_pictures(recording, span.frames > 0.0, &problems);  // Without frames, a still wall is no news.
   if (const wire::ProcessStatus* const tour = recording.status_of("tour");
       tour != nullptr && is_watched(recording, "tracker")) {
     const bool posed = std::any_of(tour->stages().begin(), tour->stages().end(),

@@ -13,6 +13,8 @@ extern "C" {
 
 #include <algorithm>
 
+#include "appliance/tracker/corner_refinement.h"
+
 namespace cyclorama {
 namespace {
 
@@ -89,18 +91,18 @@ Result<TagDetector> TagDetector::create(const DetectorSettings& settings) {
   library->detector->nthreads = settings.threads;
   library->detector->quad_decimate = static_cast<float>(settings.decimate);
   library->detector->refine_edges = settings.refine_edges;
-  return TagDetector(std::move(library), settings.least_margin, settings.decimate);
+  return TagDetector(std::move(library), settings);
 }
 
-TagDetector::TagDetector(std::unique_ptr<Library> library, double least_margin, double decimate)
-    : library_(std::move(library)), least_margin_(least_margin), decimate_(decimate) {}
+TagDetector::TagDetector(std::unique_ptr<Library> library, DetectorSettings settings)
+    : library_(std::move(library)), settings_(std::move(settings)) {}
 TagDetector::TagDetector(TagDetector&&) noexcept = default;
 TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 TagDetector::~TagDetector() = default;
 
 Result<std::vector<TagDetection>> TagDetector::detect(const GreyImage& picture) {
   std::vector<TagDetection> tags;
-  if (std::min(picture.width(), picture.height()) < kLeastSidePx * decimate_) return tags;
+  if (std::min(picture.width(), picture.height()) < kLeastSidePx * settings_.decimate) return tags;
   if (std::max(picture.width(), picture.height()) > kLongestSidePx) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("a picture of {}x{} pixels; the longest side that can be searched "
@@ -118,7 +120,10 @@ Result<std::vector<TagDetection>> TagDetector::detect(const GreyImage& picture) 
                      corners_of(*detection)};
     const bool finite =
         std::all_of(tag.corners.begin(), tag.corners.end(), [](const auto& c) { return c.allFinite(); });
-    if (finite && tag.margin >= least_margin_) tags.push_back(tag);
+    if (finite && tag.margin >= settings_.least_margin) {
+      if (settings_.refine_corners) tag.corners = refine_corners(picture, tag.corners, library_->tags->width_at_border);
+      tags.push_back(tag);
+    }
   }
   std::sort(tags.begin(), tags.end(), [](const TagDetection& a, const TagDetection& b) {
     return doubled_area_px2(a.corners) > doubled_area_px2(b.corners);

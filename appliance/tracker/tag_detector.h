@@ -15,11 +15,12 @@ namespace cyclorama {
 /// What the detector trades. The curve "decimation against tags found and milliseconds" is in docs/design/tracker.md.
 struct DetectorSettings {
   std::string family = "tag36h11";  ///< One of tag_families().
-  double decimate = 1.5;            ///< Quads are sought in a picture this many times smaller: 1 to 8.
+  double decimate = 2.0;            ///< Quads are sought in a picture this many times smaller: 1 to 8.
   int threads = 1;                  ///< 1 to 16.
   bool refine_edges = true;         ///< Snaps edges to the full picture's gradients; wanted with any decimation.
-  int most_hamming = 0;             ///< Wrong bits that are corrected: 0, 1 or 2. With each, clutter looks more like tags.
-  double least_margin = 20.0;       ///< Mean contrast between a bit and its threshold, in grey levels.
+  bool refine_corners = true;       ///< Then to a few hundredths of a pixel: corner_refinement.h.
+  int most_hamming = 0;        ///< Wrong bits that are corrected: 0, 1 or 2. With each, clutter looks more like tags.
+  double least_margin = 20.0;  ///< Mean contrast between a bit and its threshold, in grey levels.
 };
 
 /// "tag36h11", "tag25h9", "tag16h5", ...
@@ -52,10 +53,9 @@ class TagDetector {
 
  private:
   struct Library;
-  TagDetector(std::unique_ptr<Library> library, double least_margin, double decimate);
+  TagDetector(std::unique_ptr<Library> library, DetectorSettings settings);
   std::unique_ptr<Library> library_;
-  double least_margin_;
-  double decimate_;
+  DetectorSettings settings_;
 };
 
 /// Twice the signed area of the quadrilateral, positive when its corners go clockwise in the picture.

@@ -35,6 +35,7 @@ void read_detector(ConfigTable detector, DetectorSettings* ret) {
   ret->decimate = detector.number("decimate", {1, 8}, ret->decimate);
   ret->threads = detector.integer("threads", {1, 16}, ret->threads);
   ret->refine_edges = detector.flag("refine_edges", ret->refine_edges);
+  ret->refine_corners = detector.flag("refine_corners", ret->refine_corners);
   ret->most_hamming = detector.integer("most_hamming", {0, 2}, ret->most_hamming);
   ret->least_margin = detector.number("least_margin_grey", {0, 255}, ret->least_margin);
 }
@@ -59,9 +60,8 @@ Result<TrackerSettings> from_config(Config* config) {
   read_tag(root.table("tag"), &settings);
   read_detector(root.table("detector"), &settings.detector);
   read_filter(root.table("filter"), &settings.tracking);
-  ConfigTable wire = root.table("wire");
-  settings.tour = wire.text("tour", settings.tour);
-  settings.listen = wire.text("listen", settings.listen);
+  settings.tour = root.text("tour", settings.tour);
+  settings.listen = root.text("listen", settings.listen);
   TRY(config->finish());
   return settings;
 }

@@ -36,7 +36,7 @@ class HandPath {
   /// kInvalidArgument  no key, a number that is not finite, times that do not grow, or a loop that ends before the
   /// last.
   static Result<HandPath> make(std::vector<KeyPose> keys, std::optional<double> loop_s);
-  /// What the demo replays, 28 s: stand, walk on, turn right, walk, turn left, step aside, back.
+  /// What the demo replays, 28 s: stand, walk on, turn right, walk on, turn left, step to the right, step back.
   static HandPath demo();
 
   /// Any time, also before the first key; a time that is not finite is the first key's.

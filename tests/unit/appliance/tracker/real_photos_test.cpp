@@ -44,6 +44,7 @@ double distance_px(const std::vector<TagDetection>& found, int id, const Corners
 DetectorSettings thorough() {
   DetectorSettings settings;
   settings.decimate = 1.0;
+  settings.refine_corners = false;  // The lists have the library's own corners.
   settings.most_hamming = 2;
   settings.least_margin = 0.0;
   return settings;

@@ -27,6 +27,8 @@ TEST(TrackerSettings, has_the_demo_s_values_when_nothing_is_said) {
 
 TEST(TrackerSettings, reads_every_key) {
   const auto settings = TrackerSettings::parse(R"(
+    tour = "[::1]:1"
+    listen = "[::1]:2"
     [camera]
     source = "file:photos"
     name = "left"
@@ -40,6 +42,7 @@ TEST(TrackerSettings, reads_every_key) {
     decimate = 2.5
     threads = 2
     refine_edges = false
+    refine_corners = false
     most_hamming = 1
     least_margin_grey = 33
     [filter]
@@ -49,9 +52,6 @@ TEST(TrackerSettings, reads_every_key) {
     rotation_cutoff_hz_per_rad_s = 6
     corner_noise_px = 0.3
     memory_s = 2
-    [wire]
-    tour = "[::1]:1"
-    listen = "[::1]:2"
   )",
                                                "tracker.toml");
   ASSERT_TRUE(settings.has_value()) << settings.error().message();
@@ -63,6 +63,7 @@ TEST(TrackerSettings, reads_every_key) {
   EXPECT_EQ(settings->detector.decimate, 2.5);
   EXPECT_EQ(settings->detector.threads, 2);
   EXPECT_FALSE(settings->detector.refine_edges);
+  EXPECT_FALSE(settings->detector.refine_corners);
   EXPECT_EQ(settings->detector.most_hamming, 1);
   EXPECT_EQ(settings->detector.least_margin, 33.0);
   EXPECT_EQ(settings->tracking.position.least_cutoff_hz, 3.0);

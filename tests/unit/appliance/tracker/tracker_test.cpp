@@ -85,7 +85,7 @@ TEST_F(TrackerTest, sends_a_pose_for_each_picture_with_its_stages) {
     EXPECT_EQ(pose.camera(), "left");
     ASSERT_TRUE(pose.found());
     EXPECT_EQ(pose.tag(), 0U);
-    EXPECT_NEAR(pose.position_m().z(), 0.8, 0.1);
+    EXPECT_NEAR(pose.position_m().z(), 1.0, 0.1);
     EXPECT_GT(pose.shutter_ns(), 0);
     const double norm = pose.rotation_w() * pose.rotation_w() + pose.rotation_x() * pose.rotation_x() +
                         pose.rotation_y() * pose.rotation_y() + pose.rotation_z() * pose.rotation_z();

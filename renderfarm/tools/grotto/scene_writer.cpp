@@ -14,7 +14,7 @@ std::string list(const Vec3& v) { return fmt::format("[{:.4g}, {:.4g}, {:.4g}]",
 
 constexpr const char* kRoom = R"(unit_m = 1.0
 up = "y"
-exposure = 1.15
+exposure = 1.5
 
 [start]
 eye_m = [0.0, 1.6, 3.1]
@@ -24,11 +24,6 @@ heading_deg = 0.0
 eye_height_m = 1.6
 walking_scale = 1.0
 walkable_m = [[-8.1, 0.3], [8.1, 0.3], [8.1, 3.1], [0.8, 3.1], [0.8, 4.6], [-0.8, 4.6], [-0.8, 3.1], [-8.1, 3.1]]
-
-[sky]
-zenith = [0.01, 0.012, 0.016]
-horizon = [0.01, 0.012, 0.016]
-ground = [0.004, 0.004, 0.004]
 
 [light]
 ambient = [0.12, 0.105, 0.095]

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <httplib.h>
+#include <sys/socket.h>
 
 #include <type_traits>
 
@@ -77,6 +78,11 @@ void set_limits(httplib::Server& server) {
   server.set_keep_alive_max_count(1000);
   server.set_payload_max_length(kMostBodyBytes);
   server.set_tcp_nodelay(true);
+  // Instead of httplib's SO_REUSEPORT, with which two operators on one port would share the visitors at random.
+  server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
   server.set_default_headers({{"Cache-Control", "no-store"},
                               {"X-Content-Type-Options", "nosniff"},
                               {"Referrer-Policy", "no-referrer"},

@@ -2,6 +2,7 @@
 /// The page over real HTTP, with processes that only show themselves.
 #include "kiosk/operator/page_server.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
@@ -154,6 +155,13 @@ TEST(PageServer, refuses_an_address_that_is_none_or_taken) {
   const auto taken = PageServer::start(other.address(), op.watch.get());
   ASSERT_FALSE(taken);
   EXPECT_EQ(taken.error().code(), ErrorCode::kBusy);
+}
+
+TEST(PageServer, refuses_a_port_where_another_operator_listens) {
+  Operator op;
+  const auto second = PageServer::start(fmt::format("[::1]:{}", op.page->port()), op.watch.get());
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code(), ErrorCode::kBusy);
 }
 
 }  // namespace

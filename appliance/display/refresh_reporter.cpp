@@ -36,12 +36,18 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
   wire::FramePresented report;
   report.set_view_number(event.frame_number);
   report.set_presented_ns(to_nanoseconds(shown_at));
-  const auto add_stage = [&](const char* name, Duration duration) {
-    inspection_.add_stage_time(name, duration);
+  const auto report_stage = [&](const char* name, Duration duration) {
     wire::StageTime* const stage = report.add_stages();
     stage->set_name(name);
     stage->set_seconds(to_seconds(duration));
   };
+  const auto add_stage = [&](const char* name, Duration duration) {
+    inspection_.add_stage_time(name, duration);
+    report_stage(name, duration);
+  };
+  if (event.heading_shutter_ns != 0) {
+    report_stage("heading_to_photon", shown_at - from_nanoseconds(event.heading_shutter_ns));
+  }
   add_stage("decode", event.decoded_at - event.begun_at);
   add_stage("wait", event.drawing_at - event.decoded_at);
   add_stage("draw", shown_at - event.drawing_at);

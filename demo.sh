@@ -14,32 +14,41 @@
 #   --camera SPEC     the tag camera: simulated (default), file:PHOTO, file:VIDEO
 #   --port N          of the page (8080)
 set -euo pipefail
+called_from=$PWD
 cd "$(dirname "$(readlink -f "$0")")"
 started=$(date +%s.%N)
 
 headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 size=768x288 samples=1 camera="" page_port=8080
 usage() { sed -n '3,15s/^# \{0,1\}//p' "$0"; }
+here() { [[ $1 = /* ]] && echo "$1" || echo "$called_from/$1"; }  # A path as the caller meant it.
 need() { [ $# -ge 2 ] || { echo "demo.sh: $1 needs a value; see --help" >&2; exit 2; }; }
 while [ $# -gt 0 ]; do
   case "$1" in
     --headless) headless=1; shift ;;
     --seconds) need "$@"; seconds=$2; shift 2 ;;
-    --out) need "$@"; out=$2; shift 2 ;;
-    --scene) need "$@"; scene=$2; shift 2 ;;
+    --out) need "$@"; out=$(here "$2"); shift 2 ;;
+    --scene) need "$@"; scene=$(here "$2"); shift 2 ;;
     --triangles) need "$@"; triangles=$2; shift 2 ;;
     --seed) need "$@"; seed=$2; shift 2 ;;
     --nodes) need "$@"; nodes=$2; shift 2 ;;
     --size) need "$@"; size=$2; shift 2 ;;
     --samples) need "$@"; samples=$2; shift 2 ;;
-    --camera) need "$@"; camera=$2; shift 2 ;;
+    --camera) need "$@"; camera=$2; [[ $camera != *:* ]] || camera=${camera%%:*}:$(here "${camera#*:}"); shift 2 ;;
     --port) need "$@"; page_port=$2; shift 2 ;;
     -h|--help) usage; exit 0 ;;
     *) echo "demo.sh: '$1' is not an option; see --help" >&2; exit 2 ;;
   esac
 done
-for number in "seconds=$seconds" "triangles=$triangles" "seed=$seed" "nodes=$nodes" "samples=$samples" "port=$page_port"; do
-  [[ ${number#*=} =~ ^[0-9]+$ ]] || { echo "demo.sh: --${number%%=*} must be a whole number, not '${number#*=}'" >&2; exit 2; }
-done
+whole() {  # OPTION VALUE LEAST MOST
+  [[ $2 =~ ^(0|[1-9][0-9]{0,8})$ ]] && [ "$2" -ge "$3" ] && [ "$2" -le "$4" ] && return
+  echo "demo.sh: $1 must be a whole number from $3 to $4, not '$2'" >&2; exit 2
+}
+whole --seconds "$seconds" 1 86400
+whole --triangles "$triangles" 10000 60000000
+whole --seed "$seed" 0 999999999
+whole --nodes "$nodes" 1 64
+whole --samples "$samples" 1 4096
+whole --port "$page_port" 1 65535
 [[ $size =~ ^[0-9]+x[0-9]+$ ]] || { echo "demo.sh: --size must be WIDTHxHEIGHT, not '$size'" >&2; exit 2; }
 [ "$headless" = 0 ] || [ -n "$out" ] || { echo "demo.sh: --headless needs --out DIR" >&2; exit 2; }
 [ -z "$scene" ] || [ -e "$scene" ] || { echo "demo.sh: no such scene: $scene" >&2; exit 2; }
@@ -48,17 +57,20 @@ scripts/install-packages build
 build=${CYCLORAMA_BUILD:-build/release}
 if [ -z "${CYCLORAMA_BUILD:-}" ]; then
   tests=ON; dpkg-query -W -f='${db:Status-Status}' libgmock-dev 2>/dev/null | grep -q '^installed' || tests=OFF
-  cmake --preset release -DCYCLORAMA_TESTS=$tests >/dev/null
-  cmake --build --preset release --target programs
+  mkdir -p build
+  ( flock 9; cmake --preset release -DCYCLORAMA_TESTS=$tests >/dev/null; cmake --build --preset release --target programs ) 9>build/demo.lock
 fi
 program() { echo "$build/bin/$1"; }
 
 run_dir=$(mktemp -d "${TMPDIR:-/tmp}/cyclorama-demo.XXXXXX")
 mkdir "$run_dir/log"
 declare -A pids
+recorder=""
 stop_all() {
-  trap - EXIT INT TERM
+  trap - EXIT
+  trap '' INT TERM
   for name in "${!pids[@]}"; do kill -TERM "${pids[$name]}" 2>/dev/null || true; done
+  [ -z "$recorder" ] || kill -TERM "$recorder" 2>/dev/null || true
   for name in "${!pids[@]}"; do
     for _ in $(seq 50); do kill -0 "${pids[$name]}" 2>/dev/null || break; sleep 0.1; done
     if kill -KILL "${pids[$name]}" 2>/dev/null; then echo "demo.sh: $name did not stop within 5 s" >&2; failed=1; fi
@@ -67,7 +79,7 @@ stop_all() {
 failed=0
 finish() { local code=$?; stop_all; rm -rf "$run_dir"; [ $code -ne 0 ] || code=$failed; exit $code; }
 trap finish EXIT
-trap 'exit 0' INT TERM
+trap 'exit $((headless * 130))' INT TERM  # A recording that was broken off did not work; a visit just ends.
 
 start() {  # NAME PROGRAM ARGUMENTS...
   local name=$1 path; path=$(program "$2"); shift 2
@@ -85,12 +97,19 @@ check_alive() {
 
 if [ -z "$scene" ]; then
   scene=build/grottoes/$triangles-$seed
-  [ -f "$scene/scene.toml" ] || { mkdir -p build/grottoes; "$(program cyclorama-grotto)" --triangles "$triangles" --seed "$seed" --out "$scene"; }
+  mkdir -p build/grottoes
+  ( flock 9; [ -f "$scene/scene.toml" ] || "$(program cyclorama-grotto)" --triangles "$triangles" --seed "$seed" --out "$scene" ) 9>build/grottoes/demo.lock
 fi
 
-# A block of ports that nobody listens on, so that two demos do not meet.
-port=$((20000 + RANDOM % 20000))
-while grep -qiE ":($(for i in $(seq 0 7); do printf '%04X|' $((port + i)); done)FFFFF) " /proc/net/tcp6; do port=$((port + 8)); done
+taken() {  # PORT COUNT: does anybody listen on one of them?
+  grep -qE "^ *[0-9]+: [0-9A-F]+:($(seq "$1" $(($1 + $2 - 1)) | xargs printf '|%04X' | cut -c2-)) [0-9A-F:]+ 0A " /proc/net/tcp6
+}
+if [ "$headless" = 0 ] && taken "$page_port" 1; then
+  echo "demo.sh: port $page_port is in use, perhaps by another demo; choose one with --port N" >&2; exit 1
+fi
+# A block of ports that nobody listens on, so that two demos do not meet; below those that the system hands out itself.
+port=$((20000 + RANDOM % 12000))
+while taken $port 8; do port=$((20000 + RANDOM % 12000)); done
 at() { echo "[::1]:$((port + $1))"; }
 watch=(--watch "tour=$(at 2)" --watch "display=$(at 3)" --watch "tracker=$(at 4)" --watch "simulated-room=$(at 5)" --watch "head=$(at 6)")
 
@@ -105,8 +124,14 @@ start tracker cyclorama-tracker --camera "${camera:-simulated}" --decimate 2 --t
 if [ "$headless" = 1 ]; then
   mkdir -p "$out"
   status=0
-  "$(program cyclorama)" record --seconds "$seconds" --out "$out" --started "$started" "${watch[@]}" || status=$?
-  check_alive || status=1
+  "$(program cyclorama)" record --seconds "$seconds" --out "$out" --started "$started" "${watch[@]}" &
+  recorder=$!
+  # The recorder would wait long for the first picture of a visit of which a part has ended.
+  while kill -0 "$recorder" 2>/dev/null; do
+    check_alive || { status=1; kill -TERM "$recorder" 2>/dev/null || true; break; }
+    sleep 0.5
+  done
+  wait "$recorder" || status=1
   mkdir -p "$out/log" && cp "$run_dir"/log/*.log "$out/log/"
   exit $status
 fi

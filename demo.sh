@@ -77,7 +77,14 @@ stop_all() {
   done
 }
 failed=0
-finish() { local code=$?; stop_all; rm -rf "$run_dir"; [ $code -ne 0 ] || code=$failed; exit $code; }
+finish() {
+  local code=$?
+  [ "$BASHPID" = $$ ] || exit $code  # A child that is stopped before it became its program.
+  stop_all
+  rm -rf "$run_dir"
+  [ $code -ne 0 ] || code=$failed
+  exit $code
+}
 trap finish EXIT
 trap 'exit $((headless * 130))' INT TERM  # A recording that was broken off did not work; a visit just ends.
 
@@ -93,6 +100,8 @@ check_alive() {
     echo "demo.sh: $name ended; the end of its log:" >&2; tail -n 12 "$run_dir/log/$name.log" >&2
     return 1
   done
+  # All nodes are on this machine: what one cannot load, none can.
+  if grep -m1 "cannot load scene" "$run_dir/log/head.log" >&2; then return 1; fi
 }
 
 if [ -z "$scene" ]; then

@@ -281,6 +281,9 @@ const keyWishes = { ArrowUp: "forward+", KeyW: "forward+", ArrowDown: "forward-"
   ArrowLeft: "turn-", KeyQ: "turn-", ArrowRight: "turn+", KeyE: "turn+" };
 const held = new Map();  // What is held (a key's or button's name) to its wish.
 let steering = null;
+let isSending = false;
+let sendAgain = false;
+const steerNote = byId("steer-note").textContent;
 
 const buttonWish = (button) => {
   const [axis, value] = Object.entries(button.dataset)[0];
@@ -290,7 +293,14 @@ function markHeld() {
   const wishes = new Set(held.values());
   for (const button of document.querySelectorAll(".pad button")) button.classList.toggle("held", wishes.has(buttonWish(button)));
 }
+// One request at a time, always with what is held now: an old wish never arrives after a newer one, and a tour that hangs
+// does not take the browser's connections from the pictures.
 async function sendWish() {
+  if (isSending) {
+    sendAgain = true;
+    return;
+  }
+  isSending = true;
   const wish = { forward: 0, right: 0, turn: 0 };
   for (const name of new Set(held.values())) wish[name.slice(0, -1)] += name.endsWith("+") ? 1 : -1;
   const note = byId("steer-note");
@@ -299,10 +309,15 @@ async function sendWish() {
                                            signal: AbortSignal.timeout(2000) });
     if (!answer.ok) throw new Error((await answer.json()).error);
     note.classList.remove("wrong");
+    note.textContent = steerNote;
   } catch (problem) {
     note.classList.add("wrong");
     note.textContent = `The tour was not reached, so nothing moves: ${problem.message}`;
   }
+  isSending = false;
+  if (!sendAgain) return;
+  sendAgain = false;
+  sendWish();
 }
 function hold(what, wish) {
   held.set(what, wish);

@@ -154,7 +154,7 @@ void Tour::on_displays_changed() { wake(); }
 
 void Tour::on_presented(const wire::FramePresented& presented) { log_.add_presented(presented, SteadyClock().now()); }
 
-void Tour::on_dropped(const wire::FrameDropped& dropped) { log_.add_dropped(dropped.reason()); }
+void Tour::on_dropped(const wire::FrameDropped& dropped) { log_.add_not_shown(dropped); }
 
 void Tour::on_opened(const wire::SceneDescription& scene) {
   {

@@ -56,7 +56,7 @@ void VisitLog::add_pose(const wire::TrackedPose& pose) {
 void VisitLog::add_view(const wire::View& view, TimePoint now, std::optional<TimePoint> pose_received_at) {
   const std::lock_guard lock(mutex_);
   if (pose_received_at) inspection_.add_stage_time("steer", now - *pose_received_at);
-  sent_[view.number()] = {view.shutter_ns(), now, false};
+  sent_[view.number()] = {view.shutter_ns(), now, false, false};
   if (sent_.size() > kMostSent) sent_.erase(sent_.begin());
 }
 
@@ -69,7 +69,7 @@ void VisitLog::add_end(const wire::FrameEnd& end, TimePoint now) {
   const std::lock_guard lock(mutex_);
   const double bytes = std::exchange(frame_bytes_, 0.0);
   if (!end.complete()) {
-    drop(end.reason().empty() ? "the farm gave no reason" : end.reason(), 1);
+    drop_view(end.view_number(), end.reason().empty() ? "the farm gave no reason" : end.reason());
     return;
   }
   completed_at_ = now;
@@ -102,6 +102,17 @@ void VisitLog::add_presented(const wire::FramePresented& presented, TimePoint no
 void VisitLog::add_dropped(const std::string& reason, std::uint64_t frames) {
   const std::lock_guard lock(mutex_);
   drop(reason, frames);
+}
+
+void VisitLog::add_not_shown(const wire::FrameDropped& dropped) {
+  const std::lock_guard lock(mutex_);
+  drop_view(dropped.view_number(), dropped.reason());
+}
+
+void VisitLog::drop_view(std::uint64_t number, const std::string& reason) {
+  const auto sent = sent_.find(number);
+  if (sent != sent_.end() && std::exchange(sent->second.dropped, true)) return;
+  drop(reason, 1);
 }
 
 void VisitLog::drop(const std::string& reason, std::uint64_t frames) {

@@ -38,6 +38,9 @@ class VisitLog {
   /// A frame counts once, however many displays show it.
   void add_presented(const wire::FramePresented& presented, TimePoint now);
   void add_dropped(const std::string& reason, std::uint64_t frames = 1);
+  /// A display did not show this view's frame. A frame counts once: not for each display, nor again when the farm gave
+  /// it up before.
+  void add_not_shown(const wire::FrameDropped& dropped);
   /// Brings the gauges that fade with time up to date.
   void refresh(TimePoint now);
 
@@ -50,10 +53,12 @@ class VisitLog {
     std::int64_t shutter_ns = 0;
     TimePoint asked_at{};
     bool presented = false;
+    bool dropped = false;
   };
   void add_stages(const google::protobuf::RepeatedPtrField<wire::StageTime>& stages);
   [[nodiscard]] double rate(TimePoint now);
   void drop(const std::string& reason, std::uint64_t frames);
+  void drop_view(std::uint64_t number, const std::string& reason);
 
   InspectionService& inspection_;
   mutable std::mutex mutex_;  ///< Guards the following.

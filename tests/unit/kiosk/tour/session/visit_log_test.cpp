@@ -99,6 +99,31 @@ TEST(VisitLog, tells_bytes_balance_and_why_frames_were_dropped) {
   EXPECT_EQ(log.gauge("dropped: a node was lost"), 1.0);
 }
 
+TEST(VisitLog, counts_a_dropped_frame_once_whoever_tells_of_it) {
+  Log log;
+  wire::View view;
+  wire::FrameDropped dropped;
+  dropped.set_reason("the farm gave the frame up: a node was lost");
+  for (const std::uint64_t number : {1u, 2u}) {
+    view.set_number(number);
+    log.log.add_view(view, log.now, std::nullopt);
+  }
+  wire::FrameEnd end;
+  end.set_view_number(1);
+  end.set_complete(false);
+  end.set_reason("a node was lost");
+  log.log.add_end(end, log.now);
+  dropped.set_view_number(1);  // The display repeats what the farm said.
+  log.log.add_not_shown(dropped);
+  EXPECT_EQ(log.gauge("dropped: a node was lost"), 1.0);
+  EXPECT_EQ(log.gauge("dropped: " + dropped.reason()), -1.0);
+  dropped.set_view_number(2);
+  dropped.set_reason("a damaged tile");
+  log.log.add_not_shown(dropped);
+  log.log.add_not_shown(dropped);  // By another display.
+  EXPECT_EQ(log.gauge("dropped: a damaged tile"), 1.0);
+}
+
 TEST(VisitLog, does_not_grow_with_names_that_peers_invent) {
   Log log;
   wire::FramePresented presented;

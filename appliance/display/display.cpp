@@ -70,6 +70,7 @@ Status Display::prepare() {
   plan.first = attract_frame(wanted_);
   plan.shown_span_rad = wanted_.azimuth_span_rad;
   TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_));
+  started_at_ = clock_.now();
   inspection_.set_fact("output", present_->output_kind());
   inspection_.set_fact("gl_renderer", present_->renderer());
 
@@ -222,8 +223,8 @@ void Display::tell_state() {
 }
 
 bool Display::is_presenting() const {
-  const TimePoint last = reporter_.last_refresh_at();
-  return last == TimePoint{} || clock_.now() - last < kLongestRefresh;
+  // A driver may hang in the very first refresh, too.
+  return clock_.now() - std::max(reporter_.last_refresh_at(), started_at_) < kLongestRefresh;
 }
 
 }  // namespace cyclorama

@@ -82,6 +82,7 @@ class Display : private FrameSink {
   std::vector<Drop> drops_;
   std::uint64_t newest_ready_ = 0;  // Frame::order of the newest frame that was handed over.
 
+  TimePoint started_at_{};
   std::optional<Error> trouble_;  // Why there is no connection.
   TimePoint dial_at_{};
   std::uint64_t reported_after_ = 0;  // Frames up to this Frame::order came by an earlier connection.

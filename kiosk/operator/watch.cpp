@@ -51,22 +51,35 @@ const ProcessLink* Watch::find(const std::string& process) const {
   return nullptr;
 }
 
+bool Watch::Shown::serves(TimePoint now) const {
+  if (answer.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
+  return answer.get() && now - asked_at < kPictureFresh;
+}
+
 Result<std::shared_ptr<const wire::Picture>> Watch::picture(const std::string& process, const std::string& name) {
   const ProcessLink* const link = find(process);
   if (link == nullptr) return Error(ErrorCode::kNotFound, fmt::format("no process '{}' is watched", process));
   const std::string key = process + ' ' + name;
-  const TimePoint now = SteadyClock().now();
+  std::promise<Picture> promise;
   {
-    const std::lock_guard lock(mutex_);
+    const TimePoint now = SteadyClock().now();
+    std::unique_lock lock(mutex_);
     const auto shown = pictures_.find(key);
-    if (shown != pictures_.end() && now - shown->second.asked_at < kPictureFresh) return shown->second.picture;
+    if (shown != pictures_.end() && shown->second.serves(now)) {
+      const std::shared_future<Picture> answer = shown->second.answer;
+      lock.unlock();
+      return answer.get();
+    }
+    if (pictures_.size() >= kMostPictures) pictures_.clear();
+    pictures_[key] = {promise.get_future().share(), now};
   }
-  TRY_ASSIGN(wire::Picture picture, link->picture(name));
-  auto shared = std::make_shared<const wire::Picture>(std::move(picture));
-  const std::lock_guard lock(mutex_);
-  if (pictures_.size() >= kMostPictures) pictures_.clear();
-  pictures_[key] = {shared, now};
-  return shared;
+  const auto ask = [&]() -> Picture {
+    TRY_ASSIGN(wire::Picture picture, link->picture(name));
+    return std::make_shared<const wire::Picture>(std::move(picture));
+  };
+  Picture answer = ask();
+  promise.set_value(answer);
+  return answer;
 }
 
 Status Watch::steer(const wire::SteerRequest& request) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -32,9 +33,12 @@ class Watch {
   Status steer(const wire::SteerRequest& request) const;
 
  private:
+  using Picture = Result<std::shared_ptr<const wire::Picture>>;
+  /// Pages that ask while the process is being asked wait for the same answer, at most as long as that call may last.
   struct Shown {
-    std::shared_ptr<const wire::Picture> picture;
+    std::shared_future<Picture> answer;
     TimePoint asked_at{};
+    [[nodiscard]] bool serves(TimePoint now) const;
   };
   void look(std::size_t index);
   [[nodiscard]] const ProcessLink* find(const std::string& process) const;

@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")"
 preset=release
 case "${1:-}" in
-  --preset) preset=$2; shift 2 ;;
+  --preset) preset=${2:?release, dev, asan or tsan}; shift 2 ;;
   --fuzz) exec tests/fuzz/run "${2:?seconds per target}" ;;
   -h|--help) sed -n '3,4s/^# //p' "$0"; exit 0 ;;
 esac

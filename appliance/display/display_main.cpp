@@ -24,7 +24,7 @@ void add_options(CLI::App* app, Options* options) {
   DisplayOptions& display = options->display;
   app->add_option("--installation", options->installation, "The room: wall, sweet spot and projectors (TOML)")
       ->required();
-  app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7402")->required();
+  app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7403")->required();
   app->add_option("--listen", display.listen, "HOST:PORT for inspection; port 0 takes a free one")
       ->capture_default_str();
   app->add_option("--run-dir", display.run_dir, "Publish what each head shows as head-NAME.picture in this folder");

@@ -14,7 +14,7 @@ MAY_INCLUDE = {
     "common/image": ["common/base", "common/image"],
     "common/config": ["common/base", "common/config"],
     "common/process": ["common/base", "common/process"],
-    "common/room": ["common/base", "common/config", "common/geometry", "common/image", "common/room"],
+    "common/room": ["common/base", "common/config", "common/geometry", "common/room"],
     "common/wire": ["common/base", "common/geometry", "common/image", "common/wire"],
     "common": ["common"],
     "drivers/simulated_room": ["common", "drivers"],

@@ -120,6 +120,35 @@ Result<GltfAccessorShape> read_shape(const GltfObject& object) {
   return shape;
 }
 
+/// The accessor with its data where the file has it; null where the file leaves it out, which means zeros.
+Result<GltfAccessor> locate(GltfDocument* document, const GltfObject& object) {
+  constexpr std::uint64_t kMostZeros = std::uint64_t{1} << 22;
+  TRY_ASSIGN(GltfAccessorShape shape, read_shape(object));
+  const std::size_t element_bytes = component_bytes(shape.component) * static_cast<std::size_t>(shape.width);
+  GltfAccessor accessor;
+  accessor.count = shape.count;
+  accessor.stride = element_bytes;
+  accessor.component = shape.component;
+  accessor.width = shape.width;
+  accessor.normalized = shape.normalized;
+  accessor.place = std::move(shape.place);
+  TRY_ASSIGN(const std::optional<std::size_t> view_index, document->index(object, "bufferView", "bufferViews"));
+  if (view_index) {
+    TRY_ASSIGN(const GltfBufferView view, document->buffer_view(*view_index));
+    TRY_ASSIGN(const std::optional<std::uint64_t> offset, object.integer("byteOffset"));
+    accessor.stride = view.stride.value_or(element_bytes);
+    if (accessor.stride < element_bytes) {
+      return gltf_damaged(accessor.place,
+                          fmt::format("elements of {} bytes, {} apart", element_bytes, accessor.stride));
+    }
+    TRY(check_fit(object, view, offset.value_or(0), accessor.count, element_bytes, accessor.stride));
+    if (accessor.count > 0) accessor.data = view.bytes.data() + offset.value_or(0);
+  } else if (accessor.count > kMostZeros) {
+    return object.damaged("count", fmt::format("{} elements, and no bufferView holds them", accessor.count));
+  }
+  return accessor;
+}
+
 /// Packed copies of `accessor`'s elements (zeros where it has none) that sparse values may then replace.
 Result<std::vector<std::byte>> packed_copy(const GltfAccessor& accessor, std::size_t element_bytes,
                                            GltfBudget* budget) {
@@ -185,29 +214,16 @@ Result<GltfAccessorShape> read_accessor_shape(const GltfDocument& document, std:
   return read_shape(object);
 }
 
+Status check_accessor(GltfDocument* document, std::size_t index) {
+  TRY_ASSIGN(const GltfObject object, document->item("accessors", index));
+  TRY(locate(document, object));
+  return Done{};
+}
+
 Result<GltfAccessor> read_accessor(GltfDocument* document, std::size_t index, GltfBudget* budget) {
   TRY_ASSIGN(const GltfObject object, document->item("accessors", index));
-  TRY_ASSIGN(GltfAccessorShape shape, read_shape(object));
-  const std::size_t element_bytes = component_bytes(shape.component) * static_cast<std::size_t>(shape.width);
-  GltfAccessor accessor;
-  accessor.count = shape.count;
-  accessor.stride = element_bytes;
-  accessor.component = shape.component;
-  accessor.width = shape.width;
-  accessor.normalized = shape.normalized;
-  accessor.place = std::move(shape.place);
-  TRY_ASSIGN(const std::optional<std::size_t> view_index, document->index(object, "bufferView", "bufferViews"));
-  if (view_index) {
-    TRY_ASSIGN(const GltfBufferView view, document->buffer_view(*view_index));
-    TRY_ASSIGN(const std::optional<std::uint64_t> offset, object.integer("byteOffset"));
-    accessor.stride = view.stride.value_or(element_bytes);
-    if (accessor.stride < element_bytes) {
-      return gltf_damaged(accessor.place,
-                          fmt::format("elements of {} bytes, {} apart", element_bytes, accessor.stride));
-    }
-    TRY(check_fit(object, view, offset.value_or(0), accessor.count, element_bytes, accessor.stride));
-    if (accessor.count > 0) accessor.data = view.bytes.data() + offset.value_or(0);
-  }
+  TRY_ASSIGN(GltfAccessor accessor, locate(document, object));
+  const std::size_t element_bytes = component_bytes(accessor.component) * static_cast<std::size_t>(accessor.width);
   TRY_ASSIGN(const std::optional<GltfObject> sparse, object.object("sparse"));
   if (sparse || (accessor.data == nullptr && accessor.count > 0)) {
     TRY_ASSIGN(std::vector<std::byte> values, packed_copy(accessor, element_bytes, budget));

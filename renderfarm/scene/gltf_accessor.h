@@ -45,10 +45,12 @@ struct GltfAccessorShape {
   std::string place;
 };
 
-/// Precondition of both: `index` came from GltfDocument::index(). Sparse values are put in place. kBadData  a wrong
+/// Precondition of all: `index` came from GltfDocument::index(). Sparse values are put in place. kBadData  a wrong
 /// type, values outside the buffer view, or more than the budget allows.
 Result<GltfAccessorShape> read_accessor_shape(const GltfDocument& document, std::size_t index);
 Result<GltfAccessor> read_accessor(GltfDocument* document, std::size_t index, GltfBudget* budget);
+/// Whether the file holds what the accessor counts, without taking memory for it.
+Status check_accessor(GltfDocument* document, std::size_t index);
 
 /// Which elements are wanted: all of them, or some in increasing order.
 class GltfSelection {

@@ -17,10 +17,17 @@ Status GltfBudget::take(std::string_view place, std::uint64_t count, std::size_t
     return Error(ErrorCode::kBadData,
                  fmt::format("{}: needs {} x {} bytes, and {} of {} MiB are left for this file; simplify the model, or "
                              "raise the memory limit",
-                             place, count, bytes_each, left_bytes_ >> 20, limit_bytes_ >> 20));
+                             place, count, bytes_each, left_bytes_ >> 20, (limit_bytes_ - withheld_bytes_) >> 20));
   }
   left_bytes_ -= count * bytes_each;
   return Done{};
+}
+
+void GltfBudget::earn(std::uint64_t stored) {
+  const std::size_t earned =
+      static_cast<std::size_t>(std::min<std::uint64_t>(stored, withheld_bytes_ / kBytesPerStored)) * kBytesPerStored;
+  left_bytes_ += earned;
+  withheld_bytes_ -= earned;
 }
 
 void GltfNotes::add(const std::string& sentence, std::string_view place) {

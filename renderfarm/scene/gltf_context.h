@@ -2,6 +2,7 @@
 /// What one glTF import carries through all of its parts: how much memory is left, and what the user is to be told.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -14,10 +15,17 @@
 
 namespace cyclorama {
 
-/// Asked before memory is taken for anything whose size a file decides. Thread-bound.
+/// Asked before memory is taken for anything whose size a file decides. Up to 4 GiB of the limit are there from the
+/// start; the rest has to be earned by stored bytes, so that a small file cannot ask for a whole machine. Thread-bound.
 class GltfBudget {
  public:
-  explicit GltfBudget(std::size_t limit_bytes) : limit_bytes_(limit_bytes), left_bytes_(limit_bytes) {}
+  explicit GltfBudget(std::size_t limit_bytes)
+      : limit_bytes_(limit_bytes),
+        left_bytes_(std::min(limit_bytes, kFreeBytes)),
+        withheld_bytes_(limit_bytes - left_bytes_) {}
+
+  /// The import reads `stored` bytes: it may take kBytesPerStored times as many.
+  void earn(std::uint64_t stored);
 
   /// `place` needs `count` things of `bytes_each`. kBadData  that is more than what is left.
   Status take(std::string_view place, std::uint64_t count, std::size_t bytes_each);
@@ -26,8 +34,12 @@ class GltfBudget {
   [[nodiscard]] std::size_t left_bytes() const { return left_bytes_; }
 
  private:
+  static constexpr std::size_t kFreeBytes = std::size_t{4} << 30;
+  static constexpr std::size_t kBytesPerStored = 64;  ///< Draco's triangles take about a byte each, and become 40.
+
   std::size_t limit_bytes_;
   std::size_t left_bytes_;
+  std::size_t withheld_bytes_;
 };
 
 /// Model::notes in the making: the same sentence said of a thousand places is one note. Thread-bound.

@@ -159,6 +159,7 @@ Result<std::span<const std::byte>> GltfDocument::resource(const GltfObject& from
   }
   Result<MappedFile> file = MappedFile::open(*path);
   if (!file) return std::move(file).error().while_doing(place);
+  state_->context->budget.earn(file->bytes().size());
   state_->files.push_back(*std::move(file));
   return state_->files.back().bytes();
 }

@@ -19,6 +19,7 @@ namespace {
 Result<Model> import_checked(std::span<const std::byte> bytes, const std::optional<std::filesystem::path>& folder,
                              const ImportLimits& limits) {
   GltfContext context(limits);
+  context.budget.earn(bytes.size());
   TRY_ASSIGN(GltfDocument document, GltfDocument::open(bytes, folder, &context));
   Model model;
   GltfMeshes meshes(&document, &context, &model);

@@ -37,7 +37,11 @@ Result<std::optional<GltfPrimitive>> GltfPrimitive::open(GltfDocument* document,
   opened.topology_ = static_cast<GltfTopology>(mode);
   opened.vertex_count_ = static_cast<std::size_t>(shape.count);
   TRY_ASSIGN(const std::optional<GltfObject> draco, primitive.extension("KHR_draco_mesh_compression"));
-  if (draco) TRY(opened.open_draco(*draco));
+  if (draco) {
+    TRY(opened.open_draco(*draco));
+  } else {
+    TRY(check_accessor(document, *position));  // Before triangles are made of a count that nothing is behind.
+  }
   return std::optional(std::move(opened));
 }
 

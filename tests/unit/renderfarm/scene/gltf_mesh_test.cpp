@@ -48,6 +48,29 @@ TEST(GltfMesh, counts_vertices_up_where_there_are_no_indices) {
   EXPECT_THAT(triangles_of(one_triangle()), ElementsAre(Triangle{0, 1, 2}));
 }
 
+TEST(GltfMesh, a_count_that_no_data_is_behind_is_refused_before_triangles_are_made_of_it) {
+  for (const bool has_view : {false, true}) {
+    GltfBuilder file = square(4, {});
+    nlohmann::json& accessor = file.json["accessors"][0];
+    accessor["count"] = 1'000'000'000;  // 4 GB of corners, which the memory limit would allow.
+    if (!has_view) accessor.erase("bufferView");
+    EXPECT_THAT(error_of(file.import()), HasSubstr("/accessors/0")) << has_view;
+  }
+}
+
+TEST(GltfBudget, what_a_small_file_may_take_is_bounded_and_stored_bytes_earn_more) {
+  constexpr std::size_t kGiB = std::size_t{1} << 30;
+  GltfBudget budget(8 * kGiB);
+  EXPECT_EQ(budget.left_bytes(), 4 * kGiB);
+  EXPECT_FALSE(budget.take("here", 5, kGiB).has_value());
+  budget.earn(kGiB / 64);
+  EXPECT_EQ(budget.left_bytes(), 5 * kGiB);
+  EXPECT_TRUE(budget.take("here", 5, kGiB).has_value());
+  budget.earn(~std::uint64_t{0});
+  EXPECT_EQ(budget.left_bytes(), 3 * kGiB) << "never beyond the limit";
+  EXPECT_EQ(GltfBudget(1000).left_bytes(), 1000u);
+}
+
 TEST(GltfMesh, strips_lose_the_triangles_that_only_stitch) {
   EXPECT_THAT(triangles_of(square(5, {0, 1, 2, 2, 3, 0})), ElementsAre(Triangle{0, 1, 2}, Triangle{2, 0, 3}));
 }

@@ -197,7 +197,9 @@ FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bound
   if (eye) return before_object(bounds, eye);
   const BestPlaces best = find_places(grid);
   if (best.room) return standing_at(grid, *best.room, SceneKind::kRoom);
-  const bool is_wide = std::min(size.x(), size.z()) >= std::max(kLeastSiteM, 0.7 * size.y());
+  // The top of a thing, from where nothing rises to the eye, is no ground; only of a plain is it so everywhere.
+  const double flatness = best.site && best.site->walls > 0 ? 0.7 : 2.0;
+  const bool is_wide = std::min(size.x(), size.z()) >= std::max(kLeastSiteM, flatness * size.y());
   if (best.site && is_wide) return standing_at(grid, *best.site, SceneKind::kSite);
   return before_object(bounds, std::nullopt);
 }
@@ -208,11 +210,15 @@ void add_light(const FoundSettings& found, Scene* scene) {
     const auto candela = static_cast<float>(3.0 * reach * reach);
     scene->eye_lamp.setConstant(0.4f * candela);
     scene->ambient.setConstant(0.08f);
+    // Well below a low ceiling and no brighter than it bears: the white spot above the lamp would be all one sees.
+    constexpr double kLeastDropM = 0.8;
+    constexpr double kBrightestLux = 4.0;
+    const double drop = std::max(0.5 * found.ceiling_m, kLeastDropM);
     Light hanging;  // Shapes need shadows, which a lamp at the eye has none of.
     hanging.name = "hanging";
-    hanging.position = found.eye + (0.5 * found.ceiling_m) * Eigen::Vector3d::UnitY() +
+    hanging.position = found.eye + (found.ceiling_m - drop) * Eigen::Vector3d::UnitY() +
                        (0.5 * found.free_m) * ahead(found.heading_rad - 0.5 * std::numbers::pi);
-    hanging.intensity.setConstant(0.6f * candela);
+    hanging.intensity.setConstant(std::min(0.6f * candela, static_cast<float>(kBrightestLux * drop * drop)));
     hanging.radius_m = std::min({0.1, 0.2 * found.ceiling_m, 0.2 * found.free_m});
     scene->model.lights.push_back(std::move(hanging));
     return;

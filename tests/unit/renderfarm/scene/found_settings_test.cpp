@@ -90,6 +90,14 @@ TEST(FindSettings, ground_under_the_sky_is_a_site) {
   EXPECT_NEAR(found.eye.y(), 1.6, 0.05);
 }
 
+TEST(FindSettings, the_top_of_a_big_thing_is_no_site) {
+  const FoundSettings found = settings_of(model_of({box_mesh(box({0, 0, 0}, {6, 6, 6}), false)}));
+  EXPECT_EQ(found.kind, SceneKind::kObject);
+  EXPECT_GT(found.eye.z(), 6.0);
+  const FoundSettings plain = settings_of(model_of({box_mesh(box({0, 0, 0}, {20, 3, 20}), false)}));
+  EXPECT_EQ(plain.kind, SceneKind::kSite) << "nothing rises from a plain";
+}
+
 TEST(FindSettings, an_object_of_any_size_is_seen_whole_and_one_can_walk_around_it) {
   for (const double size : {1e-4, 0.01, 0.45, 2.0}) {
     const FoundSettings found =
@@ -152,6 +160,17 @@ TEST(AddLight, gives_rooms_lamps_and_objects_a_sky) {
   EXPECT_GT(room.eye_lamp.x(), 0.0f);
   ASSERT_EQ(room.model.lights.size(), 1u);
   EXPECT_TRUE(room.bounds.contains(room.model.lights[0].position));
+  for (const double height : {2.2, 3.0, 12.0}) {
+    Scene hall;
+    hall.model = model_of({box_mesh(box({0, 0, 0}, {20, height, 20}), true)});
+    hall.bounds = bounds_of(hall.model);
+    add_light(find_settings(hall.model, hall.bounds, std::nullopt), &hall);
+    ASSERT_EQ(hall.model.lights.size(), 1u);
+    const Light& lamp = hall.model.lights[0];
+    const double to_ceiling = height - lamp.position.y();
+    EXPECT_GT(lamp.position.y(), 0.5) << height;
+    EXPECT_LT(lamp.intensity.x() / (to_ceiling * to_ceiling), 4.5) << "burns the ceiling out at " << height << " m";
+  }
   Scene object;
   object.model = model_of({box_mesh(box({0, 0, 0}, {1, 1, 1}), false)});
   object.bounds = bounds_of(object.model);

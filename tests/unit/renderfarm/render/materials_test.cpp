@@ -78,6 +78,20 @@ TEST(Materials, a_texture_transform_moves_what_is_looked_up) {
   EXPECT_TRUE(seen(*renderer, 0.5, 0.5).isApprox(Eigen::Vector3f(1, 0, 0)));
 }
 
+TEST(Materials, colour_textures_are_srgb) {
+  constexpr float kLinearOf188 = 0.5029f;  // Source: IEC 61966-2-1.
+  for (const bool emissive : {false, true}) {
+    Scene scene = wall(emissive ? Eigen::Vector3f::Zero() : Eigen::Vector3f::Ones());
+    scene.model.textures.emplace_back();
+    scene.model.textures[0].pixels = RgbaImage(1, 1, 188);
+    Material& material = scene.model.materials[0];
+    (emissive ? material.emissive_texture : material.base_colour_texture).texture = 0;
+    if (emissive) material.emissive.setOnes();
+    scene.ambient = Eigen::Vector3f::Ones();
+    EXPECT_NEAR(seen(*built(std::move(scene)), 0.0, 0.0).y(), kLinearOf188, 1e-3f) << emissive;
+  }
+}
+
 TEST(Materials, vertex_colours_are_srgb_and_multiply) {
   Scene scene = wall({0.5f, 1.0f, 1.0f});
   scene.model.meshes[0].colours.assign(4, {255, 128, 0, 255});

@@ -179,8 +179,9 @@ class Head::Loop final : private Peers {
 
   void stop() {
     events_.post(StopAsked{});
+    const TimePoint last = clock_.now() + kStopGrace;  // For all together: each may have a peer that hangs.
     for (const auto& server : {museum_server_.get(), node_server_.get(), inspect_server_.get()}) {
-      if (server != nullptr) server->stop(kStopGrace);
+      if (server != nullptr) server->stop(std::max(Duration::zero(), last - clock_.now()));
     }
     events_.close();
     if (thread_.joinable()) thread_.join();

@@ -12,7 +12,8 @@ namespace cyclorama {
 std::optional<double> parse_double(std::string_view text);
 std::optional<long long> parse_integer(std::string_view text);
 
-/// For error messages: control bytes and bytes that are not UTF-8 become '?', and long text is cut with an ellipsis.
+/// For people: control characters and bytes that are not UTF-8 become '?', and text of more than `limit` bytes is cut
+/// between characters, with an ellipsis. What comes out is always UTF-8.
 std::string printable(std::string_view text, std::size_t limit = 60);
 
 }  // namespace cyclorama

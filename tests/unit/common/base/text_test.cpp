@@ -21,5 +21,28 @@ TEST(Text, what_is_printed_holds_no_control_bytes_and_has_an_end) {
   EXPECT_EQ(printable("abc", 3), "abc");
 }
 
+TEST(Text, every_script_is_printed_and_never_cut_within_a_character) {
+  EXPECT_EQ(printable("莫高窟 é \xf0\x9f\x8f\xaf"), "莫高窟 é \xf0\x9f\x8f\xaf");
+  EXPECT_EQ(printable("莫高窟", 8), "莫高...");
+  EXPECT_EQ(printable("莫高窟", 9), "莫高窟");
+  EXPECT_EQ(printable("莫高窟", 2), "...");
+}
+
+TEST(Text, what_is_no_character_is_a_question_mark_for_each_byte) {
+  EXPECT_EQ(printable("\xc3"), "?");       // Cut short.
+  EXPECT_EQ(printable("\xc0\x80"), "??");  // Overlong, in two, three and four bytes.
+  EXPECT_EQ(printable("\xe0\x80\x80"), "???");
+  EXPECT_EQ(printable("\xf0\x80\x80\x80"), "????");
+  EXPECT_EQ(printable("\xed\xa0\x80"), "???");       // Half of a surrogate pair.
+  EXPECT_EQ(printable("\xf4\x90\x80\x80"), "????");  // Beyond Unicode.
+  EXPECT_EQ(printable("\xe8\x8e \x80"), "?? ?");
+  EXPECT_EQ(printable("\x7f\xc2\x9b"
+                      "31m"),
+            "???31m");  // DEL, and an escape sequence in C1.
+  EXPECT_EQ(printable("a\xe2\x80\xa8"
+                      "b"),
+            "a???b");  // A line of its own.
+}
+
 }  // namespace
 }  // namespace cyclorama

@@ -8,6 +8,7 @@
 #include <grpcpp/server_builder.h>
 
 #include <array>
+#include <future>
 #include <utility>
 
 #include "common/base/text.h"
@@ -76,8 +77,18 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address) 
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // A connection of its own, so that one slow stream delays no other.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL,
+                   1);  // A connection of its own, so that one slow stream delays no other.
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish) {
+  constexpr auto kAtOnce = std::chrono::seconds(1);
+  std::future<grpc::Status> end = std::async(std::launch::async, finish);
+  if (end.wait_for(kAtOnce) == std::future_status::ready) return end.get();
+  context.TryCancel();
+  end.wait();
+  return {grpc::StatusCode::DATA_LOSS, "it sent what cannot be read; install the same version on both sides"};
 }
 
 Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address,
@@ -97,7 +108,8 @@ Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
   if (server == nullptr || port == 0) {
     return Error(ErrorCode::kBusy, fmt::format("cannot listen on {}: the port is taken, or the address is not of this "
-                                               "machine; stop the other program or choose another", address));
+                                               "machine; stop the other program or choose another",
+                                               address));
   }
   return std::unique_ptr<WireServer>(new WireServer(std::move(server), port));
 }

@@ -7,6 +7,7 @@
 #include <grpcpp/server.h>
 #include <grpcpp/support/status.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,10 +25,15 @@ inline constexpr int kMessageLimitBytes = 16 << 20;
 /// Precondition: !status.ok(). `doing` is what this side was doing: "opening the visit".
 [[nodiscard]] Error from_grpc(const grpc::Status& status, std::string_view doing);
 
-/// A channel to "[::1]:7401" (or a name and port). It dials when it is used, keeps alive every 5 s and dials again with a
-/// back-off of 0.1 to 2 s. Thread-safe once made.
+/// A channel to "[::1]:7401" (or a name and port). It dials when it is used, keeps alive every 5 s and dials again with
+/// a back-off of 0.1 to 2 s. Thread-safe once made.
 /// kInvalidArgument  not HOST:PORT; an IPv6 address needs its brackets.
 Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address);
+
+/// The end of a client's stream whose Read() returned false. `finish` is the stream's Finish(): where the peer has
+/// ended the call it returns at once; where the peer sent what is no message it never would, so the call is cancelled
+/// after a second, and this is DATA_LOSS.
+grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish);
 
 /// A listening server. Destroy or stop() it before its services. Thread-safe.
 class WireServer {

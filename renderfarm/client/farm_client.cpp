@@ -109,7 +109,7 @@ Error FarmClient::visit(const std::shared_ptr<grpc::Channel>& channel, bool* ret
   }
   changed_.notify_all();
   views.join();
-  const grpc::Status status = visit.stream().Finish();
+  const grpc::Status status = finish_after_read(visit.context, [&] { return visit.stream().Finish(); });
   const std::lock_guard lock(mutex_);
   context_ = nullptr;
   opened_ = false;

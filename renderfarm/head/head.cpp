@@ -304,6 +304,10 @@ Status validate(const HeadOptions& options) {
                                 printable(scene.name), kLongestSceneName));
     }
     if (scene.path.empty()) return refuse(fmt::format("scene '{}' has no path", scene.name));
+    if (printable(scene.path, scene.path.size()) != scene.path) {
+      return refuse(fmt::format("the path of scene '{}', '{}', is not UTF-8, or has control characters: rename it",
+                                scene.name, printable(scene.path)));
+    }
     if (std::ranges::count(options.scenes, scene.name, &FarmScene::name) > 1) {
       return refuse(fmt::format("scene '{}' is given twice", scene.name));
     }

@@ -134,7 +134,7 @@ Error FarmNode::serve(bool* ret_served) {
     changed_.notify_all();
     send.join();
   }
-  const grpc::Status status = stream->Finish();
+  const grpc::Status status = finish_after_read(context, [&] { return stream->Finish(); });
   const std::lock_guard lock(mutex_);
   context_ = nullptr;
   link_ = nullptr;

@@ -7,9 +7,13 @@
 #include <new>
 
 #include "common/base/clock.h"
+#include "common/base/text.h"
 #include "common/wire/convert.h"
 
 namespace cyclorama {
+namespace {
+constexpr std::size_t kLongestError = 1000;
+}  // namespace
 
 wire::SceneLoaded SceneStore::load(const wire::LoadScene& order, const std::function<void(double)>& progress) {
   if (const auto known = scenes_.find(order.scene()); known != scenes_.end()) {
@@ -21,7 +25,7 @@ wire::SceneLoaded SceneStore::load(const wire::LoadScene& order, const std::func
   const TimePoint begun = SteadyClock().now();
   auto renderer = load_guarded(order.path(), progress);
   if (!renderer) {
-    answer.set_error(renderer.error().message());
+    answer.set_error(printable(renderer.error().message(), kLongestError));  // May quote a file's bytes.
     return answer;
   }
   *answer.mutable_description() = (*renderer)->description();

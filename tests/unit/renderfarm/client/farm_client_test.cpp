@@ -147,6 +147,16 @@ TEST(FarmClient, gives_up_a_head_that_owes_a_frame_and_says_nothing) {
       listener.wait([](const auto& seen) { return !seen.frames.empty() && seen.frames.back().end.complete(); }));
 }
 
+TEST(FarmClient, leaves_a_head_whose_message_cannot_be_read_and_dials_again) {
+  wire::SceneDescription garbage = fake_scene("plain");
+  garbage.set_title("\xff");  // A string that is no UTF-8 is no message.
+  FakeFarm farm(garbage);
+  RecordingFarmListener listener;
+  const auto client = start({farm.address()}, listener);
+  ASSERT_TRUE(listener.wait([](const auto& seen) { return !seen.reasons.empty(); }));
+  EXPECT_THAT(listener.seen().reasons.front(), HasSubstr("cannot be read"));
+}
+
 TEST(FarmClient, refuses_a_scene_that_nobody_can_walk_in) {
   wire::SceneDescription scene = fake_scene("plain");
   scene.set_walking_scale(std::numeric_limits<double>::quiet_NaN());

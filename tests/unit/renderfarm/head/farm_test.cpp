@@ -443,6 +443,7 @@ TEST_F(Farm, refuses_to_start_with_bad_options) {
   EXPECT_THAT(refusal_of({}), HasSubstr("no scene"));
   EXPECT_THAT(refusal_of({.scenes = {{"a b", "x"}}}), HasSubstr("scene name"));
   EXPECT_THAT(refusal_of({.scenes = {{"a", ""}}}), HasSubstr("no path"));
+  EXPECT_THAT(refusal_of({.scenes = {{"a", "/srv/Gr\xfcn"}}}), HasSubstr("UTF-8"));
   EXPECT_THAT(refusal_of({.scenes = {{"a", "x"}, {"a", "y"}}}), HasSubstr("twice"));
   EXPECT_EQ(refusal_of({.scenes = {{"a", "x"}}}), "");
 }

@@ -41,6 +41,7 @@ struct GltfDocument::State {
   GltfContext* context = nullptr;
   std::vector<std::optional<std::span<const std::byte>>> buffers;
   std::vector<MappedFile> files;
+  std::set<std::filesystem::path> earned;
   std::vector<std::vector<std::byte>> decoded;
 };
 
@@ -159,7 +160,8 @@ Result<std::span<const std::byte>> GltfDocument::resource(const GltfObject& from
   }
   Result<MappedFile> file = MappedFile::open(*path);
   if (!file) return std::move(file).error().while_doing(place);
-  state_->context->budget.earn(file->bytes().size());
+  // Once: a file that is named a thousand times is stored once.
+  if (state_->earned.insert(*path).second) state_->context->budget.earn(file->bytes().size());
   state_->files.push_back(*std::move(file));
   return state_->files.back().bytes();
 }

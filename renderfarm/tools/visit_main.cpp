@@ -77,6 +77,7 @@ class Visitor final : public FarmListener {
       log(LogLevel::kWarning, "a frame was given up: " + end.reason());
       return;
     }
+    whole_ = picture_;  // Tiles of the next frame come into the same picture, and that frame may never end.
     const TimePoint now = SteadyClock().now();
     if (frames_++ == 0) first_at_ = now;
     last_at_ = now;
@@ -103,7 +104,8 @@ class Visitor final : public FarmListener {
     }
     return out;
   }
-  [[nodiscard]] const RgbImage& picture() const { return picture_; }
+  /// Of the last whole frame; empty when none came.
+  [[nodiscard]] const RgbImage& picture() const { return whole_; }
 
  private:
   void ask() {
@@ -141,7 +143,8 @@ class Visitor final : public FarmListener {
   TimePoint last_at_{};
   std::map<std::string, Percentiles> stages_;
   std::map<std::string, Percentiles> numbers_;
-  RgbImage picture_;
+  RgbImage picture_;  ///< Of the open frame.
+  RgbImage whole_{};
   JpegDecoder decoder_;
 };
 
@@ -155,7 +158,7 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   const nlohmann::json summary = visitor.summary();
   fmt::print("{}\n", summary.dump(2));
   if (!arguments.json.empty()) TRY(write_file_atomically(arguments.json, summary.dump(2) + "\n"));
-  if (!arguments.picture.empty()) TRY(write_png(arguments.picture, visitor.picture()));
+  if (!arguments.picture.empty() && visitor.picture().width() > 0) TRY(write_png(arguments.picture, visitor.picture()));
   if (!done) return Error(ErrorCode::kTimedOut, "not all frames came; the lines above say why");
   return Done{};
 }

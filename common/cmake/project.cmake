@@ -98,12 +98,15 @@ function(project_test path)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 60)
   endif()
+  if(CYCLORAMA_SANITIZE)
+    math(EXPR arg_TIMEOUT "5 * ${arg_TIMEOUT}")
+  endif()
   string(REPLACE "/" "." name "${path}")
   add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}.cpp")
   target_link_libraries(${name} PRIVATE cyclorama_options ${arg_LINK} GTest::gmock GTest::gtest_main)
   add_test(NAME ${path} COMMAND ${name})
   set_tests_properties(${path} PROPERTIES LABELS "${arg_LABELS}" SKIP_RETURN_CODE 77 TIMEOUT ${arg_TIMEOUT}
-    ENVIRONMENT "CYCLORAMA_SHARED=${PROJECT_SOURCE_DIR}/../shared;CYCLORAMA_SOURCE=${PROJECT_SOURCE_DIR};TSAN_OPTIONS=ignore_noninstrumented_modules=1 suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
+    ENVIRONMENT "CYCLORAMA_SHARED=${PROJECT_SOURCE_DIR}/../shared;CYCLORAMA_SOURCE=${PROJECT_SOURCE_DIR};LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp;TSAN_OPTIONS=ignore_noninstrumented_modules=1 suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
 endfunction()
 
 # project_fuzz(fuzz/ply_fuzz LINK cyclorama::scene): a libFuzzer target; tests/fuzz/run starts them.

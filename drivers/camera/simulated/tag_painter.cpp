@@ -10,6 +10,7 @@ extern "C" {
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 
 #include "common/base/check.h"
@@ -95,7 +96,8 @@ Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Tag>& 
 TagPainter::TagPainter(int id, double size_m) : size_m_(size_m) {
   apriltag_family_t* const family = tag36h11_create();
   CHECK(size_m > 0.0 && id >= 0 && id < static_cast<int>(family->ncodes));
-  image_u8_t* const image = apriltag_to_image(family, id);
+  // 16 bits: Debian 12's library takes an int here, Debian 13's an unsigned.
+  image_u8_t* const image = apriltag_to_image(family, static_cast<std::uint16_t>(id));
   cells_ = image->width;
   bitmap_width_ = static_cast<double>(family->total_width) / family->width_at_border;
   for (int y = 0; y < image->height; ++y) {

@@ -11,6 +11,7 @@
 #include "common/geometry/panorama.h"
 #include "common/image/image.h"
 #include "common/image/pixel_rect.h"
+#include "renderfarm/render/quality.h"
 
 namespace cyclorama {
 
@@ -24,8 +25,6 @@ struct PanoramaView {
   int samples = 1;         ///< Per pixel.
   std::uint64_t seed = 0;  ///< With pixel and sample it decides every random number: tiling changes nothing.
 };
-
-inline constexpr int kMostSamples = 1 << 16;
 
 /// kInvalidArgument, in one sentence, unless the view is finite and possible and `rect` lies inside its panorama: what
 /// a view from outside must pass before it is rendered.

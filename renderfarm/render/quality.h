@@ -32,5 +32,7 @@ struct RenderQuality {
 
 /// kInvalidArgument, naming the knob and its range.
 [[nodiscard]] Status validate(const RenderQuality& quality);
+/// The same for one knob; NaN is outside of every range.
+[[nodiscard]] Status check_knob(const char* knob, double value, double least, double most);
 
 }  // namespace cyclorama

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/tools/load_command.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+#include "renderfarm/render/memory.h"
+
+namespace cyclorama {
+namespace {
+
+struct LoadOptions {
+  SceneOptions scene;
+  std::string json;
+};
+
+std::size_t peak_memory() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+Status measure_load(const LoadOptions& options, const StopSignal& stop) {
+  TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
+  if (stop.requested()) return stopped();
+  const double load_seconds = loaded.seconds;
+  const std::uint64_t stored = loaded.scene.triangles_stored();
+  const std::uint64_t seen = loaded.scene.triangles_seen();
+  const std::size_t scene_bytes = loaded.scene.memory_bytes();
+  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
+  const auto per_triangle = [&](std::size_t bytes) { return static_cast<double>(bytes) / static_cast<double>(stored); };
+  const double bvh_seconds = renderer->build_seconds();
+  const std::size_t bvh_bytes = renderer->bvh_bytes();
+  fmt::print("{} triangles stored, {} seen; loaded in {:.2f} s, BVH in {:.2f} s\n", stored, seen, load_seconds,
+             bvh_seconds);
+  fmt::print("{:.1f} bytes per triangle, and {:.1f} for the BVH; {} at most\n", per_triangle(scene_bytes),
+             per_triangle(bvh_bytes), describe_bytes(peak_memory()));
+  if (options.json.empty()) return Done{};
+  return write_json(options.json, {{"triangles", stored},
+                                   {"triangles_seen", seen},
+                                   {"load_s", load_seconds},
+                                   {"bvh_s", bvh_seconds},
+                                   {"seconds", load_seconds + bvh_seconds},
+                                   {"scene_bytes", scene_bytes},
+                                   {"bvh_bytes", bvh_bytes},
+                                   {"scene_bytes_per_triangle", per_triangle(scene_bytes)},
+                                   {"bvh_bytes_per_triangle", per_triangle(bvh_bytes)},
+                                   {"bytes_per_triangle", per_triangle(scene_bytes + bvh_bytes)},
+                                   {"peak_rss_bytes", peak_memory()}});
+}
+
+}  // namespace
+
+RenderCommand add_load_command(CLI::App* program) {
+  CLI::App* const parser = program->add_subcommand("load", "Measure loading: seconds and bytes");
+  const auto options = std::make_shared<LoadOptions>();
+  add_scene_options(parser, &options->scene);
+  parser->add_option("--json", options->json, "Also write the figures as JSON");
+  return {parser, [options](const StopSignal& stop) { return measure_load(*options, stop); }};
+}
+
+}  // namespace cyclorama

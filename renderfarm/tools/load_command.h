@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/tools/render_command.h"
+
+namespace cyclorama {
+
+/// `cyclorama-render load SCENE`: seconds and bytes of loading and of the BVH.
+[[nodiscard]] RenderCommand add_load_command(CLI::App* program);
+
+}  // namespace cyclorama

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/tools/picture_command.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+
+#include "common/base/text.h"
+#include "common/image/png.h"
+#include "common/process/progress.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kBandPx = 64;  ///< Rows that are rendered between two looks at the progress bar.
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+struct PictureOptions {
+  SceneOptions scene;
+  std::string json;
+  std::string out;
+  std::string size = "2048x768";
+  double azimuth_deg = 360.0;
+  std::vector<double> eye;
+  std::optional<double> heading_deg;
+  int samples = 16;
+  std::uint64_t seed = 0;
+};
+
+Result<std::pair<int, int>> parse_size(const std::string& size) {
+  const std::size_t cross = size.find('x');
+  const auto width = parse_integer(std::string_view(size).substr(0, cross));
+  const auto height =
+      cross == std::string::npos ? std::nullopt : parse_integer(std::string_view(size).substr(cross + 1));
+  constexpr long long kLargest = 16384;
+  if (width && height && *width > 0 && *height > 0 && *width <= kLargest && *height <= kLargest) {
+    return std::pair(static_cast<int>(*width), static_cast<int>(*height));
+  }
+  return Error(ErrorCode::kInvalidArgument,
+               fmt::format("--size '{}' is not WIDTHxHEIGHT, each 1 to {}", printable(size), kLargest));
+}
+
+/// Square pixels, the horizon in the middle.
+Result<PanoramaView> view_of(const PictureOptions& options, const SceneInfo& info) {
+  TRY_ASSIGN(const auto size, parse_size(options.size));
+  PanoramaView view;
+  view.eye = options.eye.empty() ? info.start_eye : Eigen::Vector3d(options.eye[0], options.eye[1], options.eye[2]);
+  view.heading_rad = options.heading_deg ? *options.heading_deg * kDegree : info.start_heading_rad;
+  const double span = options.azimuth_deg * kDegree;
+  const double tan_half = 0.5 * span * size.second / size.first;
+  view.panorama = {size.first, size.second, span, tan_half, -tan_half};
+  view.samples = options.samples;
+  view.seed = options.seed;
+  TRY(check_view(view, {}));
+  return view;
+}
+
+Status picture(const PictureOptions& options, const StopSignal& stop) {
+  TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
+  TRY_ASSIGN(const PanoramaView view, view_of(options, loaded.scene.info));
+  if (stop.requested()) return stopped();
+  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
+  RgbImage image(view.panorama.width_px, view.panorama.height_px);
+  RenderCost cost;
+  {
+    Progress progress("rendering");
+    for (int y = 0; y < image.height(); y += kBandPx) {
+      const PixelRect band{0, y, image.width(), std::min(kBandPx, image.height() - y)};
+      RgbImage pixels;
+      const RenderCost part = renderer->render(view, band, &pixels, [&] { return stop.requested(); });
+      if (stop.requested()) return stopped();
+      std::copy(pixels.data().begin(), pixels.data().end(), image.at(0, y));
+      cost.cpu_seconds += part.cpu_seconds;
+      cost.wall_seconds += part.wall_seconds;
+      cost.rays += part.rays;
+      progress.update(static_cast<double>(y + band.height) / image.height());
+    }
+  }
+  TRY(write_png(options.out, image));
+  const double megarays = static_cast<double>(cost.rays) / 1e6;
+  fmt::print("{}: {:.1f} million rays in {:.2f} s, {:.2f} cpu-seconds: {:.2f} million rays per cpu-second\n",
+             options.out, megarays, cost.wall_seconds, cost.cpu_seconds, megarays / cost.cpu_seconds);
+  if (options.json.empty()) return Done{};
+  return write_json(options.json, {{"rays", cost.rays}, {"wall_s", cost.wall_seconds}, {"cpu_s", cost.cpu_seconds}});
+}
+
+}  // namespace
+
+RenderCommand add_picture_command(CLI::App* program) {
+  CLI::App* const parser = program->add_subcommand("picture", "Render a panorama into a PNG");
+  const auto options = std::make_shared<PictureOptions>();
+  add_scene_options(parser, &options->scene);
+  parser->add_option("--out", options->out, "The picture to write")->required();
+  parser->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  parser->add_option("--azimuth-deg", options->azimuth_deg, "Width of the view")->capture_default_str();
+  parser->add_option("--eye", options->eye, "x,y,z in metres; the scene's start if left out")
+      ->delimiter(',')
+      ->expected(3);
+  parser->add_option("--heading-deg", options->heading_deg, "Positive to the right; the scene's start if left out");
+  parser->add_option("--samples", options->samples, "Samples per pixel")->capture_default_str();
+  parser->add_option("--seed", options->seed, "Changes the noise")->capture_default_str();
+  parser->add_option("--json", options->json, "Also write what it cost, as JSON");
+  return {parser, [options](const StopSignal& stop) { return picture(*options, stop); }};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Whether random numbers are distributed as they claim to be: Pearson's chi-square test, for samplers of directions
+/// too. Sources: Press et al., "Numerical Recipes", 3rd edition, sections 6.2 and 14.3; Šidák, "Rectangular Confidence
+/// Regions for the Means of Multivariate Normal Distributions", 1967.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "renderfarm/render/vectors.h"
+
+namespace cyclorama {
+
+struct ChiSquare {
+  double statistic = 0.0;
+  int degrees = 0;
+  double p_value = 1.0;  ///< How often chance alone gives a statistic as large.
+};
+
+/// Of a chi-square distributed variable: how often it is at least `statistic`. Q(degrees / 2, statistic / 2), the
+/// regularised upper incomplete gamma function, by its series below the mean and its continued fraction above.
+[[nodiscard]] inline double chi_square_p_value(double statistic, int degrees) {
+  if (!(statistic > 0.0) || degrees < 1) return std::isnan(statistic) ? 0.0 : 1.0;
+  if (std::isinf(statistic)) return 0.0;
+  constexpr double kPrecision = 1e-14;
+  constexpr double kTiny = 1e-300;
+  constexpr int kMostTerms = 100000;
+  const double a = 0.5 * degrees;
+  const double x = 0.5 * statistic;
+  const double scale = std::exp(a * std::log(x) - x - std::lgamma(a));
+  if (x < a + 1.0) {
+    double term = 1.0 / a;
+    double sum = term;
+    for (int n = 1; n < kMostTerms && term > sum * kPrecision; ++n) {
+      term *= x / (a + n);
+      sum += term;
+    }
+    return std::clamp(1.0 - sum * scale, 0.0, 1.0);
+  }
+  double b = x + 1.0 - a;
+  double c = 1.0 / kTiny;
+  double d = 1.0 / b;
+  double fraction = d;
+  for (int n = 1; n < kMostTerms; ++n) {
+    const double factor = n * (a - n);
+    b += 2.0;
+    const double bottom = factor * d + b;
+    d = 1.0 / (std::abs(bottom) < kTiny ? kTiny : bottom);
+    c = b + factor / c;
+    if (std::abs(c) < kTiny) c = kTiny;
+    fraction *= d * c;
+    if (std::abs(d * c - 1.0) < kPrecision) break;
+  }
+  return std::clamp(fraction * scale, 0.0, 1.0);
+}
+
+/// The level for each of `tests` independent ones, so that all together raise a false alarm with probability `alpha`.
+[[nodiscard]] inline double sidak(double alpha, int tests) { return -std::expm1(std::log1p(-alpha) / tests); }
+
+/// Counts against expected counts of the same total. Bins of fewer than five expected are taken together.
+[[nodiscard]] inline ChiSquare chi_square(std::span<const double> observed, std::span<const double> expected) {
+  constexpr double kLeastExpected = 5.0;
+  ChiSquare result;
+  double pool_observed = 0.0;
+  double pool_expected = 0.0;
+  int bins = 0;
+  const auto count = [&](double o, double e) {
+    result.statistic += (o - e) * (o - e) / e;
+    ++bins;
+  };
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    if (!(expected[i] > 0.0) && observed[i] > 0.0) return {std::numeric_limits<double>::infinity(), 1, 0.0};
+    if (expected[i] >= kLeastExpected) {
+      count(observed[i], expected[i]);
+    } else {
+      pool_observed += observed[i];
+      pool_expected += expected[i];
+    }
+  }
+  // A pool that stays small still shows what should not be there; it cannot show what is missing.
+  if (pool_expected >= kLeastExpected || pool_observed > pool_expected)
+    count(pool_observed, std::max(pool_expected, 1.0));
+  result.degrees = std::max(1, bins - 1);
+  result.p_value = chi_square_p_value(result.statistic, result.degrees);
+  return result;
+}
+
+/// Directions counted in bins that are rectangles of height along x and angle about x. A pilot run lays them: cut where
+/// it has its median, and cut off where it has nothing, so that narrow lobes and small lamps get bins which can be
+/// integrated. Thread-bound.
+class SphereHistogram {
+ public:
+  /// 2^depth bins, and some for what the pilot did not meet. `pilot` may be empty; it must not be counted again.
+  explicit SphereHistogram(const std::vector<Vec3>& pilot, int depth = 7) {
+    std::vector<std::array<double, 2>> points;
+    points.reserve(pilot.size());
+    for (const Vec3& direction : pilot) points.push_back(coordinates(direction));
+    grow({{-1.0, -std::numbers::pi}, {1.0, std::numbers::pi}}, points, depth);
+    counts_.resize(bins_.size() + 1, 0.0);
+  }
+
+  void add(const Vec3& direction) {
+    const std::array<double, 2> at = coordinates(direction);
+    std::size_t node = 0;
+    while (nodes_[node].above != 0) node = at[nodes_[node].axis] < nodes_[node].place ? node + 1 : nodes_[node].above;
+    counts_[nodes_[node].bin] += 1.0;
+    total_ += 1.0;
+  }
+  /// A sample that gave no direction, or that `density` leaves out: part of the total.
+  void add_lost() {
+    counts_.back() += 1.0;
+    total_ += 1.0;
+  }
+  [[nodiscard]] double lost() const { return total_ > 0.0 ? counts_.back() / total_ : 0.0; }
+
+  /// The probability of each bin: the integral of density(Vec3), per steradian.
+  template <typename Density>
+  [[nodiscard]] std::vector<double> integrate(const Density& density) const {
+    std::vector<double> probabilities;
+    probabilities.reserve(bins_.size());
+    for (const Rectangle& bin : bins_) {
+      double sum = 0.0;
+      for (const Rectangle& quarter : quarters(bin)) sum += refined(density, quarter, gauss(density, quarter), 0);
+      probabilities.push_back(sum);
+    }
+    return probabilities;
+  }
+
+  /// Whether what was counted is distributed as density(Vec3) says; what that lacks of one is expected to be lost.
+  template <typename Density>
+  [[nodiscard]] ChiSquare compare(const Density& density, double* ret_integral = nullptr) const {
+    std::vector<double> expected = integrate(density);
+    double sum = 0.0;
+    for (double& e : expected) {
+      sum += e;
+      e *= total_;
+    }
+    if (ret_integral != nullptr) *ret_integral = sum;
+    expected.push_back(std::max(1e-3, (1.0 - sum) * total_));
+    return chi_square(counts_, expected);
+  }
+
+ private:
+  struct Rectangle {
+    std::array<double, 2> low{};
+    std::array<double, 2> high{};
+  };
+  /// The lower child follows its parent.
+  struct Node {
+    std::size_t axis = 0;
+    double place = 0.0;
+    std::size_t above = 0;  ///< Zero: a leaf.
+    std::size_t bin = 0;
+  };
+  using Points = std::span<std::array<double, 2>>;
+
+  static std::array<double, 2> coordinates(const Vec3& v) {
+    const Eigen::Vector3d d = v.cast<double>().normalized();
+    return {d.x(), std::atan2(d.z(), d.y())};
+  }
+
+  void split(const Rectangle& r, std::size_t axis, double place, std::pair<Points, Points> points,
+             std::pair<int, int> depths) {
+    const std::size_t node = nodes_.size();
+    nodes_.push_back({axis, place, 0, 0});
+    Rectangle below = r;
+    Rectangle above = r;
+    below.high[axis] = above.low[axis] = place;
+    grow(below, points.first, depths.first);
+    nodes_[node].above = nodes_.size();
+    grow(above, points.second, depths.second);
+  }
+
+  void grow(const Rectangle& r, Points points, int depth) {
+    for (std::size_t axis = 0; axis < 2 && points.size() > 1; ++axis) {
+      const auto less = [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; };
+      const auto [first, last] = std::minmax_element(points.begin(), points.end(), less);
+      const double margin = 0.1 * ((*last)[axis] - (*first)[axis]);
+      const double empty = 0.5 * (r.high[axis] - r.low[axis]);
+      const double from = (*first)[axis] - margin;
+      const double to = (*last)[axis] + margin;
+      if (from - r.low[axis] > empty) return split(r, axis, from, {{}, points}, {0, depth});
+      if (r.high[axis] - to > empty) return split(r, axis, to, {points, {}}, {depth, 0});
+    }
+    if (depth == 0) {
+      nodes_.push_back({0, 0.0, 0, bins_.size()});
+      bins_.push_back(r);
+      return;
+    }
+    const std::size_t axis = depth % 2 == 0 ? 0 : 1;
+    double place = 0.5 * (r.low[axis] + r.high[axis]);
+    const std::size_t half = points.size() / 2;
+    if (points.size() > 1) {
+      const auto less = [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; };
+      std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half), points.end(), less);
+      place = points[half][axis];
+    }
+    split(r, axis, place, {points.first(half), points.subspan(half)}, {depth - 1, depth - 1});
+  }
+
+  static std::array<Rectangle, 4> quarters(const Rectangle& r) {
+    const double x = 0.5 * (r.low[0] + r.high[0]);
+    const double a = 0.5 * (r.low[1] + r.high[1]);
+    return {{{r.low, {x, a}}, {{x, r.low[1]}, {r.high[0], a}}, {{r.low[0], a}, {x, r.high[1]}}, {{x, a}, r.high}}};
+  }
+
+  /// Gauss-Legendre of 3 x 3 points.
+  template <typename Density>
+  static double gauss(const Density& density, const Rectangle& r) {
+    constexpr std::array<double, 3> kPlaces = {-0.7745966692414834, 0.0, 0.7745966692414834};
+    constexpr std::array<double, 3> kWeights = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x = 0.5 * (r.low[0] + r.high[0] + (r.high[0] - r.low[0]) * kPlaces[i]);
+      const double radius = std::sqrt(std::max(0.0, 1.0 - x * x));
+      for (std::size_t j = 0; j < 3; ++j) {
+        const double angle = 0.5 * (r.low[1] + r.high[1] + (r.high[1] - r.low[1]) * kPlaces[j]);
+        const Eigen::Vector3d d(x, radius * std::cos(angle), radius * std::sin(angle));
+        sum += kWeights[i] * kWeights[j] * static_cast<double>(density(Vec3(d.cast<float>())));
+      }
+    }
+    return sum * (r.high[0] - r.low[0]) * (r.high[1] - r.low[1]);
+  }
+
+  template <typename Density>
+  double refined(const Density& density, const Rectangle& r, double coarse, int level) const {
+    constexpr int kMostLevels = 7;
+    const double tolerance = 5e-4 / static_cast<double>(bins_.size());
+    std::array<double, 4> parts{};
+    double sum = 0.0;
+    const std::array<Rectangle, 4> cells = quarters(r);
+    for (std::size_t i = 0; i < 4; ++i) sum += parts[i] = gauss(density, cells[i]);
+    if (level == kMostLevels || std::abs(sum - coarse) < tolerance) return sum;
+    sum = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) sum += refined(density, cells[i], parts[i], level + 1);
+    return sum;
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<Rectangle> bins_;
+  std::vector<double> counts_;  ///< Of each bin, and of what was lost.
+  double total_ = 0.0;
+};
+
+struct SamplerCheck {
+  ChiSquare chi_square;
+  double integral = 0.0;  ///< Of the density over the sphere.
+  double lost = 0.0;      ///< The part of the samples that gave no direction.
+};
+
+/// sample(const Vec2& u, float choice) -> std::optional<Vec3>, against density(const Vec3&), with a quarter of
+/// `samples` more to lay the bins.
+template <typename Sample, typename Density>
+[[nodiscard]] SamplerCheck check_sampler(const Sample& sample, const Density& density, int samples = 1 << 15,
+                                         unsigned seed = 1, int depth = 7) {
+  std::mt19937 random(seed);
+  const auto unit = [&random] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
+  const auto draw = [&]() -> std::optional<Vec3> {
+    const float choice = unit();
+    const float x = unit();
+    return sample(Vec2(x, unit()), choice);
+  };
+  std::vector<Vec3> pilot;
+  for (int i = 0; i < samples / 4; ++i) {
+    if (const std::optional<Vec3> direction = draw()) pilot.push_back(*direction);
+  }
+  SphereHistogram histogram(pilot, depth);
+  for (int i = 0; i < samples; ++i) {
+    if (const std::optional<Vec3> direction = draw()) {
+      histogram.add(*direction);
+    } else {
+      histogram.add_lost();
+    }
+  }
+  SamplerCheck check;
+  check.chi_square = histogram.compare(density, &check.integral);
+  check.lost = histogram.lost();
+  return check;
+}
+
+}  // namespace cyclorama

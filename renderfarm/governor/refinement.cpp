@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/governor/refinement.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "common/base/check.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kPiece = 64;
+constexpr double kLongestPictureMs = 1000.0;
+
+int cut_after(int samples) {
+  if (samples == 0) return 1;
+  if (samples < kPiece) return static_cast<int>(std::bit_ceil(static_cast<unsigned>(samples) + 1));
+  return (samples / kPiece + 1) * kPiece;
+}
+
+/// The first cut that is not below.
+int cut_at_least(double samples, int most) {
+  int cut = 1;
+  while (cut < most && cut < samples) cut = cut_after(cut);
+  return std::min(cut, most);
+}
+
+/// Samples at full size, without a denoiser, that err no more than `moving`. The error of such pictures is taken to
+/// fall with the samples, from the front's point of that kind that needs the fewest.
+double samples_as_good_as(const Front& front, const FrontPoint& moving) {
+  double error_of_one = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    const PictureQuality& quality = front[i].quality;
+    if (quality.scale < 1.0 || quality.denoise) continue;
+    error_of_one = std::min(error_of_one, front[i].error * quality.render.samples);
+  }
+  const double as_good = error_of_one / moving.error;
+  const double more = 2.0 * moving.quality.render.samples;
+  return std::isfinite(as_good) ? std::max(as_good, more) : more;
+}
+
+}  // namespace
+
+std::vector<SampleRange> cut_samples(const SampleRange& range) {
+  std::vector<SampleRange> pieces;
+  for (int first = range.first; first < range.end;) {
+    const int end = std::min(cut_after(first), range.end);
+    pieces.push_back({first, end});
+    first = end;
+  }
+  return pieces;
+}
+
+Refinement::Refinement(const Front& front, const FrontPoint& moving, int reference_samples)
+    : quality_(front.best().quality) {
+  CHECK(reference_samples >= 1 && reference_samples <= kMostSamples);
+  quality_.scale = 1.0;
+  quality_.denoise = false;
+  quality_.render.firefly_limit = 0.0f;
+  quality_.render.adaptive_error = 0.0f;
+  quality_.render.sequence = reference_samples;
+  first_picture_ = cut_at_least(samples_as_good_as(front, moving), reference_samples);
+}
+
+std::optional<SampleRange> Refinement::next(double ms_per_sample) const {
+  if (rests()) return std::nullopt;
+  if (samples_ == 0) return SampleRange{0, first_picture_};
+  const double affordable = ms_per_sample > 0.0 ? kLongestPictureMs / ms_per_sample : kPiece;
+  const double wanted = samples_ + std::min<double>(samples_, affordable);
+  return SampleRange{samples_, std::max(cut_at_least(wanted, reference_samples()),
+                                        std::min(cut_after(samples_), reference_samples()))};
+}
+
+void Refinement::done(const SampleRange& range) {
+  CHECK(range.first == samples_ && range.end > range.first && range.end <= reference_samples());
+  samples_ = range.end;
+}
+
+}  // namespace cyclorama

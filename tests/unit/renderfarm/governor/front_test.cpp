@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/governor/front.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace cyclorama {
+namespace {
+
+FrontPoint point_of(double cost, double error) {
+  FrontPoint point;
+  point.cost = cost;
+  point.error = error;
+  return point;
+}
+
+TEST(Front, keeps_what_no_cheaper_point_beats_in_the_order_of_cost) {
+  const auto front =
+      Front::make({point_of(8, 1), point_of(1, 9), point_of(2, 9), point_of(4, 3), point_of(4, 2), point_of(16, 1)});
+  ASSERT_TRUE(front);
+  ASSERT_EQ(front->size(), 3u);
+  EXPECT_EQ((*front)[0].cost, 1.0);
+  EXPECT_EQ((*front)[1].error, 2.0);
+  EXPECT_EQ(front->best().cost, 8.0);
+}
+
+TEST(Front, refuses_no_points_and_points_that_are_none) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(Front::make({}));
+  for (const FrontPoint& bad : {point_of(0, 1), point_of(-1, 1), point_of(kNan, 1), point_of(kInfinite, 1),
+                                point_of(1, kNan), point_of(1, -1), point_of(1, kInfinite)}) {
+    EXPECT_FALSE(Front::make({point_of(1, 1), bad}));
+  }
+  FrontPoint bad = point_of(1, 1);
+  bad.quality.scale = 2.0;
+  EXPECT_FALSE(Front::make({bad}));
+}
+
+TEST(Front, has_a_standard_one_in_which_every_point_is_on_the_front) {
+  const Front front = Front::standard();
+  EXPECT_GE(front.size(), 8u);
+  for (std::size_t i = 1; i < front.size(); ++i) {
+    EXPECT_GT(front[i].cost, front[i - 1].cost);
+    EXPECT_LT(front[i].error, front[i - 1].error);
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

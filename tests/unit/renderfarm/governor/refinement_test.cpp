@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/governor/refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+FrontPoint point_of(double cost, double error, int samples) {
+  FrontPoint point;
+  point.cost = cost;
+  point.error = error;
+  point.quality.render.samples = samples;
+  return point;
+}
+
+Front plain_front() { return *Front::make({point_of(1, 1, 1), point_of(4, 0.25, 4), point_of(16, 0.0625, 16)}); }
+
+std::vector<int> steps(Refinement refinement, double ms_per_sample = 0.01) {
+  std::vector<int> ends;
+  while (const auto range = refinement.next(ms_per_sample)) {
+    EXPECT_EQ(range->first, refinement.samples());
+    refinement.done(*range);
+    ends.push_back(range->end);
+  }
+  EXPECT_TRUE(refinement.rests());
+  return ends;
+}
+
+TEST(CutSamples, cuts_every_range_where_any_other_range_is_cut) {
+  EXPECT_TRUE(cut_samples({5, 5}).empty());
+  EXPECT_EQ(cut_samples({0, 1}), (std::vector<SampleRange>{{0, 1}}));
+  EXPECT_EQ(cut_samples({0, 5}), (std::vector<SampleRange>{{0, 1}, {1, 2}, {2, 4}, {4, 5}}));
+  EXPECT_EQ(cut_samples({32, 200}), (std::vector<SampleRange>{{32, 64}, {64, 128}, {128, 192}, {192, 200}}));
+  const auto whole = cut_samples({0, 1024});
+  for (const int middle : {1, 2, 16, 64, 192, 960}) {
+    auto both = cut_samples({0, middle});
+    const auto rest = cut_samples({middle, 1024});
+    both.insert(both.end(), rest.begin(), rest.end());
+    EXPECT_EQ(both, whole) << middle;
+  }
+}
+
+TEST(Refinement, doubles_until_the_reference_and_then_rests) {
+  const Front front = plain_front();
+  EXPECT_EQ(steps(Refinement(front, front[1], 1024)), (std::vector<int>{8, 16, 32, 64, 128, 256, 512, 1024}));
+  EXPECT_EQ(steps(Refinement(front, front[0], 100)), (std::vector<int>{2, 4, 8, 16, 32, 64, 100}));
+  EXPECT_EQ(steps(Refinement(front, front[2], 1)), (std::vector<int>{1}));
+  EXPECT_EQ(steps(Refinement(front, front[2], 7)), (std::vector<int>{7})) << "fewer than the moving picture had";
+}
+
+TEST(Refinement, takes_about_a_second_for_a_picture_when_samples_are_slow) {
+  const Front front = plain_front();
+  EXPECT_EQ(steps(Refinement(front, front[1], 320), 10.0), (std::vector<int>{8, 16, 32, 64, 128, 256, 320}));
+  EXPECT_EQ(steps(Refinement(front, front[1], 320), 1e6), (std::vector<int>{8, 16, 32, 64, 128, 192, 256, 320}));
+  EXPECT_EQ(steps(Refinement(front, front[1], 320), 0.0).back(), 320) << "speed unknown";
+  EXPECT_EQ(steps(Refinement(front, front[1], 320), std::nan("")).back(), 320);
+}
+
+TEST(Refinement, ends_every_picture_but_the_last_at_a_cut) {
+  const Front front = plain_front();
+  for (const int reference : {3, 64, 65, 1000, kMostSamples}) {
+    const auto whole = cut_samples({0, reference});
+    for (const double ms : {0.0, 0.1, 3.0, 1e9}) {
+      for (const int end : steps(Refinement(front, front[0], reference), ms)) {
+        EXPECT_TRUE(std::ranges::any_of(whole, [&](const SampleRange& piece) { return piece.end == end; })) << end;
+      }
+    }
+  }
+}
+
+TEST(Refinement, begins_no_worse_than_the_moving_picture_was) {
+  FrontPoint denoised = point_of(2, 0.02, 2);
+  denoised.quality.denoise = true;
+  FrontPoint small = point_of(1, 1.5, 1);
+  small.quality.scale = 0.5;
+  const Front front = *Front::make({small, point_of(1.5, 1, 1), denoised, point_of(64, 1.0 / 64, 64)});
+  EXPECT_EQ(Refinement(front, front[2], 1024).next(0.0)->end, 64) << "50 plain samples err as much";
+  EXPECT_EQ(Refinement(front, front[0], 1024).next(0.0)->end, 2);
+  const Front only = *Front::make({denoised});
+  EXPECT_EQ(Refinement(only, only[0], 1024).next(0.0)->end, 4) << "nothing to compare with";
+}
+
+TEST(Refinement, leaves_out_what_makes_a_reference_wrong) {
+  FrontPoint best = point_of(1, 1, 4);
+  best.quality.scale = 0.5;
+  best.quality.denoise = true;
+  best.quality.render.firefly_limit = 5.0f;
+  best.quality.render.adaptive_error = 0.1f;
+  best.quality.render.bounces = 3;
+  best.quality.jpeg_quality = 93;
+  const Front front = *Front::make({best});
+  const Refinement refinement(front, front[0], 256);
+  const PictureQuality& quality = refinement.quality();
+  EXPECT_EQ(quality.scale, 1.0);
+  EXPECT_FALSE(quality.denoise);
+  EXPECT_EQ(quality.render.firefly_limit, 0.0f);
+  EXPECT_EQ(quality.render.adaptive_error, 0.0f);
+  EXPECT_EQ(quality.render.bounces, 3);
+  EXPECT_EQ(quality.render.sequence, 256);
+  EXPECT_EQ(quality.jpeg_quality, 93);
+}
+
+}  // namespace
+}  // namespace cyclorama

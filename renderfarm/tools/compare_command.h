@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "renderfarm/quality/shown_error.h"
+#include "renderfarm/tools/render_command.h"
+
+namespace cyclorama {
+
+struct LightErrors {
+  double mse = 0.0;
+  double relmse = 0.0;
+};
+
+struct Comparison {
+  std::optional<LightErrors> light;  ///< Only between two PFM files: code values have lost the light above white.
+  ShownError shown;
+};
+
+/// PFM, PNG or JPEG, told by the first bytes; light is tone mapped before it is compared as shown.
+/// Errors as the readers' and shown_error()'s; kBadData also where light is not finite.
+Result<Comparison> compare_files(const std::filesystem::path& picture, const std::filesystem::path& reference);
+
+/// `cyclorama-render compare PICTURE REFERENCE`: the errors between two pictures.
+[[nodiscard]] RenderCommand add_compare_command(CLI::App* program);
+
+}  // namespace cyclorama

@@ -11,7 +11,6 @@ Status check_knob(const char* knob, double value, double least, double most) {
 }
 
 Status validate(const RenderQuality& quality) {
-  constexpr double kMostLight = 1e9;
   TRY(check_knob("samples", quality.samples, 1, kMostSamples));
   TRY(check_knob("first_sample", quality.first_sample, 0, kMostSamples - quality.samples));
   TRY(check_knob("sequence", quality.sequence, 0, kMostSamples));

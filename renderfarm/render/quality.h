@@ -9,6 +9,7 @@ namespace cyclorama {
 inline constexpr int kMostSamples = 1 << 16;
 inline constexpr int kMostBounces = 64;
 inline constexpr int kMostLightSamples = 16;
+inline constexpr double kMostLight = 1e9;  ///< Of a limit or an error.
 
 /// A value. The default is the cheapest picture that shows direct light.
 struct RenderQuality {

@@ -12,7 +12,17 @@
 
 namespace cyclorama {
 
-bool is_glossy(const Material& material) { return material.metallic > 0.0f || material.roughness < 1.0f; }
+SurfaceLevel surface_level_of(const Material& material) {
+  const bool has_metal_only = material.metallic == 1.0f && material.metallic_roughness_texture.texture < 0;
+  const bool transmits = material.transmission > 0.0f && !has_metal_only;
+  if (material.clearcoat > 0.0f || transmits) return SurfaceLevel::kLayered;
+  if (material.metallic > 0.0f) return SurfaceLevel::kGlossy;
+  const Material plain;
+  const bool mirrors = material.specular > 0.0f && material.ior > 1.0f;
+  const bool shines_specially = material.ior > plain.ior || material.specular_colour.maxCoeff() > 1.0f;
+  const bool is_glossy = mirrors && (material.roughness < 1.0f || shines_specially);
+  return is_glossy ? SurfaceLevel::kGlossy : SurfaceLevel::kMatte;
+}
 
 std::vector<bool> see_through_textures(const Model& model) {
   std::vector<bool> used(model.textures.size(), false);
@@ -43,10 +53,9 @@ SceneNeeds needs_of(const Scene& scene) {
     const Mesh& mesh = model.meshes[i];
     if (!used[i] || mesh.triangles.empty()) continue;
     const Material& material = model.materials[static_cast<std::size_t>(mesh.material)];
-    needs.normal_maps |= material.normal_texture.texture >= 0;
-    needs.textures |= needs.normal_maps || material.base_colour_texture.texture >= 0 ||
-                      material.metallic_roughness_texture.texture >= 0 || material.emissive_texture.texture >= 0;
-    needs.gloss |= is_glossy(material);
+    needs.normal_maps |= material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
+    for (TextureUse Material::*const at : texture_places()) needs.textures |= (material.*at).texture >= 0;
+    needs.gloss |= surface_level_of(material) != SurfaceLevel::kMatte;
     needs.blending |= blends(material, mesh, see_through);
   }
   needs.lamps = !make_lamps(model.lights, Eigen::Vector3d::Zero()).empty();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "renderfarm/render/surface_level.h"
 #include "renderfarm/scene/scene.h"
 
 namespace cyclorama {
@@ -29,8 +30,9 @@ struct SceneNeeds {
 
 // What one material needs.
 
-/// A metal, or smoother than paper. A dielectric of roughness 1, as scans without a material have it, is pure Lambert.
-[[nodiscard]] bool is_glossy(const Material& material);
+/// The least that shows it, whatever its textures hold. A dielectric of roughness 1, as scans without a material have
+/// it, is pure Lambert.
+[[nodiscard]] SurfaceLevel surface_level_of(const Material& material);
 /// For each texture, whether it has texels that are not opaque; looked at only where a material blends by it.
 [[nodiscard]] std::vector<bool> see_through_textures(const Model& model);
 /// Whether light goes through any of `mesh`: many a file says AlphaMode::kBlend and has nothing but opaque texels.

@@ -24,7 +24,7 @@ SurfaceMaterial trace_material(const Model& model, const Material& source) {
   material.metallic_roughness = texture_of(model, source.metallic_roughness_texture);
   material.normal = texture_of(model, source.normal_texture);
   material.emissive = texture_of(model, source.emissive_texture);
-  material.glossy = is_glossy(source);
+  material.glossy = surface_level_of(source) != SurfaceLevel::kMatte;
   material.cut_out = source.alpha_mode == AlphaMode::kMask;
   return material;
 }

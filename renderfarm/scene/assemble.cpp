@@ -15,8 +15,10 @@ void move_to_end(std::vector<T>* from, std::vector<T>* to) {
   to->insert(to->end(), std::make_move_iterator(from->begin()), std::make_move_iterator(from->end()));
 }
 
+double scale_of(const Eigen::Affine3d& T) { return std::cbrt(std::abs(T.linear().determinant())); }
+
 Light placed(Light light, const Eigen::Affine3d& T_whole_file, double unit_m) {
-  const double scale = std::cbrt(std::abs(T_whole_file.linear().determinant()));
+  const double scale = scale_of(T_whole_file);
   light.position = T_whole_file * light.position;
   light.direction = (T_whole_file.linear() * light.direction).normalized();
   if (light.kind == LightKind::kDirectional) return light;
@@ -53,10 +55,11 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
   const int first_material = static_cast<int>(whole->materials.size());
   const int first_mesh = static_cast<int>(whole->meshes.size());
   for (Material& material : part.materials) {
-    for (TextureUse* use : {&material.base_colour_texture, &material.metallic_roughness_texture,
-                            &material.normal_texture, &material.emissive_texture}) {
-      if (use->texture >= 0) use->texture += first_texture;
+    for (TextureUse Material::*const at : texture_places()) {
+      if ((material.*at).texture >= 0) (material.*at).texture += first_texture;
     }
+    // Several placements of different size share their materials; the first one decides.
+    if (!T_whole_file.empty()) material.attenuation_distance *= static_cast<float>(scale_of(T_whole_file.front()));
   }
   for (Mesh& mesh : part.meshes) mesh.material += first_material;
   for (const Eigen::Affine3d& T : T_whole_file) {

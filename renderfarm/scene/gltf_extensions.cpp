@@ -12,13 +12,18 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::array<std::string_view, 8> kSupported = {
+constexpr std::array<std::string_view, 13> kSupported = {
     "EXT_mesh_gpu_instancing",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",  // Approximated; gltf_material.cpp notes what is lost.
-    "KHR_materials_unlit",                  // Noted where a material has it.
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",  // Noted where a material has it.
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 };

@@ -1,26 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/scene/gltf_material.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <string>
 
+#include "renderfarm/scene/gltf_material_layers.h"
 #include "renderfarm/scene/gltf_specular_glossiness.h"
 #include "renderfarm/scene/gltf_texture_use.h"
 
 namespace cyclorama {
 namespace {
-
-Result<float> read_factor(const GltfObject& object, const char* key, double fallback, double most, GltfNotes* notes) {
-  TRY_ASSIGN(const std::optional<double> number, object.number(key));
-  const double value = number.value_or(fallback);
-  if (value < 0.0 || value > most) {
-    notes->add(fmt::format("{} is outside [0, {}]: clipped", key, most), object.place());
-  }
-  return static_cast<float>(std::clamp(value, 0.0, most));
-}
 
 Status read_metallic_roughness(const GltfDocument& document, const GltfObject& object, GltfNotes* notes,
                                Material* ret_material) {
@@ -33,16 +21,6 @@ Status read_metallic_roughness(const GltfDocument& document, const GltfObject& o
   TRY_ASSIGN(ret_material->base_colour_texture, read_texture_use(document, *pbr, "baseColorTexture", notes));
   TRY_ASSIGN(ret_material->metallic_roughness_texture,
              read_texture_use(document, *pbr, "metallicRoughnessTexture", notes));
-  return Done{};
-}
-
-Status read_normal_map(const GltfDocument& document, const GltfObject& object, GltfNotes* notes,
-                       Material* ret_material) {
-  TRY_ASSIGN(ret_material->normal_texture, read_texture_use(document, object, "normalTexture", notes));
-  TRY_ASSIGN(const std::optional<GltfObject> info, object.object("normalTexture"));
-  if (!info) return Done{};
-  TRY_ASSIGN(const std::optional<double> scale, info->number("scale"));
-  ret_material->normal_scale = static_cast<float>(std::clamp(scale.value_or(1.0), -1e6, 1e6));
   return Done{};
 }
 
@@ -86,25 +64,17 @@ Material plain_material() {
 
 }  // namespace
 
-std::array<TextureUse*, 4> texture_uses(Material* material) {
-  return {&material->base_colour_texture, &material->metallic_roughness_texture, &material->normal_texture,
-          &material->emissive_texture};
-}
-
-std::array<const TextureUse*, 4> texture_uses(const Material& material) {
-  return {&material.base_colour_texture, &material.metallic_roughness_texture, &material.normal_texture,
-          &material.emissive_texture};
-}
-
 Result<Material> read_gltf_material(const GltfDocument& document, const GltfObject& object, GltfNotes* notes) {
   Material material;
   material.name = object.name();
   TRY(read_metallic_roughness(document, object, notes, &material));
   TRY_ASSIGN(const std::optional<GltfObject> glossiness, object.extension("KHR_materials_pbrSpecularGlossiness"));
   if (glossiness) TRY(read_specular_glossiness(document, *glossiness, notes, &material));
-  TRY(read_normal_map(document, object, notes, &material));
+  TRY_ASSIGN(material.normal_texture, read_texture_use(document, object, "normalTexture", notes));
+  TRY_ASSIGN(material.normal_scale, read_normal_scale(object, "normalTexture"));
   TRY(read_emission(document, object, notes, &material));
   TRY(read_alpha(object, notes, &material));
+  TRY(read_material_layers(document, object, notes, &material));
   TRY_ASSIGN(const std::optional<GltfObject> unlit, object.extension("KHR_materials_unlit"));
   // As emission it would turn every triangle of a scan into a lamp.
   if (unlit) notes->add("KHR_materials_unlit is not supported: the surfaces are lit as all others", object.place());
@@ -131,15 +101,16 @@ Result<int> GltfMaterials::load_new(std::optional<std::size_t> index, const std:
     TRY_ASSIGN(const GltfObject object, document_->item("materials", *index));
     TRY_ASSIGN(material, read_gltf_material(*document_, object, &context_->notes));
   }
-  for (TextureUse* const use : texture_uses(&material)) {
-    if (use->texture < 0) continue;
-    if (!has_texcoords[static_cast<std::size_t>(use->texcoord)]) {
+  for (TextureUse Material::*const at : texture_places()) {
+    TextureUse& use = material.*at;
+    if (use.texture < 0) continue;
+    if (!has_texcoords[static_cast<std::size_t>(use.texcoord)]) {
       context_->notes.add("a texture has no texture coordinates to go by: left out", place);
-      *use = TextureUse{};
+      use = TextureUse{};
       continue;
     }
-    TRY_ASSIGN(use->texture, textures_.load(static_cast<std::size_t>(use->texture)));
-    if (use->texture < 0) *use = TextureUse{};
+    TRY_ASSIGN(use.texture, textures_.load(static_cast<std::size_t>(use.texture)));
+    if (use.texture < 0) use = TextureUse{};
   }
   TRY(context_->budget.take(place, 1, sizeof material));
   model_->materials.push_back(std::move(material));

@@ -18,10 +18,6 @@
 
 namespace cyclorama {
 
-/// The four places where a Material has a texture.
-[[nodiscard]] std::array<TextureUse*, 4> texture_uses(Material* material);
-[[nodiscard]] std::array<const TextureUse*, 4> texture_uses(const Material& material);
-
 /// One material; its TextureUses hold glTF's texture indices, checked, and not Model's. Texture coordinates beyond the
 /// second set are dropped with a note.
 Result<Material> read_gltf_material(const GltfDocument& document, const GltfObject& object, GltfNotes* notes);

@@ -15,8 +15,9 @@ constexpr std::array<const char*, 2> kTexcoords = {"TEXCOORD_0", "TEXCOORD_1"};
 /// What the material samples; the rest of the texture coordinates would only take memory.
 std::array<bool, 2> sampled_texcoords(const Material& material) {
   std::array<bool, 2> sampled = {false, false};
-  for (const TextureUse* const use : texture_uses(material)) {
-    if (use->texture >= 0) sampled[static_cast<std::size_t>(use->texcoord)] = true;
+  for (TextureUse Material::*const at : texture_places()) {
+    const TextureUse& use = material.*at;
+    if (use.texture >= 0) sampled[static_cast<std::size_t>(use.texcoord)] = true;
   }
   return sampled;
 }
@@ -27,7 +28,8 @@ Status read_vertices(const GltfPrimitive& primitive, const GltfSelection& select
   TRY(read_positions(*positions, selection, context, mesh));
   TRY_ASSIGN(const std::optional<GltfAccessor> normals, primitive.attribute("NORMAL", GltfVertexKind::kNormal));
   if (normals) TRY(read_normals(*normals, selection, context, mesh));
-  if (normals && material.normal_texture.texture >= 0) {  // Tangents without normals are to be ignored.
+  const bool normal_mapped = material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
+  if (normals && normal_mapped) {  // Tangents without normals are to be ignored.
     TRY_ASSIGN(const std::optional<GltfAccessor> tangents, primitive.attribute("TANGENT", GltfVertexKind::kTangent));
     if (tangents) TRY(read_tangents(*tangents, selection, context, mesh));
   }

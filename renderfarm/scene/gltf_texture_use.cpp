@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/scene/gltf_texture_use.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -52,6 +54,22 @@ Result<TextureUse> read_texture_use(const GltfDocument& document, const GltfObje
   use.texture = static_cast<int>(texture);
   use.texcoord = static_cast<int>(texcoord);
   return use;
+}
+
+Result<float> read_factor(const GltfObject& from, const char* key, double fallback, double most, GltfNotes* notes) {
+  TRY_ASSIGN(const std::optional<double> number, from.number(key));
+  const double value = number.value_or(fallback);
+  if (value < 0.0 || value > most) {
+    notes->add(fmt::format("{} is outside [0, {}]: clipped", key, most), from.place());
+  }
+  return static_cast<float>(std::clamp(value, 0.0, most));
+}
+
+Result<float> read_normal_scale(const GltfObject& from, const char* key) {
+  TRY_ASSIGN(const std::optional<GltfObject> info, from.object(key));
+  if (!info) return 1.0f;
+  TRY_ASSIGN(const std::optional<double> scale, info->number("scale"));
+  return static_cast<float>(std::clamp(scale.value_or(1.0), -1e6, 1e6));
 }
 
 }  // namespace cyclorama

@@ -18,4 +18,10 @@ namespace cyclorama {
 Result<TextureUse> read_texture_use(const GltfDocument& document, const GltfObject& from, const char* key,
                                     GltfNotes* notes);
 
+/// from.key, or `fallback`; clipped to [0, most] with a note.
+Result<float> read_factor(const GltfObject& from, const char* key, double fallback, double most, GltfNotes* notes);
+
+/// from.key.scale of a normal map; 1 where it is not given.
+Result<float> read_normal_scale(const GltfObject& from, const char* key);
+
 }  // namespace cyclorama

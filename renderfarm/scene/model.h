@@ -33,7 +33,8 @@ struct TextureUse {
 
 enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
 
-/// glTF 2.0's metallic-roughness material; factors are linear. Source: glTF 2.0, section 3.9.
+/// glTF 2.0's metallic-roughness material; factors are linear. Source: glTF 2.0, section 3.9, and the ratified
+/// extensions KHR_materials_ior, _specular, _clearcoat, _transmission and _volume, whose defaults these are.
 struct Material {
   std::string name;
   Eigen::Vector4f base_colour = Eigen::Vector4f::Ones();
@@ -48,7 +49,38 @@ struct Material {
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
+
+  float ior = 1.5f;                                           ///< Index of refraction, from 1 to kLargestIor.
+  float specular = 1.0f;                                      ///< Strength of what a dielectric mirrors.
+  Eigen::Vector3f specular_colour = Eigen::Vector3f::Ones();  ///< Tints that where one looks straight down.
+  TextureUse specular_texture;                                ///< Linear, in A.
+  TextureUse specular_colour_texture;                         ///< sRGB.
+
+  float clearcoat = 0.0f;  ///< How much of the surface has a second, colourless one above it.
+  float clearcoat_roughness = 0.0f;
+  TextureUse clearcoat_texture;            ///< Linear, in R.
+  TextureUse clearcoat_roughness_texture;  ///< Linear, in G.
+  TextureUse clearcoat_normal_texture;     ///< Linear; tangent space. Without one the coat is smooth.
+  float clearcoat_normal_scale = 1.0f;
+
+  float transmission = 0.0f;        ///< The part of the light under a dielectric's surface that goes through.
+  TextureUse transmission_texture;  ///< Linear, in R.
+  /// 0: the mesh is a thin sheet. Above: it encloses a body. How thick that is, the mesh itself says.
+  float thickness = 0.0f;
+  Eigen::Vector3f attenuation_colour = Eigen::Vector3f::Ones();  ///< What is left of white after attenuation_distance.
+  float attenuation_distance = 0.0f;                             ///< In the scene's metres. 0: nothing is absorbed.
 };
+
+inline constexpr float kLargestIor = 1e6f;  ///< Mirrors all; glTF writes 0.
+
+/// Every place where a Material has a texture.
+[[nodiscard]] constexpr auto texture_places() {
+  return std::array{&Material::base_colour_texture,      &Material::metallic_roughness_texture,
+                    &Material::normal_texture,           &Material::emissive_texture,
+                    &Material::specular_texture,         &Material::specular_colour_texture,
+                    &Material::clearcoat_texture,        &Material::clearcoat_roughness_texture,
+                    &Material::clearcoat_normal_texture, &Material::transmission_texture};
+}
 
 /// Indexed triangles with one material. All vectors but positions may be empty; else they have one entry per vertex.
 struct Mesh {
@@ -57,11 +89,11 @@ struct Mesh {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   std::vector<std::array<float, 3>> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::array<float, 3>> normals;                   ///< Unit length. Empty: flat, from the triangle.
+  std::vector<std::array<float, 3>> normals;  ///< Unit length. Empty: flat, from the triangle.
   std::array<std::vector<std::array<float, 2>>, 2> texcoords;
-  std::vector<std::array<float, 4>> tangents;                  ///< As glTF: w is the handedness. May be empty.
-  std::vector<std::array<std::uint8_t, 4>> colours;            ///< sRGB-coded RGB, linear alpha; multiplies base_colour.
-  int material = 0;                                            ///< Index into Model::materials.
+  std::vector<std::array<float, 4>> tangents;        ///< As glTF: w is the handedness. May be empty.
+  std::vector<std::array<std::uint8_t, 4>> colours;  ///< sRGB-coded RGB, linear alpha; multiplies base_colour.
+  int material = 0;                                  ///< Index into Model::materials.
 };
 
 /// A mesh placed in the model: p_model = T_model_mesh * (origin + position).
@@ -80,9 +112,9 @@ struct Light {
   Eigen::Vector3d direction = -Eigen::Vector3d::UnitY();  ///< Where it shines; unit length. Spot and directional.
   /// Linear colour times candela (point, spot) or lux (directional).
   Eigen::Vector3f intensity = Eigen::Vector3f::Ones();
-  double radius_m = 0.0;          ///< Of the shining sphere; for directional lights, tangent of its angular radius.
-  double range_m = 0.0;           ///< Fades to nothing there; 0 is without end.
-  double inner_cone_rad = 0.0;    ///< Spot: full intensity inside, none outside the outer cone.
+  double radius_m = 0.0;        ///< Of the shining sphere; for directional lights, tangent of its angular radius.
+  double range_m = 0.0;         ///< Fades to nothing there; 0 is without end.
+  double inner_cone_rad = 0.0;  ///< Spot: full intensity inside, none outside the outer cone.
   double outer_cone_rad = 0.7853981633974483;
 };
 

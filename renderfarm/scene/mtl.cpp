@@ -148,6 +148,10 @@ void MtlLibrary::read_statement(std::string_view keyword, std::string_view rest,
     material.roughness = number(&rest, 0.0f, 1.0f).value_or(material.roughness);
   } else if (keyword == "Pm") {
     material.metallic = number(&rest, 0.0f, 1.0f).value_or(material.metallic);
+  } else if (keyword == "Pc") {
+    material.clearcoat = number(&rest, 0.0f, 1.0f).value_or(material.clearcoat);
+  } else if (keyword == "Pcr") {
+    material.clearcoat_roughness = number(&rest, 0.0f, 1.0f).value_or(material.clearcoat_roughness);
   } else if (keyword == "d" || keyword == "Tr") {
     const auto value = number(&rest, 0.0f, 1.0f);
     if (value) material.base_colour[3] = keyword == "d" ? *value : 1.0f - *value;

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 /// MTL materials, as near to glTF's metallic-roughness model as they come.
 ///
-///   Kd, map_Kd     base colour              Ks, Ns   roughness: Blinn-Phong's exponent as the GGX width that shines
-///   alike, Ke, map_Ke     emission                          alpha = sqrt(2 / (Ns + 2)) (B. Karis, 2013, "Specular BRDF
-///   Reference") d, Tr          opacity                  Pr, Pm   roughness and metallic as such norm           normal
-///   map               map_d    cut-out, when it is the picture of map_Kd
+///   Kd, map_Kd   base colour
+///   Ke, map_Ke   emission
+///   Ks, Ns       roughness: Blinn-Phong's exponent as the GGX width that shines alike, alpha = sqrt(2 / (Ns + 2))
+///                (B. Karis, 2013, "Specular BRDF Reference")
+///   d, Tr        opacity
+///   Pr, Pm       roughness and metallic as such
+///   Pc, Pcr      clearcoat and its roughness
+///   norm         normal map
+///   map_d        cut-out, when it is the picture of map_Kd
 ///
 /// What else a file asks for is noted.
 #pragma once

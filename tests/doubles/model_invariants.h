@@ -2,8 +2,10 @@
 /// What model.h promises of every Model, asked of one.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "renderfarm/scene/model.h"
 
@@ -49,11 +51,16 @@ inline std::string broken_promise(const Model& model) {
     return use.texture >= -1 && use.texture < static_cast<int>(model.textures.size());
   };
   for (const Material& m : model.materials) {
-    if (!has_texture(m.base_colour_texture) || !has_texture(m.metallic_roughness_texture) ||
-        !has_texture(m.normal_texture) || !has_texture(m.emissive_texture)) {
-      return "texture index";
+    for (TextureUse Material::*const at : texture_places()) {
+      if (!has_texture(m.*at)) return "texture index";
     }
-    if (!m.base_colour.allFinite() || !m.emissive.allFinite() || !std::isfinite(m.roughness)) return "finite material";
+    const std::vector<std::array<float, 9>> factors = {{m.metallic, m.roughness, m.ior, m.specular, m.clearcoat,
+                                                        m.clearcoat_roughness, m.transmission, m.thickness,
+                                                        m.attenuation_distance}};
+    if (!m.base_colour.allFinite() || !m.emissive.allFinite() || !m.specular_colour.allFinite() ||
+        !m.attenuation_colour.allFinite() || !all_finite(factors)) {
+      return "finite material";
+    }
   }
   for (const Mesh& mesh : model.meshes) {
     if (const std::string broken = broken_promise(mesh, model); !broken.empty()) return broken;

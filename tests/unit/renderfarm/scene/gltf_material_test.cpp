@@ -75,6 +75,98 @@ TEST(GltfMaterial, reads_every_factor) {
   EXPECT_TRUE(material.double_sided);
 }
 
+TEST(GltfMaterial, gloss_coat_and_body_have_the_specifications_defaults) {
+  Painted file;
+  file.material()["extensions"] = {{"KHR_materials_ior", nlohmann::json::object()},
+                                   {"KHR_materials_specular", nlohmann::json::object()},
+                                   {"KHR_materials_clearcoat", nlohmann::json::object()},
+                                   {"KHR_materials_transmission", nlohmann::json::object()},
+                                   {"KHR_materials_volume", nlohmann::json::object()}};
+  const Model model = import_good(file);
+  const Material& material = model.materials[0];
+  EXPECT_EQ(material.ior, 1.5f);
+  EXPECT_EQ(material.specular, 1.0f);
+  EXPECT_EQ(material.specular_colour, Eigen::Vector3f(1, 1, 1));
+  EXPECT_EQ(material.clearcoat, 0.0f);
+  EXPECT_EQ(material.transmission, 0.0f);
+  EXPECT_EQ(material.thickness, 0.0f);
+  EXPECT_EQ(material.attenuation_colour, Eigen::Vector3f(1, 1, 1));
+  EXPECT_EQ(material.attenuation_distance, 0.0f);
+  EXPECT_THAT(model.notes, IsEmpty());
+}
+
+TEST(GltfMaterial, reads_gloss_coat_and_body) {
+  Painted file;
+  const nlohmann::json picture = {{"index", 0}};
+  const nlohmann::json bump = {{"index", 0}, {"scale", 0.25}};
+  file.json["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_specular", "KHR_materials_clearcoat",
+                                 "KHR_materials_transmission", "KHR_materials_volume"};
+  file.material()["extensions"] = {
+      {"KHR_materials_ior", {{"ior", 1.76}}},
+      {"KHR_materials_specular",
+       {{"specularFactor", 0.5},
+        {"specularColorFactor", {2.0, 0.5, 0.25}},
+        {"specularTexture", picture},
+        {"specularColorTexture", picture}}},
+      {"KHR_materials_clearcoat",
+       {{"clearcoatFactor", 0.75},
+        {"clearcoatRoughnessFactor", 0.125},
+        {"clearcoatTexture", picture},
+        {"clearcoatRoughnessTexture", picture},
+        {"clearcoatNormalTexture", bump}}},
+      {"KHR_materials_transmission", {{"transmissionFactor", 0.875}, {"transmissionTexture", picture}}},
+      {"KHR_materials_volume",
+       {{"thicknessFactor", 2.5}, {"attenuationColor", {0.5, 0.25, 0.125}}, {"attenuationDistance", 0.3125}}}};
+  const Model model = import_good(file);
+  const Material& material = model.materials[0];
+  EXPECT_EQ(material.ior, 1.76f);
+  EXPECT_EQ(material.specular, 0.5f);
+  EXPECT_EQ(material.specular_colour, Eigen::Vector3f(2, 0.5f, 0.25f));
+  EXPECT_EQ(material.clearcoat, 0.75f);
+  EXPECT_EQ(material.clearcoat_roughness, 0.125f);
+  EXPECT_EQ(material.clearcoat_normal_scale, 0.25f);
+  EXPECT_EQ(material.transmission, 0.875f);
+  EXPECT_EQ(material.thickness, 2.5f);
+  EXPECT_EQ(material.attenuation_colour, Eigen::Vector3f(0.5f, 0.25f, 0.125f));
+  EXPECT_EQ(material.attenuation_distance, 0.3125f);
+  for (const auto* use :
+       {&material.specular_texture, &material.specular_colour_texture, &material.clearcoat_texture,
+        &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture, &material.transmission_texture}) {
+    EXPECT_EQ(use->texture, 0);
+  }
+  EXPECT_EQ(model.meshes[0].texcoords[0].size(), 3u);
+  EXPECT_THAT(model.notes, IsEmpty());
+}
+
+TEST(GltfMaterial, gloss_coat_and_body_are_kept_within_what_can_be) {
+  Painted file;
+  auto& extensions = file.material()["extensions"];
+  extensions = {{"KHR_materials_ior", {{"ior", 0.5}}},
+                {"KHR_materials_clearcoat", {{"clearcoatFactor", 4}, {"clearcoatRoughnessFactor", -1}}},
+                {"KHR_materials_transmission", {{"transmissionFactor", 1e300}}},
+                {"KHR_materials_volume",
+                 {{"thicknessFactor", -1}, {"attenuationDistance", -2}, {"attenuationColor", {-1, 2, 0.5}}}}};
+  const Model model = import_good(file);
+  const Material& material = model.materials[0];
+  EXPECT_EQ(material.ior, 1.0f);
+  EXPECT_EQ(material.clearcoat, 1.0f);
+  EXPECT_EQ(material.clearcoat_roughness, 0.0f);
+  EXPECT_EQ(material.transmission, 1.0f);
+  EXPECT_EQ(material.thickness, 0.0f);
+  EXPECT_EQ(material.attenuation_distance, 0.0f);
+  EXPECT_EQ(material.attenuation_colour, Eigen::Vector3f(0, 1, 0.5f));
+  for (const char* const name : {"refraction", "clearcoatFactor", "clearcoatRoughness", "transmissionFactor",
+                                 "thicknessFactor", "attenuationDistance"}) {
+    EXPECT_THAT(model.notes, Contains(HasSubstr(name)));
+  }
+  extensions = {{"KHR_materials_ior", {{"ior", 0}}}};
+  EXPECT_EQ(import_good(file).materials[0].ior, kLargestIor);  // The specification's word for a perfect mirror.
+  extensions = {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatTexture", {{"index", 7}}}}}};
+  EXPECT_THAT(error_of(file.import()), HasSubstr("clearcoatTexture/index: index 7 of 1 textures"));
+  extensions = {{"KHR_materials_specular", {{"specularColorFactor", {1, 2}}}}};
+  EXPECT_THAT(error_of(file.import()), HasSubstr("specularColorFactor: 3 numbers"));
+}
+
 TEST(GltfMaterial, factors_outside_their_range_are_clipped_and_noted) {
   Painted file;
   file.material()["pbrMetallicRoughness"] = {{"metallicFactor", 7}, {"roughnessFactor", -1}};

@@ -174,6 +174,8 @@ TEST_F(ObjFolder, materials_come_as_near_as_they_can) {
   EXPECT_EQ(m.alpha_mode, AlphaMode::kBlend);
   EXPECT_EQ(material("newmtl m\nTr 0.25\n").base_colour[3], 0.75f);
   EXPECT_EQ(material("newmtl m\nPr 0.2\nPm 1\n").metallic, 1.0f);
+  EXPECT_EQ(material("newmtl m\nPc 0.75\nPcr 0.5\n").clearcoat, 0.75f);
+  EXPECT_EQ(material("newmtl m\nPc 0.75\nPcr 0.5\n").clearcoat_roughness, 0.5f);
   EXPECT_EQ(material("newmtl m\nd 0\n").base_colour[3], 1.0f);
   EXPECT_EQ(material("newmtl m\nKd 0.3\nKd x\nKd\nNs nan\n").base_colour[1], 0.3f);
 }

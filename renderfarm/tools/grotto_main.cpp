@@ -6,15 +6,24 @@
 
 #include "common/process/program.h"
 #include "common/process/progress.h"
+#include "renderfarm/tools/grotto/interior.h"
 #include "renderfarm/tools/grotto/package.h"
 
 int main(int argc, char** argv) {
   using namespace cyclorama;  // NOLINT(google-build-using-namespace)
-  Program program("cyclorama-grotto", "Makes a painted cave temple of any number of triangles, as a scene package.");
+  Program program("cyclorama-grotto",
+                  "Makes a painted cave temple, or a museum hall, of any number of triangles, as a scene package.");
   grotto::PackageOrder order;
   // More threads than large files bring nothing.
   order.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
   CLI::App& options = program.options();
+  std::string kind = "grotto";
+  options.add_option("--kind", kind, "A grotto, or a matte museum hall for measuring")
+      ->check(CLI::IsMember({"grotto", "interior"}))
+      ->capture_default_str();
+  options.add_option("--lamps", order.lamps, "Of an interior; all together give the same light")
+      ->check(CLI::Range(1, grotto::kMostInteriorLamps))
+      ->capture_default_str();
   options.add_option("--triangles", order.triangles, "About this many, never more")
       ->check(CLI::Range(grotto::kFewestTriangles, grotto::kMostTriangles))
       ->capture_default_str();
@@ -25,7 +34,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
-    Progress progress("grotto");
+    order.kind = kind == "interior" ? grotto::Kind::kInterior : grotto::Kind::kGrotto;
+    Progress progress(kind);
     TRY_ASSIGN(const grotto::PackageReport report, grotto::write_package(order, [&](double fraction) {
                  progress.update(fraction);
                  return !stop.requested();

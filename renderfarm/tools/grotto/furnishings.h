@@ -13,13 +13,15 @@ namespace cyclorama::grotto {
 /// A [[lamp]] of the scene package; the fields are its keys.
 struct Lamp {
   std::string name;
-  std::string kind;  ///< "point" or "spot".
+  std::string kind;  ///< "point", "spot" or "rectangle".
   Vec3 position;
   Vec3 direction = -Vec3::UnitY();
-  Vec3 intensity_cd;
+  Vec3 intensity_cd = Vec3::Zero();
   float radius_m = 0.0f;
   float inner_cone_deg = 0.0f;
   float outer_cone_deg = 45.0f;
+  float side_m = 0.0f;            ///< Rectangle: a square.
+  Vec3 luminance = Vec3::Zero();  ///< Rectangle: radiance.
 };
 
 /// Butter lamps on the altar's ledge and on two stands before it.

@@ -17,13 +17,19 @@ namespace cyclorama::grotto {
 inline constexpr std::uint64_t kFewestTriangles = 10'000;
 inline constexpr std::uint64_t kMostTriangles = 60'000'000;
 
+enum class Kind { kGrotto, kInterior };
+
 /// A value: what will be made, without a vertex of it.
 struct Grotto {
+  Kind kind = Kind::kGrotto;
   std::vector<Part> parts;
   std::vector<Lamp> lamps;
 
   [[nodiscard]] GeometryCounts counts() const;
 };
+
+/// kInvalidArgument outside [kFewestTriangles, kMostTriangles].
+Status check_triangles(std::uint64_t triangles);
 
 /// At most `triangles` triangles, and at least 98 % of them. The seed decides where the rock is broken, where paint has
 /// flaked, and who stands where. kInvalidArgument outside [kFewestTriangles, kMostTriangles].

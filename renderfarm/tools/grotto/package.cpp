@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "common/base/file.h"
+#include "renderfarm/tools/grotto/interior.h"
 #include "renderfarm/tools/grotto/ply_writer.h"
 #include "renderfarm/tools/grotto/scene_writer.h"
 
@@ -98,18 +99,24 @@ Status put_in_place(const Scaffold& scaffold, const fs::path& target) {
   return Done{};
 }
 
+Result<Grotto> plan(const PackageOrder& order) {
+  if (order.kind == Kind::kInterior) return plan_interior(order.triangles, order.seed, order.lamps);
+  return plan_grotto(order.triangles, order.seed);
+}
+
 }  // namespace
 
 Result<PackageReport> write_package(const PackageOrder& order, const KeepGoing& keep_going) {
-  TRY_ASSIGN(const Grotto grotto, plan_grotto(order.triangles, order.seed));
+  TRY_ASSIGN(const Grotto grotto, plan(order));
+  const Shading shading = grotto.kind == Kind::kInterior ? Shading::kFlat : Shading::kSmooth;
   // 'grottos/one/' names the same folder as 'grottos/one'.
   const fs::path target = order.folder.has_filename() ? order.folder : order.folder.parent_path();
   TRY(check_target(target, order.replace));
   PackageReport report{.counts = grotto.counts()};
-  for (const Part& part : grotto.parts) report.bytes += ply_bytes(part.counts());
+  for (const Part& part : grotto.parts) report.bytes += ply_bytes(part.counts(), shading);
   TRY_ASSIGN(const Scaffold scaffold, Scaffold::beside(target));
   TRY(check_space(scaffold.path(), target, report.bytes));
-  PlySink sink(scaffold.path());
+  PlySink sink(scaffold.path(), shading);
   TRY(generate(grotto, sink, order.threads, keep_going));
   TRY(write_file_atomically(scaffold.path() / "scene.toml", scene_toml(grotto, order.seed)));
   if (::chmod(scaffold.path().c_str(), 0755) != 0)

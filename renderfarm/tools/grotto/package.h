@@ -9,8 +9,10 @@
 namespace cyclorama::grotto {
 
 struct PackageOrder {
+  Kind kind = Kind::kGrotto;
   std::uint64_t triangles = 1'000'000;
   std::uint32_t seed = 1;
+  int lamps = 4;  ///< Of an interior; a grotto has its own.
   std::filesystem::path folder;
   bool replace = false;  ///< An older grotto at `folder` may be replaced. Anything else there never is.
   int threads = 1;

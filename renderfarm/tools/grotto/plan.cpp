@@ -60,11 +60,16 @@ GeometryCounts Grotto::counts() const {
   return sum;
 }
 
-Result<Grotto> plan_grotto(std::uint64_t triangles, std::uint32_t seed) {
+Status check_triangles(std::uint64_t triangles) {
   if (triangles < kFewestTriangles || triangles > kMostTriangles) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("{} triangles: a grotto has {} to {}", triangles, kFewestTriangles, kMostTriangles));
   }
+  return Done{};
+}
+
+Result<Grotto> plan_grotto(std::uint64_t triangles, std::uint32_t seed) {
+  TRY(check_triangles(triangles));
   Pose bed;
   bed.position = {0.0f, kAltarHeight, -2.20f};
   Grotto grotto;

@@ -15,23 +15,26 @@ namespace cyclorama::grotto {
 namespace {
 
 constexpr std::size_t kBuffer = std::size_t{1} << 20;
-constexpr std::size_t kVertexBytes = 27;
+constexpr std::size_t kPlaceBytes = 12;
+constexpr std::size_t kNormalBytes = 12;
+constexpr std::size_t kColourBytes = 3;
 constexpr std::size_t kTriangleBytes = 13;
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie in memory");
 
-std::string header_of(const GeometryCounts& counts) {
+std::string header_of(const GeometryCounts& counts, Shading shading) {
   return fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment made by cyclorama-grotto\n"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-      "property float nx\nproperty float ny\nproperty float nz\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "{}property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      counts.vertices, counts.triangles);
+      counts.vertices, shading == Shading::kSmooth ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
+      counts.triangles);
 }
 
 class PlyFile final : public GeometryFile {
  public:
-  PlyFile(UniqueFd fd, std::filesystem::path path) : fd_(std::move(fd)), path_(std::move(path)) {
+  PlyFile(UniqueFd fd, std::filesystem::path path, Shading shading)
+      : fd_(std::move(fd)), path_(std::move(path)), shading_(shading) {
     buffer_.reserve(kBuffer);
   }
 
@@ -39,11 +42,9 @@ class PlyFile final : public GeometryFile {
 
   Status add_vertices(std::span<const Vertex> vertices) override {
     for (const Vertex& vertex : vertices) {
-      std::array<std::byte, kVertexBytes> bytes;
-      std::memcpy(bytes.data(), vertex.position.data(), 12);
-      std::memcpy(bytes.data() + 12, vertex.normal.data(), 12);
-      std::memcpy(bytes.data() + 24, vertex.colour.data(), 3);
-      TRY(add(bytes.data(), bytes.size()));
+      TRY(add(vertex.position.data(), kPlaceBytes));
+      if (shading_ == Shading::kSmooth) TRY(add(vertex.normal.data(), kNormalBytes));
+      TRY(add(vertex.colour.data(), kColourBytes));
     }
     return Done{};
   }
@@ -88,21 +89,23 @@ class PlyFile final : public GeometryFile {
 
   UniqueFd fd_;
   std::filesystem::path path_;
+  Shading shading_;
   std::vector<std::byte> buffer_;
 };
 
 }  // namespace
 
-std::uint64_t ply_bytes(const GeometryCounts& counts) {
-  return header_of(counts).size() + kVertexBytes * counts.vertices + kTriangleBytes * counts.triangles;
+std::uint64_t ply_bytes(const GeometryCounts& counts, Shading shading) {
+  const std::size_t vertex = kPlaceBytes + (shading == Shading::kSmooth ? kNormalBytes : 0) + kColourBytes;
+  return header_of(counts, shading).size() + vertex * counts.vertices + kTriangleBytes * counts.triangles;
 }
 
 Result<std::unique_ptr<GeometryFile>> PlySink::open(const std::string& name, const GeometryCounts& counts) {
   const std::filesystem::path path = folder_ / name;
   UniqueFd fd(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
   if (!fd.is_open()) return Error::from_errno(fmt::format("creating '{}'", path.string()));
-  auto file = std::make_unique<PlyFile>(std::move(fd), path);
-  TRY(file->add_text(header_of(counts)));
+  auto file = std::make_unique<PlyFile>(std::move(fd), path, shading_);
+  TRY(file->add_text(header_of(counts, shading_)));
   return std::unique_ptr<GeometryFile>(std::move(file));
 }
 

@@ -29,13 +29,13 @@ const std::array<Triangle, 2> kTriangles = {{{0, 1, 2}, {3, 2, 1}}};
 
 TEST_F(PlyWriter, what_it_writes_the_importer_reads) {
   const GeometryCounts counts{kVertices.size(), kTriangles.size()};
-  PlySink sink(folder_);
+  PlySink sink(folder_, Shading::kSmooth);
   auto file = sink.open("a.ply", counts);
   ASSERT_TRUE(file.has_value());
   ASSERT_TRUE((*file)->add_vertices(kVertices).has_value());
   ASSERT_TRUE((*file)->add_triangles(kTriangles).has_value());
   ASSERT_TRUE((*file)->finish().has_value());
-  EXPECT_EQ(std::filesystem::file_size(folder_ / "a.ply"), ply_bytes(counts));
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "a.ply"), ply_bytes(counts, Shading::kSmooth));
 
   const auto model = import_ply(folder_ / "a.ply", ImportLimits{});
   ASSERT_TRUE(model.has_value()) << model.error().message();
@@ -53,15 +53,30 @@ TEST_F(PlyWriter, what_it_writes_the_importer_reads) {
   EXPECT_THAT(mesh.triangles, testing::ElementsAreArray(kTriangles));
 }
 
+TEST_F(PlyWriter, leaves_the_normals_out_where_shading_is_flat) {
+  const GeometryCounts counts{kVertices.size(), kTriangles.size()};
+  PlySink sink(folder_, Shading::kFlat);
+  auto file = sink.open("a.ply", counts);
+  ASSERT_TRUE(file.has_value());
+  ASSERT_TRUE((*file)->add_vertices(kVertices).has_value());
+  ASSERT_TRUE((*file)->add_triangles(kTriangles).has_value());
+  ASSERT_TRUE((*file)->finish().has_value());
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "a.ply"), ply_bytes(counts, Shading::kFlat));
+  const auto model = import_ply(folder_ / "a.ply", ImportLimits{});
+  ASSERT_TRUE(model.has_value()) << model.error().message();
+  EXPECT_TRUE(model->meshes[0].normals.empty());
+  EXPECT_EQ(model->meshes[0].colours[1][0], 255);
+}
+
 TEST_F(PlyWriter, never_writes_over_a_file) {
   ASSERT_TRUE(write_file_atomically(folder_ / "a.ply", "mine").has_value());
-  const auto file = PlySink(folder_).open("a.ply", {});
+  const auto file = PlySink(folder_, Shading::kSmooth).open("a.ply", {});
   ASSERT_FALSE(file.has_value());
   EXPECT_THAT(file.error().message(), testing::HasSubstr("a.ply"));
 }
 
 TEST_F(PlyWriter, says_when_its_folder_is_missing) {
-  const auto absent = PlySink(folder_ / "absent").open("a.ply", {});
+  const auto absent = PlySink(folder_ / "absent", Shading::kSmooth).open("a.ply", {});
   ASSERT_FALSE(absent.has_value());
   EXPECT_EQ(absent.error().code(), ErrorCode::kNotFound);
 }

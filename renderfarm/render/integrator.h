@@ -176,14 +176,6 @@ class Integrator {
   std::uint32_t first_dimension_ = 0;
 };
 
-/// Where a sample of a pixel looks: uniform over the pixel.
-[[nodiscard]] inline Vec3 direction_of(const TraceView& view, int x, int y, const Vec2& place) {
-  const double azimuth = view.panorama.azimuth_at(x + static_cast<double>(place.x())) + view.heading_rad;
-  const float angle = static_cast<float>(azimuth);
-  const float t = static_cast<float>(view.panorama.tan_elevation_at(y + static_cast<double>(place.y())));
-  return Vec3(std::sin(angle), t, -std::cos(angle)) / std::sqrt(1.0f + t * t);
-}
-
 template <SceneNeeds kNeeds>
 std::uint64_t trace_cell(const TraceScene& scene, const TraceView& view, const TraceCell& cell) {
   std::uint64_t rays = 0;
@@ -195,8 +187,11 @@ std::uint64_t trace_cell(const TraceScene& scene, const TraceView& view, const T
       Vec3 sum = Vec3::Zero();
       for (int sample = 0; sample < view.samples; ++sample) {
         const SampleSequence sequence(view.seed, x, y, sample, view.samples);
-        const Vec3 direction = direction_of(view, x, y, sequence.pair(kPixelPlace));
-        const Vec3 radiance = Integrator<kNeeds>(scene, view.eye, sequence, &rays).radiance(direction);
+        const Vec2 place = Vec2(static_cast<float>(x), static_cast<float>(y)) + sequence.pair(kPixelPlace);
+        CameraRay ray;
+        if (!view.camera.ray(place.x(), place.y(), &ray)) continue;
+        const Vec3 eye = view.eye + ray.origin;
+        const Vec3 radiance = Integrator<kNeeds>(scene, eye, sequence, &rays).radiance(ray.direction);
         if (is_finite(radiance)) sum += radiance;
       }
       Eigen::Map<Vec3>(out, 3) = sum / static_cast<float>(view.samples);

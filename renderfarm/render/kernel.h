@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "common/geometry/panorama.h"
+#include "renderfarm/render/camera.h"
 #include "renderfarm/render/requirements.h"
 #include "renderfarm/render/trace_scene.h"
 
@@ -14,13 +14,12 @@ namespace cyclorama {
 /// A PanoramaView in the render frame.
 struct TraceView {
   Vec3 eye = Vec3::Zero();
-  double heading_rad = 0.0;  ///< In (-pi, pi].
-  Panorama panorama;
+  Camera camera;
   int samples = 1;
   std::uint64_t seed = 0;
 };
 
-/// A piece of work: pixels [x, x + width) by [y, y + height) of the panorama, written from `radiance` on, three floats
+/// A piece of work: pixels [x, x + width) by [y, y + height) of the picture, written from `radiance` on, three floats
 /// a pixel, rows `stride` floats apart. Borrowed.
 struct TraceCell {
   int x = 0;

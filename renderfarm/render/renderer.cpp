@@ -50,7 +50,8 @@ struct Renderer::State {
 };
 
 Status check_view(const PanoramaView& view, const PixelRect& rect) {
-  TRY(view.panorama.validate());
+  const Projection picture = view.picture();
+  TRY(picture.validate());
   const auto refuse = [](std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); };
   if (!view.eye.allFinite()) return refuse("the eye's place is not finite");
   if (!std::isfinite(view.heading_rad)) return refuse("the heading is not finite");
@@ -58,10 +59,10 @@ Status check_view(const PanoramaView& view, const PixelRect& rect) {
     return refuse(fmt::format("{} samples per pixel are asked for; it must be 1 to {}", view.samples, kMostSamples));
   }
   const bool inside = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
-                      rect.width <= view.panorama.width_px - rect.x && rect.height <= view.panorama.height_px - rect.y;
+                      rect.width <= picture.width_px() - rect.x && rect.height <= picture.height_px() - rect.y;
   if (inside) return Done{};
-  return refuse(fmt::format("the rectangle {}x{} at ({}, {}) is not inside the {}x{} panorama", rect.width, rect.height,
-                            rect.x, rect.y, view.panorama.width_px, view.panorama.height_px));
+  return refuse(fmt::format("the rectangle {}x{} at ({}, {}) is not inside the {}x{} picture", rect.width, rect.height,
+                            rect.x, rect.y, picture.width_px(), picture.height_px()));
 }
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -94,8 +95,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   const TimePoint start = clock.now();
   TraceView traced_view;
   traced_view.eye = (view.eye - origin).cast<float>();
-  traced_view.heading_rad = wrapped_angle(view.heading_rad);
-  traced_view.panorama = view.panorama;
+  traced_view.camera = Camera(view.picture(), view.heading_rad);
   traced_view.samples = view.samples;
   traced_view.seed = view.seed;
 

@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "common/base/result.h"
-#include "common/geometry/panorama.h"
+#include "common/geometry/projection.h"
 #include "common/image/image.h"
 #include "common/image/pixel_rect.h"
 #include "renderfarm/render/quality.h"
@@ -24,9 +25,12 @@ struct PanoramaView {
   Panorama panorama;
   int samples = 1;         ///< Per pixel.
   std::uint64_t seed = 0;  ///< With pixel and sample it decides every random number: tiling changes nothing.
+  std::optional<Projection> projection = std::nullopt;  ///< What the picture is, if not `panorama` seen by one eye.
+
+  [[nodiscard]] Projection picture() const { return projection ? *projection : Projection{panorama, {}}; }
 };
 
-/// kInvalidArgument, in one sentence, unless the view is finite and possible and `rect` lies inside its panorama: what
+/// kInvalidArgument, in one sentence, unless the view is finite and possible and `rect` lies inside its picture: what
 /// a view from outside must pass before it is rendered.
 Status check_view(const PanoramaView& view, const PixelRect& rect);
 

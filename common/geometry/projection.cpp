@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/geometry/projection.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+constexpr int kLargestSidePx = 16384;
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kRounding = 1e-9;  // Angles come from degrees and through text.
+
+Error refuse(std::string_view shape, std::string_view field, double value, std::string_view legal) {
+  return Error(ErrorCode::kInvalidArgument, fmt::format("{} {} is {}; it must be {}", shape, field, value, legal));
+}
+
+Status check_size(std::string_view shape, int width, int height) {
+  if (width < 1 || width > kLargestSidePx) return refuse(shape, "width_px", width, "1 to 16384");
+  if (height < 1 || height > kLargestSidePx) return refuse(shape, "height_px", height, "1 to 16384");
+  return Done{};
+}
+
+// Comparisons below are written so that NaN fails.
+Status check_tilt(std::string_view shape, double tilt) {
+  if (std::abs(tilt) <= std::numbers::pi + kRounding) return Done{};
+  return refuse(shape, "tilt_rad", tilt, "within half a turn");
+}
+
+/// The picture's axis turned up by `tilt`.
+Eigen::Matrix3d tilted(double tilt) { return Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()).toRotationMatrix(); }
+
+Status check(const Panorama& s) { return s.validate(); }
+
+Status check(const Perspective& s) {
+  TRY(check_size("perspective", s.width_px, s.height_px));
+  if (!std::isfinite(s.tan_left)) return refuse("perspective", "tan_left", s.tan_left, "finite");
+  if (!std::isfinite(s.tan_right) || !(s.tan_right > s.tan_left)) {
+    return refuse("perspective", "tan_right", s.tan_right, "finite and above tan_left");
+  }
+  if (!std::isfinite(s.tan_bottom)) return refuse("perspective", "tan_bottom", s.tan_bottom, "finite");
+  if (!std::isfinite(s.tan_top) || !(s.tan_top > s.tan_bottom)) {
+    return refuse("perspective", "tan_top", s.tan_top, "finite and above tan_bottom");
+  }
+  return check_tilt("perspective", s.tilt_rad);
+}
+
+Status check(const Fisheye& s) {
+  TRY(check_size("fisheye", s.width_px, s.height_px));
+  if (!(s.field_rad > 0.0 && s.field_rad <= kTurn + kRounding)) {
+    return refuse("fisheye", "field_rad", s.field_rad, "above 0 and at most 2 pi");
+  }
+  return check_tilt("fisheye", s.tilt_rad);
+}
+
+Status check(const Equirectangular& s) {
+  constexpr const char* kName = "equirectangular";
+  constexpr double kQuarter = 0.25 * kTurn + kRounding;
+  TRY(check_size(kName, s.width_px, s.height_px));
+  if (!(s.azimuth_span_rad > 0.0 && s.azimuth_span_rad <= kTurn + kRounding)) {
+    return refuse(kName, "azimuth_span_rad", s.azimuth_span_rad, "above 0 and at most 2 pi");
+  }
+  if (!(s.elevation_bottom_rad >= -kQuarter)) {
+    return refuse(kName, "elevation_bottom_rad", s.elevation_bottom_rad, "at least -pi/2");
+  }
+  if (!(s.elevation_top_rad <= kQuarter && s.elevation_top_rad > s.elevation_bottom_rad)) {
+    return refuse(kName, "elevation_top_rad", s.elevation_top_rad, "at most pi/2 and above elevation_bottom_rad");
+  }
+  return Done{};
+}
+
+std::optional<Eigen::Vector3d> seen(const Panorama& s, PanoramaPixel p) { return s.direction_at(p); }
+
+std::optional<Eigen::Vector3d> seen(const Perspective& s, PanoramaPixel p) {
+  const Eigen::Vector3d d(s.tan_left + (s.tan_right - s.tan_left) * p.u / s.width_px,
+                          s.tan_top + (s.tan_bottom - s.tan_top) * p.v / s.height_px, -1.0);
+  return tilted(s.tilt_rad) * d;
+}
+
+std::optional<Eigen::Vector3d> seen(const Fisheye& s, PanoramaPixel p) {
+  const double right = p.u - 0.5 * s.width_px;
+  const double up = 0.5 * s.height_px - p.v;
+  const double from_middle = std::hypot(right, up);
+  if (from_middle > s.radius_px()) return std::nullopt;
+  const double angle = from_middle * s.radians_per_px();
+  const double sideways = from_middle > 0.0 ? std::sin(angle) / from_middle : 0.0;
+  return tilted(s.tilt_rad) * Eigen::Vector3d(sideways * right, sideways * up, -std::cos(angle));
+}
+
+std::optional<Eigen::Vector3d> seen(const Equirectangular& s, PanoramaPixel p) {
+  const double azimuth = (p.u / s.width_px - 0.5) * s.azimuth_span_rad;
+  const double elevation = s.elevation_top_rad + (s.elevation_bottom_rad - s.elevation_top_rad) * p.v / s.height_px;
+  return Eigen::Vector3d(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                         -std::cos(azimuth) * std::cos(elevation));
+}
+
+std::optional<PanoramaPixel> place(const Panorama& s, const Eigen::Vector3d& d) {
+  if (d.x() == 0.0 && d.z() == 0.0) return std::nullopt;
+  return s.pixel_of(d);
+}
+
+std::optional<PanoramaPixel> place(const Perspective& s, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d d = tilted(s.tilt_rad).transpose() * direction;
+  if (!(d.z() < 0.0)) return std::nullopt;
+  return PanoramaPixel{(d.x() / -d.z() - s.tan_left) / (s.tan_right - s.tan_left) * s.width_px,
+                       (d.y() / -d.z() - s.tan_top) / (s.tan_bottom - s.tan_top) * s.height_px};
+}
+
+std::optional<PanoramaPixel> place(const Fisheye& s, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d d = tilted(s.tilt_rad).transpose() * direction;
+  const double sideways = std::hypot(d.x(), d.y());
+  const double angle = std::atan2(sideways, -d.z());
+  if (!(angle <= 0.5 * s.field_rad)) return std::nullopt;
+  const double from_middle = angle / s.radians_per_px();
+  const double scale = sideways > 0.0 ? from_middle / sideways : 0.0;
+  return PanoramaPixel{0.5 * s.width_px + scale * d.x(), 0.5 * s.height_px - scale * d.y()};
+}
+
+std::optional<PanoramaPixel> place(const Equirectangular& s, const Eigen::Vector3d& d) {
+  const double azimuth = std::atan2(d.x(), -d.z());
+  const double elevation = std::atan2(d.y(), std::hypot(d.x(), d.z()));
+  return PanoramaPixel{
+      (azimuth / s.azimuth_span_rad + 0.5) * s.width_px,
+      (elevation - s.elevation_top_rad) / (s.elevation_bottom_rad - s.elevation_top_rad) * s.height_px};
+}
+
+/// Both eyes are on the sweet spot's side of the screen.
+bool in_front_of_screen(const Projection& p) {
+  const Viewing& v = p.viewing;
+  const double half = 0.5 * v.eye_distance_m;
+  if (std::holds_alternative<Panorama>(p.shape)) {
+    return std::hypot(v.viewer_m.x(), v.viewer_m.z()) + half < v.screen_distance_m;
+  }
+  if (const auto* plane = std::get_if<Perspective>(&p.shape)) {
+    return -(tilted(plane->tilt_rad).transpose() * v.viewer_m).z() < v.screen_distance_m;
+  }
+  return v.viewer_m.norm() + half < v.screen_distance_m;
+}
+
+/// To the right of an eye that faces `direction`, of length 1 or, near the poles of a sphere, less.
+Eigen::Vector3d rightwards(const Projection& p, const Eigen::Vector3d& direction) {
+  if (std::holds_alternative<Perspective>(p.shape)) return Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d right(-direction.z(), 0.0, direction.x());
+  if (std::holds_alternative<Panorama>(p.shape)) return right;
+  const double fade = std::max(std::sin(p.viewing.pole_fade_rad), std::numeric_limits<double>::min());
+  return right / std::max(right.norm(), fade);
+}
+
+}  // namespace
+
+Perspective Perspective::from_field(int width_px, int height_px, double field_rad, double tilt_rad) {
+  const double tan_right = std::tan(0.5 * field_rad);
+  const double tan_top = tan_right * height_px / width_px;
+  return {width_px, height_px, -tan_right, tan_right, tan_top, -tan_top, tilt_rad};
+}
+
+int width_px(const PictureShape& shape) {
+  return std::visit([](const auto& s) { return s.width_px; }, shape);
+}
+
+int height_px(const PictureShape& shape) {
+  return std::visit([](const auto& s) { return s.height_px; }, shape);
+}
+
+Status validate(const PictureShape& shape) {
+  return std::visit([](const auto& s) { return check(s); }, shape);
+}
+
+std::optional<Eigen::Vector3d> direction_at(const PictureShape& shape, PanoramaPixel p) {
+  return std::visit([&](const auto& s) { return seen(s, p); }, shape);
+}
+
+std::optional<PanoramaPixel> pixel_of(const PictureShape& shape, const Eigen::Vector3d& direction) {
+  return std::visit([&](const auto& s) { return place(s, direction); }, shape);
+}
+
+int Projection::height_px() const { return cyclorama::height_px(shape) * (viewing.eyes == Eyes::kOverUnder ? 2 : 1); }
+
+Status Projection::validate() const {
+  TRY(cyclorama::validate(shape));
+  const Viewing& v = viewing;
+  if (height_px() > kLargestSidePx) {
+    return refuse("over-under picture", "height_px", height_px(), "at most 16384 for both eyes");
+  }
+  if (!(std::isfinite(v.eye_distance_m) && v.eye_distance_m >= 0.0)) {
+    return refuse("viewing", "eye_distance_m", v.eye_distance_m, "finite and not negative");
+  }
+  if (!(v.screen_distance_m > 0.0)) {
+    return refuse("viewing", "screen_distance_m", v.screen_distance_m, "above 0, perhaps infinite");
+  }
+  if (!(v.pole_fade_rad >= 0.0 && v.pole_fade_rad <= 0.25 * kTurn + kRounding)) {
+    return refuse("viewing", "pole_fade_rad", v.pole_fade_rad, "0 to pi/2");
+  }
+  if (!v.viewer_m.allFinite()) return Error(ErrorCode::kInvalidArgument, "viewing viewer_m is not finite");
+  if (in_front_of_screen(*this)) return Done{};
+  return refuse("viewing", "screen_distance_m", v.screen_distance_m,
+                "so large that both eyes are in front of the screen");
+}
+
+std::optional<EyeRay> Projection::ray_at(PanoramaPixel p) const {
+  double side = viewing.eyes == Eyes::kMono ? 0.0 : viewing.eyes == Eyes::kRight ? 0.5 : -0.5;
+  if (viewing.eyes == Eyes::kOverUnder && p.v >= cyclorama::height_px(shape)) {
+    side = 0.5;
+    p.v -= cyclorama::height_px(shape);
+  }
+  const std::optional<Eigen::Vector3d> direction = direction_at(shape, p);
+  if (!direction) return std::nullopt;
+  const Eigen::Vector3d eye = viewing.viewer_m + side * viewing.eye_distance_m * rightwards(*this, *direction);
+  return EyeRay{eye, (*direction - eye / viewing.screen_distance_m).normalized()};
+}
+
+}  // namespace cyclorama

@@ -10,6 +10,7 @@
 #include "common/base/text.h"
 #include "common/image/png.h"
 #include "common/process/progress.h"
+#include "renderfarm/tools/camera_options.h"
 
 namespace cyclorama {
 namespace {
@@ -22,7 +23,7 @@ struct PictureOptions {
   std::string json;
   std::string out;
   std::string size = "2048x768";
-  double azimuth_deg = 360.0;
+  CameraOptions camera;
   std::vector<double> eye;
   std::optional<double> heading_deg;
   int samples = 16;
@@ -42,15 +43,12 @@ Result<std::pair<int, int>> parse_size(const std::string& size) {
                fmt::format("--size '{}' is not WIDTHxHEIGHT, each 1 to {}", printable(size), kLargest));
 }
 
-/// Square pixels, the horizon in the middle.
 Result<PanoramaView> view_of(const PictureOptions& options, const SceneInfo& info) {
   TRY_ASSIGN(const auto size, parse_size(options.size));
   PanoramaView view;
   view.eye = options.eye.empty() ? info.start_eye : Eigen::Vector3d(options.eye[0], options.eye[1], options.eye[2]);
   view.heading_rad = options.heading_deg ? *options.heading_deg * kDegree : info.start_heading_rad;
-  const double span = options.azimuth_deg * kDegree;
-  const double tan_half = 0.5 * span * size.second / size.first;
-  view.panorama = {size.first, size.second, span, tan_half, -tan_half};
+  TRY_ASSIGN(view.projection, projection_of(options.camera, size.first, size.second));
   view.samples = options.samples;
   view.seed = options.seed;
   TRY(check_view(view, {}));
@@ -62,7 +60,7 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
   TRY_ASSIGN(const PanoramaView view, view_of(options, loaded.scene.info));
   if (stop.requested()) return stopped();
   TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
-  RgbImage image(view.panorama.width_px, view.panorama.height_px);
+  RgbImage image(view.picture().width_px(), view.picture().height_px());
   RenderCost cost;
   {
     Progress progress("rendering");
@@ -89,12 +87,12 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
 }  // namespace
 
 RenderCommand add_picture_command(CLI::App* program) {
-  CLI::App* const parser = program->add_subcommand("picture", "Render a panorama into a PNG");
+  CLI::App* const parser = program->add_subcommand("picture", "Render a picture into a PNG");
   const auto options = std::make_shared<PictureOptions>();
   add_scene_options(parser, &options->scene);
   parser->add_option("--out", options->out, "The picture to write")->required();
-  parser->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-  parser->add_option("--azimuth-deg", options->azimuth_deg, "Width of the view")->capture_default_str();
+  parser->add_option("--size", options->size, "WIDTHxHEIGHT in pixels, of each eye")->capture_default_str();
+  add_camera_options(parser, &options->camera);
   parser->add_option("--eye", options->eye, "x,y,z in metres; the scene's start if left out")
       ->delimiter(',')
       ->expected(3);

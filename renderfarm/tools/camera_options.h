@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The options that choose a picture's projection: --camera and what belongs to it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/geometry/projection.h"
+
+namespace cyclorama {
+
+struct CameraOptions {
+  std::string camera = "panorama";
+  std::optional<double> field_deg;
+  double tilt_deg = 0.0;
+  std::string stereo = "mono";
+  double eye_distance_m = 0.063;
+  std::optional<double> screen_distance_m;
+};
+
+void add_camera_options(CLI::App* command, CameraOptions* options);
+
+/// For a picture of that size (of each eye), square pixels. kInvalidArgument, one sentence, if an option is wrong or
+/// does not belong to the camera.
+Result<Projection> projection_of(const CameraOptions& options, int width_px, int height_px);
+
+}  // namespace cyclorama

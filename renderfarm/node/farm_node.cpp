@@ -43,8 +43,10 @@ Result<PanoramaView> view_of(const wire::RenderBlock& block) {
   whole.set_height_px(block.height_px());
   TRY(validate(whole, panorama));
   // A view's own number is the seed: noise changes from frame to frame and is the same on every node.
-  return PanoramaView{from_wire(block.view().eye_m()), block.view().heading_rad(), panorama,
-                      static_cast<int>(block.view().samples()), block.view().number()};
+  RenderQuality quality;
+  quality.samples = static_cast<int>(block.view().samples());
+  return PanoramaView{from_wire(block.view().eye_m()), block.view().heading_rad(), panorama, quality,
+                      block.view().number()};
 }
 
 PixelRect rect_of(const wire::RenderBlock& block) {

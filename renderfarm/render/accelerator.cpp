@@ -96,10 +96,10 @@ RTCGeometry Accelerator::make_triangles(const Mesh& mesh, SurfaceMesh* traced) {
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                              sizeof(mesh.triangles[0]), mesh.triangles.size());
   rtcSetGeometryUserData(geometry, traced);
-  // Eye rays go through half-transparent surfaces in order and see each of them; other rays by lot.
-  if (traced->material->cut_out) rtcSetGeometryIntersectFilterFunction(geometry, &alpha_filter);
-  if (traced->material->cut_out || traced->material->blends)
+  if (traced->material->cut_out || traced->material->blends) {
+    rtcSetGeometryIntersectFilterFunction(geometry, &alpha_filter);
     rtcSetGeometryOccludedFilterFunction(geometry, &alpha_filter);
+  }
   rtcCommitGeometry(geometry);
   return geometry;
 }

@@ -7,30 +7,32 @@
 namespace cyclorama {
 namespace {
 
-/// Whether the ray goes through at this hit. `seed` decides half-transparent surfaces: each by itself, and alike for
-/// every order in which the traversal meets them.
-bool lets_through(const SurfaceMesh& mesh, const RTCFilterFunctionNArguments& arguments) {
+/// Whether the ray of `lane` goes through at this hit. Its id names the sample; each surface draws a lot of its own
+/// from the sample's sequence, so that the samples of a pixel share out well, whatever order the traversal meets
+/// surfaces in.
+bool lets_through(const SurfaceMesh& mesh, const RTCFilterFunctionNArguments& arguments, unsigned lane) {
   TriangleHit hit;
   hit.mesh = &mesh;
-  const unsigned triangle = RTCHitN_primID(arguments.hit, arguments.N, 0);
-  const float u = RTCHitN_u(arguments.hit, arguments.N, 0);
-  const float v = RTCHitN_v(arguments.hit, arguments.N, 0);
+  const unsigned triangle = RTCHitN_primID(arguments.hit, arguments.N, lane);
+  const float u = RTCHitN_u(arguments.hit, arguments.N, lane);
+  const float v = RTCHitN_v(arguments.hit, arguments.N, lane);
   hit.corners = mesh.triangles[triangle];
   hit.weights = Vec3(std::max(0.0f, 1.0f - u - v), u, v);
   const float alpha = alpha_at(hit);
   if (mesh.material->cut_out) return alpha < mesh.material->source->alpha_cutoff;
-  const std::uint32_t seed = RTCRayN_id(arguments.ray, arguments.N, 0);
-  const std::uint32_t instance = RTCHitN_instID(arguments.hit, arguments.N, 0, 0);
-  const std::uint32_t geometry = RTCHitN_geomID(arguments.hit, arguments.N, 0);
-  return alpha <= to_unit_float(mix_bits(seed ^ mix_bits(triangle ^ mix_bits(geometry ^ mix_bits(instance)))));
+  const std::uint32_t sample = RTCRayN_id(arguments.ray, arguments.N, lane);
+  const std::uint32_t instance = RTCHitN_instID(arguments.hit, arguments.N, lane, 0);
+  const std::uint32_t geometry = RTCHitN_geomID(arguments.hit, arguments.N, lane);
+  return alpha <= sobol_value(sample, mix_bits(triangle ^ mix_bits(geometry ^ mix_bits(instance))), 0);
 }
 
 }  // namespace
 
 void alpha_filter(const RTCFilterFunctionNArguments* arguments) {
-  if (arguments->valid[0] != -1) return;
   const auto& mesh = *static_cast<const SurfaceMesh*>(arguments->geometryUserPtr);
-  if (lets_through(mesh, *arguments)) arguments->valid[0] = 0;
+  for (unsigned lane = 0; lane < arguments->N; ++lane) {
+    if (arguments->valid[lane] == -1 && lets_through(mesh, *arguments, lane)) arguments->valid[lane] = 0;
+  }
 }
 
 }  // namespace cyclorama

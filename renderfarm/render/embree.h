@@ -10,54 +10,46 @@
 
 namespace cyclorama {
 
-/// A hint to the traversal: rays of neighbouring pixels run alike, shadow and sky rays do not.
+/// A hint to the traversal: rays of one pixel run alike, rays that surfaces scatter do not.
 enum class Coherence { kCoherent, kIncoherent };
 
-inline RTCRay make_ray(const float* origin, const float* direction, float far, unsigned id) {
-  RTCRay ray{};
-  ray.org_x = origin[0];
-  ray.org_y = origin[1];
-  ray.org_z = origin[2];
-  ray.tnear = 0.0f;  // Origins are already off the surface, so no distance is cut away in front of them.
-  ray.dir_x = direction[0];
-  ray.dir_y = direction[1];
-  ray.dir_z = direction[2];
-  ray.tfar = far;
-  ray.mask = ~0u;
-  ray.id = id;
-  return ray;
-}
+/// Rays are traced this many at a time: as wide as the widest vectors. Processors with narrower ones do it in steps.
+inline constexpr int kPacketRays = 16;
 
-/// Afterwards hit.geomID is RTC_INVALID_GEOMETRY_ID if nothing was hit.
-inline void trace_nearest(RTCScene scene, RTCRayHit* ray, Coherence coherence) {
-  ray->hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  ray->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+/// What Embree wants to be told of a query. Cheap to make.
+class Query {
+ public:
+  explicit Query(Coherence coherence) {
+    const bool coherent = coherence == Coherence::kCoherent;
 #if RTC_VERSION_MAJOR >= 4
-  RTCIntersectArguments arguments;
-  rtcInitIntersectArguments(&arguments);
-  arguments.flags = coherence == Coherence::kCoherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-  rtcIntersect1(scene, ray, &arguments);
+    rtcInitIntersectArguments(&intersect_);
+    rtcInitOccludedArguments(&occluded_);
+    intersect_.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    occluded_.flags = intersect_.flags;
 #else
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags =
-      coherence == Coherence::kCoherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcIntersect1(scene, &context, ray);
+    rtcInitIntersectContext(&context_);
+    context_.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
 #endif
-}
+  }
 
-/// Whether anything lies on the ray.
-[[nodiscard]] inline bool trace_any(RTCScene scene, RTCRay* ray) {
+  /// Lanes whose `valid` is -1. Afterwards hit.geomID is RTC_INVALID_GEOMETRY_ID, as before, where nothing was hit.
 #if RTC_VERSION_MAJOR >= 4
-  RTCOccludedArguments arguments;
-  rtcInitOccludedArguments(&arguments);
-  rtcOccluded1(scene, ray, &arguments);
+  void nearest(RTCScene scene, const int* valid, RTCRayHit16* rays) { rtcIntersect16(valid, scene, rays, &intersect_); }
+  /// Afterwards tfar is below zero where anything lies on the ray.
+  void any(RTCScene scene, const int* valid, RTCRay16* rays) { rtcOccluded16(valid, scene, rays, &occluded_); }
 #else
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(scene, &context, ray);
+  void nearest(RTCScene scene, const int* valid, RTCRayHit16* rays) { rtcIntersect16(valid, scene, &context_, rays); }
+  /// Afterwards tfar is below zero where anything lies on the ray.
+  void any(RTCScene scene, const int* valid, RTCRay16* rays) { rtcOccluded16(valid, scene, &context_, rays); }
 #endif
-  return ray->tfar < 0.0f;
-}
+
+ private:
+#if RTC_VERSION_MAJOR >= 4
+  RTCIntersectArguments intersect_;
+  RTCOccludedArguments occluded_;
+#else
+  RTCIntersectContext context_;
+#endif
+};
 
 }  // namespace cyclorama

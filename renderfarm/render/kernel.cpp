@@ -1,14 +1,153 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/kernel.h"
 
-#include "renderfarm/render/integrator.h"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "renderfarm/render/sample_batch.h"
+#include "renderfarm/render/sampler.h"
+#include "renderfarm/render/shade.h"
 
 namespace cyclorama {
+namespace {
 
-Kernel kernel_for(const SceneNeeds& needs) {
-  if (needs.normal_maps) return normal_mapped_kernel(needs);
-  if (needs.textures) return textured_kernel(needs);
-  return plain_kernel(needs);
+constexpr float kFar = std::numeric_limits<float>::infinity();
+/// Samples of a pixel that are traced side by side: one packet.
+constexpr int kMostTogether = kPacketRays;
+
+constexpr std::uint32_t even_bits(std::uint32_t v) {
+  v &= 0x55555555u;
+  v = (v | (v >> 1)) & 0x33333333u;
+  return (v | (v >> 2)) & 0x0f0f0f0fu;
+}
+
+struct CellPlace {
+  int x = 0;
+  int y = 0;
+};
+
+/// The pixels of a cell so that neighbours in the list are neighbours in the picture: packets are squares.
+CellPlace place_in_order(int i) {
+  const auto bits = static_cast<std::uint32_t>(i);
+  return {static_cast<int>(even_bits(bits)), static_cast<int>(even_bits(bits >> 1))};
+}
+
+int sequence_length(const RenderQuality& quality) {
+  return std::max(quality.sequence, quality.first_sample + quality.samples);
+}
+
+void add_path(const TraceView& view, const TraceCell& cell, CellPlace place, int sample, PathBatch& batch) {
+  const SampleSequence sequence(view.seed, cell.x + place.x, cell.y + place.y, sample, sequence_length(view.quality));
+  const auto i = static_cast<std::size_t>(batch.paths++);
+  Path& path = batch.path[i];
+  path = Path{};
+  path.index_reversed = sequence.index_reversed();
+  path.seed = sequence.seed();
+  path.pixel = place.y * kCellPx + place.x;
+  batch.index_reversed[i] = path.index_reversed;
+  batch.seed[i] = path.seed;
+}
+
+/// The paths' first rays. Those of pixels that see nothing have none.
+void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
+  SurfaceLots& lots = batch.lots;
+  sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace, lots.place_u.data(),
+               lots.place_v.data());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
+    lots.place_u[i] += static_cast<float>(cell.x + batch.path[i].pixel % kCellPx);
+    lots.place_v[i] += static_cast<float>(cell.y + batch.path[i].pixel / kCellPx);
+  }
+  EyeRays& eyes = batch.eye_rays;
+  view.camera.rays(batch.paths, lots.place_u.data(), lots.place_v.data(),
+                   {eyes.origin[0].data(), eyes.origin[1].data(), eyes.origin[2].data(), eyes.direction[0].data(),
+                    eyes.direction[1].data(), eyes.direction[2].data(), eyes.cone.data(), eyes.exists.data()});
+  RayStage& stage = batch.current();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
+    if (eyes.exists[i] == 0) continue;
+    PathRay& ray = stage.state[static_cast<std::size_t>(stage.rays.count())];
+    ray = PathRay{};
+    ray.path = static_cast<std::uint16_t>(i);
+    ray.cone_spread = eyes.cone[i];
+    stage.rays.add(view.eye + Vec3(eyes.origin[0][i], eyes.origin[1][i], eyes.origin[2][i]),
+                   {eyes.direction[0][i], eyes.direction[1][i], eyes.direction[2][i]}, kFar,
+                   batch.path[i].index_reversed);
+  }
+}
+
+/// The paths' light goes to their pixels, in their order: however a picture is cut, the sums are the same.
+void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
+  const float limit = view.quality.firefly_limit / view.exposure;
+  for (int i = 0; i < batch.paths; ++i) {
+    const Path& path = batch.path[static_cast<std::size_t>(i)];
+    Vec3 indirect = path.indirect;
+    if (limit > 0.0f) {
+      const float bright = luminance(indirect);
+      if (bright > limit) {
+        indirect *= limit / bright;
+        film.removed_light += static_cast<double>(bright) - static_cast<double>(limit);
+      }
+    }
+    Vec3 radiance = path.direct + indirect;
+    if (!is_finite(radiance)) radiance.setZero();
+    const auto pixel = static_cast<std::size_t>(path.pixel);
+    const float bright = luminance(radiance);
+    film.sum[pixel] += radiance;
+    film.square[pixel] += bright * bright;
+    ++film.samples[pixel];
+    film.light += static_cast<double>(bright);
+  }
+}
+
+void trace_batch(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
+                 PathBatch& batch, CellFilm& film) {
+  look(view, cell, batch);
+  for (bool first = true; batch.current().rays.count() > 0; first = false) {
+    RayQueue<RTCRayHit16>& rays = batch.current().rays;
+    trace_nearest(scene.top, first ? Coherence::kCoherent : Coherence::kIncoherent, rays);
+    batch.rays_traced += static_cast<std::uint64_t>(rays.count());
+    draw_lots(batch);
+    shade(scene, view, batch, film);
+    rays.clear();
+    batch.stage = 1 - batch.stage;
+  }
+  collect(view, batch, film);
+  batch.paths = 0;
+}
+
+}  // namespace
+
+void CellFilm::clear() {
+  sum.fill(Vec3::Zero());
+  square.fill(0.0f);
+  samples.fill(0);
+  albedo.fill(Vec3::Zero());
+  normal.fill(Vec3::Zero());
+  distance.fill(0.0f);
+  active.fill(true);
+  light = 0.0;
+  removed_light = 0.0;
+}
+
+std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
+                         PathBatch& batch, CellFilm& film) {
+  batch.paths = 0;
+  for (RayStage& stage : batch.stages) stage.rays.clear();
+  batch.shadow_rays.clear();
+  batch.rays_traced = 0;
+  const int end = cell.first_sample + cell.samples;
+  for (int sample = cell.first_sample; sample < end; sample += kMostTogether) {
+    const int together = std::min(kMostTogether, end - sample);
+    for (int i = 0; i < kCellPixels; ++i) {
+      const CellPlace place = place_in_order(i);
+      const auto pixel = static_cast<std::size_t>(place.y * kCellPx + place.x);
+      if (place.x >= cell.width || place.y >= cell.height || !film.active[pixel]) continue;
+      if (batch.paths + together > kMostRays) trace_batch(scene, shade, view, cell, batch, film);
+      for (int s = 0; s < together; ++s) add_path(view, cell, place, sample + s, batch);
+    }
+    trace_batch(scene, shade, view, cell, batch, film);
+  }
+  return batch.rays_traced;
 }
 
 }  // namespace cyclorama

@@ -1,38 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The ray kernels: from a cell of pixels to its radiance. One for each combination of needs, compiled without the
-/// rest.
+/// From a cell of pixels to its light. The stage that differs between scenes, what happens at a surface, exists once
+/// for each combination of needs, compiled without the rest.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 
 #include "renderfarm/render/camera.h"
+#include "renderfarm/render/path_batch.h"
+#include "renderfarm/render/quality.h"
 #include "renderfarm/render/requirements.h"
 #include "renderfarm/render/trace_scene.h"
 
 namespace cyclorama {
 
+/// Cells are squares of this many pixels, aligned to the picture: what is in one never depends on the tiling.
+inline constexpr int kCellPx = 16;
+inline constexpr int kCellPixels = kCellPx * kCellPx;
+
 /// A PanoramaView in the render frame.
 struct TraceView {
   Vec3 eye = Vec3::Zero();
   Camera camera;
-  int samples = 1;
   std::uint64_t seed = 0;
+  RenderQuality quality;
+  float exposure = 1.0f;
+  bool features = false;
 };
 
-/// A piece of work: pixels [x, x + width) by [y, y + height) of the picture, written from `radiance` on, three floats
-/// a pixel, rows `stride` floats apart. Borrowed.
+/// A piece of work: some samples of the pixels of one cell.
 struct TraceCell {
-  int x = 0;
+  int x = 0;  ///< Of its first pixel in the picture; a multiple of kCellPx.
   int y = 0;
-  int width = 0;
-  int height = 0;
-  float* radiance = nullptr;
-  std::size_t stride = 0;
+  int width = kCellPx;  ///< Less at the picture's edges.
+  int height = kCellPx;
+  int first_sample = 0;
+  int samples = 1;
 };
 
-/// Mean radiance of each pixel, finite and not negative. Returns the number of rays. Reentrant.
-using Kernel = std::uint64_t (*)(const TraceScene& scene, const TraceView& view, const TraceCell& cell);
+/// What a cell's samples add up to, pixel by pixel in rows of kCellPx. Radiance is not exposed.
+struct CellFilm {
+  std::array<Vec3, kCellPixels> sum;
+  std::array<float, kCellPixels> square;  ///< Of luminance.
+  std::array<std::int32_t, kCellPixels> samples;
+  std::array<Vec3, kCellPixels> albedo;  ///< Sums, too.
+  std::array<Vec3, kCellPixels> normal;
+  std::array<float, kCellPixels> distance;
+  std::array<bool, kCellPixels> active;  ///< Pixels that want samples.
+  double light = 0.0;                    ///< Luminance of all samples.
+  double removed_light = 0.0;            ///< What the firefly limit took away of it.
 
-[[nodiscard]] Kernel kernel_for(const SceneNeeds& needs);
+  void clear();
+};
+
+/// What happens where the rays of `batch` ended: light is collected, shadow rays are traced, next rays are made.
+using ShadeStage = void (*)(const TraceScene& scene, const TraceView& view, PathBatch& batch, CellFilm& film);
+
+/// The one that is compiled for the fewest needs that hold all of `needs`.
+[[nodiscard]] ShadeStage shade_stage_for(const SceneNeeds& needs);
+
+/// Adds the samples of `cell` to `film`: finite, not negative. Returns the number of rays. Reentrant; `batch` is
+/// scratch.
+std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
+                         PathBatch& batch, CellFilm& film);
 
 }  // namespace cyclorama

@@ -2,7 +2,7 @@
 #include "renderfarm/render/renderer.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <time.h>
@@ -15,15 +15,13 @@
 #include "common/image/colour.h"
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
+#include "renderfarm/render/cell_sampling.h"
 #include "renderfarm/render/flush_denormals.h"
-#include "renderfarm/render/kernel.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
 namespace cyclorama {
 namespace {
-
-constexpr int kCellPx = 16;
 
 double thread_cpu_seconds() {
   timespec t{};
@@ -31,8 +29,27 @@ double thread_cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+/// What of a cell belongs to the picture that was asked for, in the picture's pixels.
+struct CellPart {
+  int left, top, right, bottom;
+};
+
 /// Where a finished cell goes.
-using Write = std::function<void(const TraceCell& cell)>;
+using Write = std::function<void(const TraceCell& cell, const CellPart& part, const CellFilm& film)>;
+
+Vec3 exposed_mean(const CellFilm& film, std::size_t pixel, float exposure) {
+  return film.sum[pixel] * (exposure / static_cast<float>(film.samples[pixel]));
+}
+
+std::size_t pixel_of(const TraceCell& cell, int x, int y) {
+  return static_cast<std::size_t>((y - cell.y) * kCellPx + x - cell.x);
+}
+
+/// A thread's working memory: far too large for its stack, and too slow to get for every cell.
+struct Workspace {
+  PathBatch batch;
+  CellFilm film;
+};
 
 }  // namespace
 
@@ -40,12 +57,13 @@ struct Renderer::State {
   Scene scene;
   TraceScene traced;
   std::unique_ptr<Accelerator> accelerator;
-  Kernel kernel = nullptr;
+  ShadeStage shade = nullptr;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   double build_seconds = 0.0;
   mutable tbb::task_arena arena;
+  mutable tbb::enumerable_thread_specific<std::unique_ptr<Workspace>> workspaces;
 
-  RenderCost run(const PanoramaView& view, const PixelRect& rect, const std::function<bool()>& cancelled,
+  RenderCost run(const PanoramaView& view, const PixelRect& rect, bool features, const std::function<bool()>& cancelled,
                  const Write& write) const;
 };
 
@@ -55,9 +73,7 @@ Status check_view(const PanoramaView& view, const PixelRect& rect) {
   const auto refuse = [](std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); };
   if (!view.eye.allFinite()) return refuse("the eye's place is not finite");
   if (!std::isfinite(view.heading_rad)) return refuse("the heading is not finite");
-  if (view.samples < 1 || view.samples > kMostSamples) {
-    return refuse(fmt::format("{} samples per pixel are asked for; it must be 1 to {}", view.samples, kMostSamples));
-  }
+  TRY(validate(view.quality));
   const bool inside = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
                       rect.width <= picture.width_px() - rect.x && rect.height <= picture.height_px() - rect.y;
   if (inside) return Done{};
@@ -77,7 +93,7 @@ Result<std::unique_ptr<Renderer>> Renderer::build(Scene scene, int threads,
   Scene& held = state->scene;
   state->arena.initialize(threads > 0 ? threads : tbb::task_arena::automatic);
   state->origin = render_origin(held);
-  state->kernel = kernel_for(needs_of(held));
+  state->shade = shade_stage_for(needs_of(held));
   TraceScene& traced = state->traced;
   TRY_ASSIGN(state->accelerator, Accelerator::build(held, threads, progress, &traced));
   traced.lamps = make_lamps(held.model.lights, state->origin);
@@ -88,71 +104,109 @@ Result<std::unique_ptr<Renderer>> Renderer::build(Scene scene, int threads,
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
-RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect, const std::function<bool()>& cancelled,
-                                const Write& write) const {
+RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect, bool features,
+                                const std::function<bool()>& cancelled, const Write& write) const {
   CHECK(check_view(view, rect).has_value());
   const SteadyClock clock;
   const TimePoint start = clock.now();
   TraceView traced_view;
   traced_view.eye = (view.eye - origin).cast<float>();
   traced_view.camera = Camera(view.picture(), view.heading_rad);
-  traced_view.samples = view.samples;
   traced_view.seed = view.seed;
+  traced_view.quality = view.quality;
+  traced_view.exposure = static_cast<float>(scene.exposure);
+  traced_view.features = features;
+
+  const int picture_width = view.picture().width_px();
+  const int picture_height = view.picture().height_px();
 
   std::atomic<std::uint64_t> rays = 0;
   std::atomic<double> cpu_seconds = 0.0;
-  const int columns = (rect.width + kCellPx - 1) / kCellPx;
-  const int rows = (rect.height + kCellPx - 1) / kCellPx;
+  std::atomic<double> light = 0.0;
+  std::atomic<double> removed_light = 0.0;
+  // Cells lie on the picture's own grid, whatever part of it is asked for.
+  const int first_column = rect.x / kCellPx;
+  const int first_row = rect.y / kCellPx;
+  const int columns = (rect.x + rect.width + kCellPx - 1) / kCellPx - first_column;
+  const int rows = (rect.y + rect.height + kCellPx - 1) / kCellPx - first_row;
   const auto trace_one = [&](int index) {
     if (cancelled && cancelled()) return;
     const double before = thread_cpu_seconds();
     const FlushDenormals flush;
-    const int x = index % columns * kCellPx;
-    const int y = index / columns * kCellPx;
-    std::array<float, std::size_t{3} * kCellPx * kCellPx> radiance;
-    const TraceCell cell{rect.x + x,
-                         rect.y + y,
-                         std::min(kCellPx, rect.width - x),
-                         std::min(kCellPx, rect.height - y),
-                         radiance.data(),
-                         std::size_t{3} * kCellPx};
-    rays += kernel(traced, traced_view, cell);
-    write(cell);
+    std::unique_ptr<Workspace>& workspace = workspaces.local();
+    if (workspace == nullptr) workspace = std::make_unique<Workspace>();
+    TraceCell cell;
+    cell.x = (first_column + index % columns) * kCellPx;
+    cell.y = (first_row + index / columns) * kCellPx;
+    cell.width = std::min(kCellPx, picture_width - cell.x);
+    cell.height = std::min(kCellPx, picture_height - cell.y);
+    CellFilm& film = workspace->film;
+    film.clear();
+    rays += sample_cell(traced, shade, traced_view, cell, workspace->batch, film);
+    const CellPart part{std::max(cell.x, rect.x), std::max(cell.y, rect.y),
+                        std::min(cell.x + cell.width, rect.x + rect.width),
+                        std::min(cell.y + cell.height, rect.y + rect.height)};
+    write(cell, part, film);
+    light += film.light;
+    removed_light += film.removed_light;
     cpu_seconds += thread_cpu_seconds() - before;
   };
-  const int cells = columns * rows;
+  const int cells = rect.width > 0 && rect.height > 0 ? columns * rows : 0;
   if (cells == 1) {
     trace_one(0);
   } else {
     arena.execute([&] { tbb::parallel_for(0, cells, trace_one, tbb::simple_partitioner()); });
   }
-  return {cpu_seconds.load(), to_seconds(clock.now() - start), rays.load()};
+  const double all_light = light + removed_light;
+  return {cpu_seconds, to_seconds(clock.now() - start), rays, all_light > 0.0 ? removed_light / all_light : 0.0};
 }
 
 RenderCost Renderer::render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                             const std::function<bool()>& cancelled) const {
   *ret_pixels = RgbImage(rect.width, rect.height);
   const auto exposure = static_cast<float>(state_->scene.exposure);
-  return state_->run(view, rect, cancelled, [&](const TraceCell& cell) {
-    for (int row = 0; row < cell.height; ++row) {
-      const float* in = cell.radiance + static_cast<std::size_t>(row) * cell.stride;
-      std::uint8_t* out = ret_pixels->at(cell.x - rect.x, cell.y - rect.y + row);
-      for (int i = 0; i < 3 * cell.width; ++i) out[i] = linear_to_srgb8(tone_mapped(exposure * in[i]));
-    }
-  });
+  return state_->run(view, rect, false, cancelled,
+                     [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
+                       for (int y = part.top; y < part.bottom; ++y) {
+                         std::uint8_t* out = ret_pixels->at(part.left - rect.x, y - rect.y);
+                         for (int x = part.left; x < part.right; ++x, out += 3) {
+                           const Vec3 mean = exposed_mean(film, pixel_of(cell, x, y), exposure);
+                           for (int c = 0; c < 3; ++c) out[c] = linear_to_srgb8(tone_mapped(mean[c]));
+                         }
+                       }
+                     });
+}
+
+RenderCost Renderer::render_film(const PanoramaView& view, const PixelRect& rect, bool with_features, Film* ret_film,
+                                 const std::function<bool()>& cancelled) const {
+  *ret_film = Film(rect.width, rect.height, with_features);
+  const auto exposure = static_cast<float>(state_->scene.exposure);
+  return state_->run(view, rect, with_features, cancelled,
+                     [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
+                       for (int y = part.top; y < part.bottom; ++y) {
+                         for (int x = part.left; x < part.right; ++x) {
+                           const std::size_t pixel = pixel_of(cell, x, y);
+                           const int column = x - rect.x;
+                           const int row = y - rect.y;
+                           Eigen::Map<Vec3>(ret_film->sum.at(column, row)) = film.sum[pixel] * exposure;
+                           *ret_film->square.at(column, row) = film.square[pixel] * exposure * exposure;
+                           *ret_film->samples.at(column, row) = film.samples[pixel];
+                           if (!with_features) continue;
+                           const float share = 1.0f / static_cast<float>(film.samples[pixel]);
+                           Eigen::Map<Vec3>(ret_film->features.albedo.at(column, row)) = film.albedo[pixel] * share;
+                           Eigen::Map<Vec3>(ret_film->features.normal.at(column, row)) = film.normal[pixel] * share;
+                           *ret_film->features.distance.at(column, row) = film.distance[pixel] * share;
+                         }
+                       }
+                     });
 }
 
 RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
                                      const std::function<bool()>& cancelled) const {
-  *ret_pixels = RadianceImage(rect.width, rect.height);
-  const auto exposure = static_cast<float>(state_->scene.exposure);
-  return state_->run(view, rect, cancelled, [&](const TraceCell& cell) {
-    for (int row = 0; row < cell.height; ++row) {
-      const float* in = cell.radiance + static_cast<std::size_t>(row) * cell.stride;
-      float* out = ret_pixels->at(cell.x - rect.x, cell.y - rect.y + row);
-      for (int i = 0; i < 3 * cell.width; ++i) out[i] = exposure * in[i];
-    }
-  });
+  Film film;
+  const RenderCost cost = render_film(view, rect, false, &film, cancelled);
+  *ret_pixels = film.mean();
+  return cost;
 }
 
 const Scene& Renderer::scene() const { return state_->scene; }

@@ -12,6 +12,7 @@
 #include "common/geometry/projection.h"
 #include "common/image/image.h"
 #include "common/image/pixel_rect.h"
+#include "renderfarm/render/film.h"
 #include "renderfarm/render/quality.h"
 
 namespace cyclorama {
@@ -23,7 +24,7 @@ struct PanoramaView {
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
   double heading_rad = 0.0;
   Panorama panorama;
-  int samples = 1;         ///< Per pixel.
+  RenderQuality quality;
   std::uint64_t seed = 0;  ///< With pixel and sample it decides every random number: tiling changes nothing.
   std::optional<Projection> projection = std::nullopt;  ///< What the picture is, if not `panorama` seen by one eye.
 
@@ -38,6 +39,8 @@ struct RenderCost {
   double cpu_seconds = 0.0;  ///< Thread time, summed over the threads.
   double wall_seconds = 0.0;
   std::uint64_t rays = 0;
+  /// The firefly limit's own bias: the part of all light that it took away.
+  double removed_light = 0.0;
 };
 
 /// One scene, committed for tracing. Thread-safe once built: several threads may call render() with their own pictures.
@@ -55,7 +58,10 @@ class Renderer {
   /// one such cell is rendered by the calling thread. Precondition: check_view().
   RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                     const std::function<bool()>& cancelled) const;
-  /// The same before tone mapping: linear radiance times exposure.
+  /// The samples themselves, exposed but not tone mapped, into `ret_film`, made anew in the rect's size.
+  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, bool with_features, Film* ret_film,
+                         const std::function<bool()>& cancelled) const;
+  /// Their mean: linear radiance times exposure.
   RenderCost render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
                              const std::function<bool()>& cancelled) const;
 

@@ -46,7 +46,6 @@ bool blends(const Material& material, const Mesh& mesh, const std::vector<bool>&
 SceneNeeds needs_of(const Scene& scene) {
   const Model& model = scene.model;
   SceneNeeds needs;
-  const std::vector<bool> see_through = see_through_textures(model);
   std::vector<bool> used(model.meshes.size(), false);
   for (const Instance& instance : model.instances) used[static_cast<std::size_t>(instance.mesh)] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
@@ -56,10 +55,9 @@ SceneNeeds needs_of(const Scene& scene) {
     needs.normal_maps |= material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
     for (TextureUse Material::*const at : texture_places()) needs.textures |= (material.*at).texture >= 0;
     needs.gloss |= surface_level_of(material) != SurfaceLevel::kMatte;
-    needs.blending |= blends(material, mesh, see_through);
   }
-  needs.lamps = !make_lamps(model.lights, Eigen::Vector3d::Zero()).empty();
-  needs.sky = shines(scene.sky);
+  needs.lights = !make_lamps(model.lights, Eigen::Vector3d::Zero()).empty();
+  needs.environment = shines(scene.sky);
   return needs;
 }
 
@@ -68,9 +66,8 @@ std::string describe(const SceneNeeds& needs) {
   if (needs.textures) names.emplace_back("textures");
   if (needs.normal_maps) names.emplace_back("normal maps");
   if (needs.gloss) names.emplace_back("gloss");
-  if (needs.blending) names.emplace_back("blending");
-  if (needs.lamps) names.emplace_back("lamps");
-  if (needs.sky) names.emplace_back("sky");
+  if (needs.lights) names.emplace_back("lights");
+  if (needs.environment) names.emplace_back("environment");
   return names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", "));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a scene needs from the ray kernels, so that one is picked that is compiled without the rest.
+/// What a scene needs from the ray kernels, so that one is picked that is compiled without the rest. Cut-outs and
+/// half-transparent surfaces need nothing: where they are, Embree asks (alpha_filter.h).
 #pragma once
 
 #include <string>
@@ -14,9 +15,8 @@ struct SceneNeeds {
   bool textures = false;
   bool normal_maps = false;  ///< Only with textures.
   bool gloss = false;        ///< Any material that is not matte.
-  bool blending = false;     ///< Any material that lets light through in part. (Holes cost rays alone, not the kernel.)
-  bool lamps = false;
-  bool sky = false;
+  bool lights = false;       ///< Anything that is aimed at.
+  bool environment = false;  ///< Light from where no triangle is.
 
   friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
 };
@@ -25,7 +25,7 @@ struct SceneNeeds {
 /// Reentrant.
 [[nodiscard]] SceneNeeds needs_of(const Scene& scene);
 
-/// "textures, gloss, lamps"; "nothing" when all are false.
+/// "textures, gloss, lights"; "nothing" when all are false.
 [[nodiscard]] std::string describe(const SceneNeeds& needs);
 
 // What one material needs.

@@ -65,10 +65,38 @@ namespace cyclorama {
 /// In [0, 1).
 [[nodiscard]] constexpr float to_unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
+struct SobolPoint {
+  float u = 0.0f;
+  float v = 0.0f;
+};
+
+/// Point number `index` of the two-dimensional sequence that (seed, dimension) names, its index given with bits
+/// reversed: the index is shuffled and both coordinates are scrambled, each in Owen's way.
+[[nodiscard]] constexpr SobolPoint sobol_point(std::uint32_t index_reversed, std::uint32_t seed,
+                                               std::uint32_t dimension) {
+  const std::uint32_t own_seed = mix_bits(seed + 0x9e3779b9u * (dimension + 1));
+  const std::uint32_t index = reversed_bits(scrambled_reversed(index_reversed, own_seed));
+  const std::uint32_t u = reversed_bits(scrambled_reversed(index, mix_bits(own_seed + 1)));
+  const std::uint32_t v = reversed_bits(scrambled_reversed(sobol_second_reversed(index), mix_bits(own_seed + 2)));
+  return {to_unit_float(u), to_unit_float(v)};
+}
+
+/// The first coordinate alone.
+[[nodiscard]] constexpr float sobol_value(std::uint32_t index_reversed, std::uint32_t seed, std::uint32_t dimension) {
+  const std::uint32_t own_seed = mix_bits(seed + 0x9e3779b9u * (dimension + 1));
+  const std::uint32_t index = reversed_bits(scrambled_reversed(index_reversed, own_seed));
+  return to_unit_float(reversed_bits(scrambled_reversed(index, mix_bits(own_seed + 1))));
+}
+
+/// Sub-sample `part` of 2^bits for one sample: the points of all parts of all samples are one longer sequence.
+[[nodiscard]] constexpr std::uint32_t split_index_reversed(std::uint32_t index_reversed, int bits, std::uint32_t part) {
+  return bits == 0 ? index_reversed : (index_reversed >> bits) | reversed_bits(part);
+}
+
 /// The random numbers of one sample of one pixel. A value.
 class SampleSequence {
  public:
-  /// `samples` of every pixel; `sample` in [0, samples).
+  /// `sample` in [0, samples), of `samples` in the pixel's sequence.
   SampleSequence(std::uint64_t seed, int x, int y, int sample, int samples) {
     const std::uint64_t pixel = spread_bits(static_cast<std::uint32_t>(x)) | spread_bits(static_cast<std::uint32_t>(y))
                                                                                  << 1;
@@ -82,16 +110,12 @@ class SampleSequence {
 
   /// A point of the unit square; a different `dimension` gives an independent one.
   [[nodiscard]] Vec2 pair(std::uint32_t dimension) const {
-    const std::uint32_t seed = mix_bits(seed_ + 0x9e3779b9u * (dimension + 1));
-    const std::uint32_t index = reversed_bits(scrambled_reversed(index_reversed_, seed));
-    const std::uint32_t u = reversed_bits(scrambled_reversed(index, mix_bits(seed + 1)));
-    const std::uint32_t v = reversed_bits(scrambled_reversed(sobol_second_reversed(index), mix_bits(seed + 2)));
-    return {to_unit_float(u), to_unit_float(v)};
+    const SobolPoint point = sobol_point(index_reversed_, seed_, dimension);
+    return {point.u, point.v};
   }
-  /// A number that is no part of the stratification, for decisions about single surfaces.
-  [[nodiscard]] std::uint32_t hash(std::uint32_t dimension) const {
-    return mix_bits(index_reversed_ ^ mix_bits(seed_ + 0x85ebca6bu * (dimension + 1)));
-  }
+  /// What names the sequence: the sample's number with its bits reversed, and the scramble.
+  [[nodiscard]] std::uint32_t index_reversed() const { return index_reversed_; }
+  [[nodiscard]] std::uint32_t seed() const { return seed_; }
 
  private:
   std::uint32_t index_reversed_ = 0;

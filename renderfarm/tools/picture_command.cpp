@@ -26,7 +26,7 @@ struct PictureOptions {
   CameraOptions camera;
   std::vector<double> eye;
   std::optional<double> heading_deg;
-  int samples = 16;
+  RenderQuality quality;
   std::uint64_t seed = 0;
 };
 
@@ -49,7 +49,7 @@ Result<PanoramaView> view_of(const PictureOptions& options, const SceneInfo& inf
   view.eye = options.eye.empty() ? info.start_eye : Eigen::Vector3d(options.eye[0], options.eye[1], options.eye[2]);
   view.heading_rad = options.heading_deg ? *options.heading_deg * kDegree : info.start_heading_rad;
   TRY_ASSIGN(view.projection, projection_of(options.camera, size.first, size.second));
-  view.samples = options.samples;
+  view.quality = options.quality;
   view.seed = options.seed;
   TRY(check_view(view, {}));
   return view;
@@ -97,7 +97,16 @@ RenderCommand add_picture_command(CLI::App* program) {
       ->delimiter(',')
       ->expected(3);
   parser->add_option("--heading-deg", options->heading_deg, "Positive to the right; the scene's start if left out");
-  parser->add_option("--samples", options->samples, "Samples per pixel")->capture_default_str();
+  options->quality.samples = 16;
+  parser->add_option("--samples", options->quality.samples, "Samples per pixel")->capture_default_str();
+  parser->add_option("--bounces", options->quality.bounces, "Times that light goes from surface to surface")
+      ->capture_default_str();
+  parser->add_option("--light-samples", options->quality.light_samples, "Shadow rays at what the eye sees")
+      ->capture_default_str();
+  parser->add_option("--firefly-limit", options->quality.firefly_limit, "Of a sample's indirect light; 0 is none")
+      ->capture_default_str();
+  parser->add_option("--adaptive-error", options->quality.adaptive_error, "Stop a pixel at this error; 0 is never")
+      ->capture_default_str();
   parser->add_option("--seed", options->seed, "Changes the noise")->capture_default_str();
   parser->add_option("--json", options->json, "Also write what it cost, as JSON");
   return {parser, [options](const StopSignal& stop) { return picture(*options, stop); }};

@@ -67,7 +67,7 @@ class FakeBlockRenderer final : public BlockRenderer {
 
  private:
   static void colour(const PanoramaView& view, int x, int y, std::uint8_t* ret_rgb) {
-    const int turn = static_cast<int>(view.heading_rad * 100.0 + view.eye.sum() * 10.0) + view.samples;
+    const int turn = static_cast<int>(view.heading_rad * 100.0 + view.eye.sum() * 10.0) + view.quality.samples;
     ret_rgb[0] = static_cast<std::uint8_t>(x / 2 + turn);
     ret_rgb[1] = static_cast<std::uint8_t>(y + static_cast<int>(view.seed) * 7);
     ret_rgb[2] = static_cast<std::uint8_t>((x * y) / 64);

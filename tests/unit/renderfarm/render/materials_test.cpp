@@ -37,7 +37,7 @@ Scene wall(const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f)) {
 Eigen::Vector3f seen(const Renderer& renderer, double x, double y, int samples = 1) {
   PanoramaView view = view_from({x, y, 0}, 1, 1, 1e-4, -1e-4);
   view.panorama.azimuth_span_rad = 2e-4;
-  view.samples = samples;
+  view.quality.samples = samples;
   const RadianceImage image = radiance_of(renderer, view);
   return {image.at(0, 0)[0], image.at(0, 0)[1], image.at(0, 0)[2]};
 }
@@ -132,7 +132,8 @@ TEST(Materials, half_transparent_layers_add_up_in_order) {
   for (int i = 0; i < 3; ++i) add_mesh(scene, square_mesh(2.0f, i), upright(-1.0 - i));
   scene.ambient = Eigen::Vector3f::Ones();
   const Eigen::Vector3f expected(0.5f, 0.5f * 0.25f, 0.5f * 0.75f);
-  EXPECT_TRUE(seen(*built(std::move(scene)), 0.1, 0.2).isApprox(expected, 1e-5f));
+  // Which layer a sample sees is by lot; the lots of a pixel's samples share out evenly.
+  EXPECT_LT((seen(*built(std::move(scene)), 0.1, 0.2, 1024) - expected).norm(), 0.01f);
 }
 
 TEST(Materials, many_half_transparent_layers_end_and_keep_the_mean) {
@@ -248,7 +249,7 @@ TEST(Materials, a_coarse_mirror_ball_has_no_black_rings) {
   scene.sky = even_sky(1.0f);
   PanoramaView view = view_from({0, 0, 3}, 64, 64, 0.34, -0.34);
   view.panorama.azimuth_span_rad = 0.6;
-  view.samples = 16;
+  view.quality.samples = 16;
   const RadianceImage image = radiance_of(*built(std::move(scene)), view);
   int dark = 0;
   for (const float value : image.data()) dark += value < 0.5f ? 1 : 0;
@@ -270,7 +271,7 @@ TEST(Materials, a_sphere_light_makes_a_penumbra_within_its_bounds) {
   const auto part = [&](double x) {
     PanoramaView view = view_from({x, 0.5, 0.001}, 1, 1, -500.0, -500.5);
     view.panorama.azimuth_span_rad = 1e-3;
-    view.samples = 1024;
+    view.quality.samples = 1024;
     return radiance_of(*shaded, view).at(0, 0)[0] / radiance_of(*unshaded, view).at(0, 0)[0];
   };
   EXPECT_EQ(part(0.0), 0.0f);
@@ -298,7 +299,7 @@ TEST(Materials, no_light_leaks_into_a_closed_room) {
   scene.sky = even_sky(1000.0f);
   scene.model.lights = {point_light({0, 10, 0}, 1e6f)};
   PanoramaView view = view_from({0.3, 0.2, 0.1}, 128, 64, 2.0, -2.0);
-  view.samples = 8;
+  view.quality.samples = 8;
   EXPECT_EQ(mean_of(radiance_of(*built(std::move(scene)), view)), 0.0);
 }
 

@@ -49,7 +49,7 @@ TEST(Renderer, a_sphere_under_an_even_sky_shows_its_albedo) {
   scene.sky = {Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones()};
   PanoramaView view = view_from({0, 0, 3}, 32, 32, 0.1, -0.1);
   view.panorama.azimuth_span_rad = 0.2;  // Nothing but the sphere.
-  view.samples = 4;
+  view.quality.samples = 4;
   const RadianceImage image = radiance_of(*built(std::move(scene)), view);
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 32; ++x) {
@@ -81,7 +81,7 @@ TEST(Renderer, a_plane_under_a_point_light_follows_the_inverse_square_law) {
 
 TEST(Renderer, tiling_and_threads_change_no_bit) {
   PanoramaView view = view_from({0, 1.6, 0}, 100, 50, 0.8, -0.8);
-  view.samples = 3;
+  view.quality.samples = 3;
   view.seed = 0x123456789abcdefu;
   const auto one = built(busy_scene(), 1);
   const auto two = built(busy_scene(), 2);
@@ -107,7 +107,7 @@ TEST(Renderer, tiling_and_threads_change_no_bit) {
 TEST(Renderer, the_seed_changes_the_noise_and_not_the_picture) {
   const auto renderer = built(busy_scene());
   PanoramaView view = view_from({0, 1.6, 0}, 64, 32, 0.8, -0.8);
-  view.samples = 16;
+  view.quality.samples = 16;
   const RadianceImage first = radiance_of(*renderer, view);
   view.seed = 1;
   const RadianceImage second = radiance_of(*renderer, view);
@@ -143,7 +143,7 @@ TEST(Renderer, a_view_that_cannot_be_is_refused_with_the_reason) {
   view.heading_rad = std::numeric_limits<double>::infinity();
   EXPECT_THAT(message(view, whole(good)), testing::HasSubstr("heading"));
   view = good;
-  view.samples = 0;
+  view.quality.samples = 0;
   EXPECT_THAT(message(view, whole(good)), testing::HasSubstr("samples"));
   view = good;
   view.panorama.azimuth_span_rad = 0.0;

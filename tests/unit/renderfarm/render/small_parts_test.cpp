@@ -64,31 +64,34 @@ TEST(SceneNeeds, are_those_of_what_is_used) {
   EXPECT_EQ(needs_of(scene), SceneNeeds{});
   EXPECT_EQ(describe(needs_of(scene)), "nothing");
   scene.sky.horizon = {0.1f, 0, 0};
-  EXPECT_EQ(describe(needs_of(scene)), "sky");
+  EXPECT_EQ(describe(needs_of(scene)), "environment");
   scene.model.lights.push_back(point_light({0, 1, 0}, 1.0f));
   scene.model.materials[0].roughness = 0.5f;
-  EXPECT_EQ(describe(needs_of(scene)), "gloss, lamps, sky");
+  EXPECT_EQ(describe(needs_of(scene)), "gloss, lights, environment");
   scene.model.materials.emplace_back();
   scene.model.materials.back().normal_texture.texture = 0;  // Nothing has this material.
   EXPECT_FALSE(needs_of(scene).normal_maps);
   scene.model.meshes[0].material = 1;
-  EXPECT_EQ(describe(needs_of(scene)), "textures, normal maps, gloss, lamps, sky");
+  EXPECT_EQ(describe(needs_of(scene)), "textures, normal maps, gloss, lights, environment");
   scene.model.instances.clear();
   EXPECT_FALSE(needs_of(scene).textures);
 }
 
-TEST(SceneNeeds, blending_needs_something_to_see_through) {
+TEST(Blending, needs_something_to_see_through) {
   Scene scene = scene_of(square_mesh(1.0f));
   scene.model.textures.emplace_back();
   scene.model.textures[0].pixels = RgbaImage(2, 2, 255);
   Material& material = scene.model.materials[0];
   material.base_colour_texture.texture = 0;
   material.alpha_mode = AlphaMode::kBlend;
-  EXPECT_FALSE(needs_of(scene).blending);
+  const auto lets_light_through = [&] {
+    return blends(material, scene.model.meshes[0], see_through_textures(scene.model));
+  };
+  EXPECT_FALSE(lets_light_through());
   scene.model.textures[0].pixels.at(1, 1)[3] = 100;
-  EXPECT_TRUE(needs_of(scene).blending);
+  EXPECT_TRUE(lets_light_through());
   material.alpha_mode = AlphaMode::kMask;
-  EXPECT_FALSE(needs_of(scene).blending);
+  EXPECT_FALSE(lets_light_through());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
+#include "renderfarm/render/ray_queue.h"
 #include "tests/doubles/simple_scenes.h"
 
 namespace cyclorama {
@@ -25,6 +26,23 @@ struct Traced {
   std::unique_ptr<Accelerator> accelerator;
 };
 
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+/// What a single ray hits.
+RTCHit nearest(const Traced& t, const Vec3& origin, const Vec3& direction) {
+  const auto rays = std::make_unique<RayQueue<RTCRayHit16>>();
+  rays->add(origin, direction, kFar, 0);
+  trace_nearest(t.traced.top, Coherence::kIncoherent, *rays);
+  return rays->hit(0);
+}
+
+bool hits_anything(const Traced& t, const Vec3& origin, const Vec3& direction) {
+  const auto rays = std::make_unique<RayQueue<RTCRay16>>();
+  rays->add(origin, direction, kFar, 0);
+  trace_any(t.traced.top, *rays);
+  return rays->distance(0) < 0.0f;
+}
+
 /// Rays from inside a closed sphere: each must hit it, and a second one from the hit, to any side, must behave: inwards
 /// it hits again (closed: no leak) and never the same triangle (no self-hit), outwards it meets nothing.
 void expect_tight(const Traced& t, const Vec3& centre, int rays) {
@@ -33,29 +51,21 @@ void expect_tight(const Traced& t, const Vec3& centre, int rays) {
   int missed = 0, self_hits = 0, leaks = 0, inside_out = 0;
   for (int i = 0; i < rays; ++i) {
     const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
-    RTCRayHit ray;
-    ray.ray = make_ray(centre.data(), direction.data(), std::numeric_limits<float>::infinity(), 0);
-    trace_nearest(t.traced.top, &ray, Coherence::kIncoherent);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+    const RTCHit hit = nearest(t, centre, direction);
+    if (hit.geomID == RTC_INVALID_GEOMETRY_ID) {
       ++missed;
       continue;
     }
-    const SurfacePoint point = surface_at(triangle_at(t.traced, ray.hit), direction);
+    const SurfacePoint point = surface_at(triangle_at(t.traced, hit), direction);
     const Vec3 onward =
         from_frame_of(point.facing, cosine_hemisphere({std::abs(std::sin(static_cast<float>(i))), 0.3f}));
-    RTCRayHit next;
-    const Vec3 inside = start_off_surface(point, point.facing);
-    next.ray = make_ray(inside.data(), onward.data(), std::numeric_limits<float>::infinity(), 0);
-    trace_nearest(t.traced.top, &next, Coherence::kIncoherent);
-    if (next.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+    const RTCHit next = nearest(t, start_off_surface(point, point.facing), onward);
+    if (next.geomID == RTC_INVALID_GEOMETRY_ID) {
       ++leaks;
-    } else if (next.hit.primID == ray.hit.primID && next.hit.instID[0] == ray.hit.instID[0]) {
+    } else if (next.primID == hit.primID && next.instID[0] == hit.instID[0]) {
       ++self_hits;
     }
-    const Vec3 outside = start_off_surface(point, -point.facing);
-    const Vec3 away = -onward;
-    RTCRay out = make_ray(outside.data(), away.data(), std::numeric_limits<float>::infinity(), 0);
-    if (trace_any(t.traced.top, &out)) ++inside_out;
+    if (hits_anything(t, start_off_surface(point, -point.facing), -onward)) ++inside_out;
   }
   EXPECT_EQ(missed, 0);
   EXPECT_EQ(self_hits, 0);
@@ -123,11 +133,9 @@ TEST(Surface, baked_equals_instanced) {
     const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
     SurfacePoint points[2];
     for (const auto& [traced, point] : {std::pair{&a, &points[0]}, std::pair{&b, &points[1]}}) {
-      RTCRayHit ray;
-      ray.ray = make_ray(centre.data(), direction.data(), std::numeric_limits<float>::infinity(), 0);
-      trace_nearest(traced->traced.top, &ray, Coherence::kIncoherent);
-      ASSERT_NE(ray.hit.geomID, RTC_INVALID_GEOMETRY_ID);
-      *point = surface_at(triangle_at(traced->traced, ray.hit), direction);
+      const RTCHit hit = nearest(*traced, centre, direction);
+      ASSERT_NE(hit.geomID, RTC_INVALID_GEOMETRY_ID);
+      *point = surface_at(triangle_at(traced->traced, hit), direction);
     }
     EXPECT_LT((points[0].position - points[1].position).norm(), 1e-4f);
     EXPECT_GT(points[0].facing.dot(points[1].facing), 0.99f);

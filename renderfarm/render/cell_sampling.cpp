@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/cell_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/image/colour.h"
+#include "renderfarm/render/tone.h"
+
+namespace cyclorama {
+namespace {
+
+/// Between two looks at the error.
+constexpr int kRound = kPacketRays;
+
+float displayed(const TraceView& view, double light) {
+  return linear_to_srgb(tone_mapped(view.exposure * static_cast<float>(light)));
+}
+
+/// Half of what one standard error up and one down differ by on the display.
+float displayed_error(const TraceView& view, const CellFilm& film, std::size_t pixel) {
+  const auto n = static_cast<double>(film.samples[pixel]);
+  const double mean = static_cast<double>(luminance(film.sum[pixel])) / n;
+  const double variance = std::max(0.0, static_cast<double>(film.square[pixel]) / n - mean * mean) / (n - 1.0);
+  const double error = std::sqrt(variance);
+  return 0.5f * (displayed(view, mean + error) - displayed(view, std::max(0.0, mean - error)));
+}
+
+}  // namespace
+
+bool find_active(const TraceView& view, const TraceCell& cell, CellFilm& film) {
+  std::array<float, kCellPixels> error{};
+  for (int y = 0; y < cell.height; ++y) {
+    for (int x = 0; x < cell.width; ++x) {
+      const auto pixel = static_cast<std::size_t>(y * kCellPx + x);
+      error[pixel] = displayed_error(view, film, pixel);
+    }
+  }
+  bool any = false;
+  for (int y = 0; y < cell.height; ++y) {
+    for (int x = 0; x < cell.width; ++x) {
+      float largest = 0.0f;
+      for (int ny = std::max(0, y - 1); ny <= std::min(cell.height - 1, y + 1); ++ny) {
+        for (int nx = std::max(0, x - 1); nx <= std::min(cell.width - 1, x + 1); ++nx) {
+          largest = std::max(largest, error[static_cast<std::size_t>(ny * kCellPx + nx)]);
+        }
+      }
+      const bool active = !(largest < view.quality.adaptive_error);
+      film.active[static_cast<std::size_t>(y * kCellPx + x)] = active;
+      any |= active;
+    }
+  }
+  return any;
+}
+
+std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
+                          PathBatch& batch, CellFilm& film) {
+  const bool adaptive = view.quality.adaptive_error > 0.0f;
+  const int end = view.quality.first_sample + view.quality.samples;
+  TraceCell part = cell;
+  part.first_sample = view.quality.first_sample;
+  part.samples = adaptive ? std::min(view.quality.adaptive_minimum, view.quality.samples) : view.quality.samples;
+  std::uint64_t rays = 0;
+  for (;;) {
+    rays += trace_cell(scene, shade, view, part, batch, film);
+    part.first_sample += part.samples;
+    part.samples = std::min(kRound, end - part.first_sample);
+    if (part.samples <= 0 || !find_active(view, cell, film)) return rays;
+  }
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Rays in packets, as Embree takes them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "renderfarm/render/embree.h"
+#include "renderfarm/render/vectors.h"
+
+namespace cyclorama {
+
+/// Of one batch.
+inline constexpr int kMostRays = 1024;
+static_assert(kMostRays % kPacketRays == 0);
+
+/// Up to kMostRays rays, numbered in the order in which they were added. Thread-bound.
+/// `Packet` is RTCRay16 or RTCRayHit16.
+template <typename Packet>
+class RayQueue {
+ public:
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] bool full() const { return count_ == kMostRays; }
+  void clear() { count_ = 0; }
+
+  /// `lot` decides what half-transparent surfaces do to the ray. Precondition: not full.
+  void add(const Vec3& origin, const Vec3& direction, float far, std::uint32_t lot) {
+    RTCRay16& ray = rays_of(packet(count_));
+    const int lane = lane_of(count_++);
+    ray.org_x[lane] = origin.x();
+    ray.org_y[lane] = origin.y();
+    ray.org_z[lane] = origin.z();
+    ray.tnear[lane] = 0.0f;  // Origins are already off the surface, so no distance is cut away in front of them.
+    ray.dir_x[lane] = direction.x();
+    ray.dir_y[lane] = direction.y();
+    ray.dir_z[lane] = direction.z();
+    ray.time[lane] = 0.0f;
+    ray.tfar[lane] = far;
+    ray.mask[lane] = ~0u;
+    ray.id[lane] = lot;
+    ray.flags[lane] = 0;
+    if constexpr (kFindsHits) {
+      packet(count_ - 1).hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+      packet(count_ - 1).hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+  }
+
+  [[nodiscard]] Vec3 origin(int i) const {
+    const RTCRay16& ray = rays_of(packet(i));
+    const int lane = lane_of(i);
+    return {ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]};
+  }
+  [[nodiscard]] Vec3 direction(int i) const {
+    const RTCRay16& ray = rays_of(packet(i));
+    const int lane = lane_of(i);
+    return {ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]};
+  }
+  /// Of the hit; below zero where trace() found that something lies on the ray.
+  [[nodiscard]] float distance(int i) const { return rays_of(packet(i)).tfar[lane_of(i)]; }
+  /// Precondition of both: packets of RTCRayHit16, traced.
+  [[nodiscard]] bool has_hit(int i) const { return packet(i).hit.geomID[lane_of(i)] != RTC_INVALID_GEOMETRY_ID; }
+  [[nodiscard]] RTCHit hit(int i) const {
+    const RTCHit16& hits = packet(i).hit;
+    const int lane = lane_of(i);
+    RTCHit hit;
+    hit.u = hits.u[lane];
+    hit.v = hits.v[lane];
+    hit.primID = hits.primID[lane];
+    hit.geomID = hits.geomID[lane];
+    hit.instID[0] = hits.instID[0][lane];
+    return hit;
+  }
+
+  /// Packet number i / kPacketRays.
+  [[nodiscard]] Packet& packet(int i) { return packets_[static_cast<std::size_t>(i / kPacketRays)]; }
+
+ private:
+  static constexpr bool kFindsHits = std::is_same_v<Packet, RTCRayHit16>;
+  static int lane_of(int i) { return i % kPacketRays; }
+  const Packet& packet(int i) const { return packets_[static_cast<std::size_t>(i / kPacketRays)]; }
+  static RTCRay16& rays_of(RTCRay16& packet) { return packet; }
+  static const RTCRay16& rays_of(const RTCRay16& packet) { return packet; }
+  static RTCRay16& rays_of(RTCRayHit16& packet) { return packet.ray; }
+  static const RTCRay16& rays_of(const RTCRayHit16& packet) { return packet.ray; }
+
+  int count_ = 0;
+  std::array<Packet, kMostRays / kPacketRays> packets_;
+};
+
+/// The nearest hit of each ray. Reentrant.
+void trace_nearest(RTCScene scene, Coherence coherence, RayQueue<RTCRayHit16>& rays);
+/// Whether anything lies on each ray: then its distance() is below zero. Reentrant.
+void trace_any(RTCScene scene, RayQueue<RTCRay16>& rays);
+
+}  // namespace cyclorama

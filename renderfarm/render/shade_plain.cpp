@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/shade_stages.h"
+
+namespace cyclorama {
+
+ShadeStage plain_stage(const SceneNeeds& needs) { return stage_with<false, false>(needs); }
+
+}  // namespace cyclorama

@@ -42,7 +42,7 @@ TEST_P(ClosedGrotto, no_sky_is_seen_from_anywhere_inside) {
   ASSERT_TRUE(renderer.has_value()) << renderer.error().message();
   PanoramaView view;
   view.panorama = {360, 240, 2.0 * std::numbers::pi, 6.0, -6.0};
-  view.samples = 1;
+  view.quality.samples = 1;
   RadianceImage image;
   for (const Eigen::Vector3d& eye : {Eigen::Vector3d(0.0, 1.6, 3.1),
                                      {-8.3, 1.6, 3.0},

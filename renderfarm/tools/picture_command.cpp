@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/base/text.h"
+#include "common/image/pfm.h"
 #include "common/image/png.h"
 #include "common/process/progress.h"
 #include "renderfarm/tools/camera_options.h"
@@ -55,28 +56,44 @@ Result<PanoramaView> view_of(const PictureOptions& options, const SceneInfo& inf
   return view;
 }
 
+/// `render` makes one band and answers what it cost.
+template <typename Image, typename Render>
+Result<Image> in_bands(const PanoramaView& view, const StopSignal& stop, RenderCost* ret_cost, Render render) {
+  Image image(view.picture().width_px(), view.picture().height_px());
+  Progress progress("rendering");
+  for (int y = 0; y < image.height(); y += kBandPx) {
+    const PixelRect band{0, y, image.width(), std::min(kBandPx, image.height() - y)};
+    Image pixels;
+    const RenderCost part = render(band, &pixels);
+    if (stop.requested()) return stopped();
+    std::copy(pixels.data().begin(), pixels.data().end(), image.at(0, y));
+    ret_cost->cpu_seconds += part.cpu_seconds;
+    ret_cost->wall_seconds += part.wall_seconds;
+    ret_cost->rays += part.rays;
+    progress.update(static_cast<double>(y + band.height) / image.height());
+  }
+  return image;
+}
+
 Status picture(const PictureOptions& options, const StopSignal& stop) {
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
   TRY_ASSIGN(const PanoramaView view, view_of(options, loaded.scene.info));
   if (stop.requested()) return stopped();
   TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
-  RgbImage image(view.picture().width_px(), view.picture().height_px());
   RenderCost cost;
-  {
-    Progress progress("rendering");
-    for (int y = 0; y < image.height(); y += kBandPx) {
-      const PixelRect band{0, y, image.width(), std::min(kBandPx, image.height() - y)};
-      RgbImage pixels;
-      const RenderCost part = renderer->render(view, band, &pixels, [&] { return stop.requested(); });
-      if (stop.requested()) return stopped();
-      std::copy(pixels.data().begin(), pixels.data().end(), image.at(0, y));
-      cost.cpu_seconds += part.cpu_seconds;
-      cost.wall_seconds += part.wall_seconds;
-      cost.rays += part.rays;
-      progress.update(static_cast<double>(y + band.height) / image.height());
-    }
+  const auto cancelled = [&] { return stop.requested(); };
+  if (std::filesystem::path(options.out).extension() == ".pfm") {
+    TRY_ASSIGN(const RadianceImage image,
+               in_bands<RadianceImage>(view, stop, &cost, [&](const PixelRect& band, auto* ret) {
+                 return renderer->render_radiance(view, band, ret, cancelled);
+               }));
+    TRY(write_pfm(options.out, image));
+  } else {
+    TRY_ASSIGN(const RgbImage image, in_bands<RgbImage>(view, stop, &cost, [&](const PixelRect& band, auto* ret) {
+                 return renderer->render(view, band, ret, cancelled);
+               }));
+    TRY(write_png(options.out, image));
   }
-  TRY(write_png(options.out, image));
   const double megarays = static_cast<double>(cost.rays) / 1e6;
   fmt::print("{}: {:.1f} million rays in {:.2f} s, {:.2f} cpu-seconds: {:.2f} million rays per cpu-second\n",
              options.out, megarays, cost.wall_seconds, cost.cpu_seconds, megarays / cost.cpu_seconds);
@@ -87,10 +104,11 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
 }  // namespace
 
 RenderCommand add_picture_command(CLI::App* program) {
-  CLI::App* const parser = program->add_subcommand("picture", "Render a picture into a PNG");
+  CLI::App* const parser = program->add_subcommand("picture", "Render a picture into a PNG or PFM");
   const auto options = std::make_shared<PictureOptions>();
   add_scene_options(parser, &options->scene);
-  parser->add_option("--out", options->out, "The picture to write")->required();
+  parser->add_option("--out", options->out, "The picture to write; .pfm holds linear light instead of codes")
+      ->required();
   parser->add_option("--size", options->size, "WIDTHxHEIGHT in pixels, of each eye")->capture_default_str();
   add_camera_options(parser, &options->camera);
   parser->add_option("--eye", options->eye, "x,y,z in metres; the scene's start if left out")

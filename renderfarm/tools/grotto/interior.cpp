@@ -22,7 +22,7 @@ constexpr int kColumnsPerRow = 5;
 constexpr float kColumnPitch = 4.0f;
 constexpr float kLampHeight = 5.86f;
 constexpr float kLampArea = 9.0f;  ///< Square metres, of all lamps together.
-constexpr float kLuminance = 12.0f;
+constexpr float kLuminance = 24.0f;
 constexpr float kTrayDepth = 0.02f;
 constexpr float kOverlap = 0.15f;  ///< Walls run on behind floor and ceiling by this, so that no corner is open.
 

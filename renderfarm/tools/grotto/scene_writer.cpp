@@ -32,7 +32,7 @@ eye_lamp_cd = [0.0, 0.0, 0.0]
 
 constexpr const char* kInteriorRoom = R"(unit_m = 1.0
 up = "y"
-exposure = 0.35
+exposure = 1.0
 
 [start]
 eye_m = [0.0, 1.6, 9.0]

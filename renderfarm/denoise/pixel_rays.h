@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Where the pixels of a film look, whatever camera made it.
+#pragma once
+
+#include "common/geometry/panorama.h"
+#include "common/image/pixel_rect.h"
+#include "renderfarm/render/film.h"
+
+namespace cyclorama {
+
+/// A value.
+struct PixelRays {
+  RadianceImage directions;      ///< Unit length, of the pixels' centres, in the frame of the film's normals.
+  double radians_per_px = 1e-3;  ///< Between neighbours, about.
+};
+
+/// Of `rect` of a panorama. A pixel gets the same direction in whatever rect. Precondition: panorama.validate().
+[[nodiscard]] PixelRays panorama_rays(const Panorama& panorama, double heading_rad, const PixelRect& rect);
+
+}  // namespace cyclorama

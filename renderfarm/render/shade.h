@@ -78,7 +78,8 @@ class Shade {
     if (!shading.emission.isZero(0.0f)) found(ray, ray.throughput.cwiseProduct(shading.emission));
     if (ray.only_light) return;
 
-    const Scattering<kNeeds.gloss> scattering(shading.bsdf, shading.normal, wo);
+    const Scattering<kNeeds.gloss ? SurfaceLevel::kGlossy : SurfaceLevel::kMatte> scattering(shading.bsdf,
+                                                                                             shading.normal, wo);
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
     shine_ambient(ray, scattering);
     if constexpr (kNeeds.lights) aim_at_lights(i, ray, point, shading.normal, scattering);
@@ -164,13 +165,12 @@ class Shade {
     const auto slot = static_cast<std::size_t>(i);
     const bool last = ray.scatterings >= view_.quality.bounces;
     if (last && !kNeeds.environment) return;
-    Vec3 weight;
-    const Vec3 wi =
-        scattering.sample({batch_.lots.scatter_u[slot], batch_.lots.scatter_v[slot]}, batch_.lots.lobe[slot], &weight);
-    if (weight.isZero(0.0f) || !(point.facing.dot(wi) > 0.0f)) return;
+    const ScatterSample scattered =
+        scattering.sample({batch_.lots.scatter_u[slot], batch_.lots.scatter_v[slot]}, batch_.lots.lobe[slot]);
+    if (scattered.weight.isZero(0.0f) || !(point.facing.dot(scattered.wi) > 0.0f)) return;
 
     PathRay next = ray;
-    next.throughput = ray.throughput.cwiseProduct(weight);
+    next.throughput = ray.throughput.cwiseProduct(scattered.weight);
     ++next.scatterings;
     ++next.surfaces;
     next.only_light = last;
@@ -182,7 +182,7 @@ class Shade {
     }
     RayStage& stage = batch_.next();
     stage.state[static_cast<std::size_t>(stage.rays.count())] = next;
-    stage.rays.add(start_off_surface(point, point.facing), wi, std::numeric_limits<float>::infinity(),
+    stage.rays.add(start_off_surface(point, point.facing), scattered.wi, std::numeric_limits<float>::infinity(),
                    batch_.index_reversed[slot]);
   }
 

@@ -95,8 +95,8 @@ struct ChiSquare {
 }
 
 /// Directions counted in bins that are rectangles of height along x and angle about x. A pilot run lays them: cut where
-/// it has its median, and cut off where it has nothing, so that narrow lobes and small lamps get bins which can be
-/// integrated. Thread-bound.
+/// it has its median, and cut off where it has nothing. Its directions also show the integration where narrow lobes and
+/// small lamps are. Thread-bound.
 class SphereHistogram {
  public:
   /// 2^depth bins, and some for what the pilot did not meet. `pilot` may be empty; it must not be counted again.
@@ -127,10 +127,10 @@ class SphereHistogram {
   [[nodiscard]] std::vector<double> integrate(const Density& density) const {
     std::vector<double> probabilities;
     probabilities.reserve(bins_.size());
-    for (const Rectangle& bin : bins_) {
-      double sum = 0.0;
-      for (const Rectangle& quarter : quarters(bin)) sum += refined(density, quarter, gauss(density, quarter), 0);
-      probabilities.push_back(sum);
+    for (const Bin& bin : bins_) {
+      std::vector<Probe> probes;
+      for (const std::array<double, 2>& at : bin.pilot) probes.push_back({at, value_at(density, at[0], at[1])});
+      probabilities.push_back(refined(density, bin.place, gauss(density, bin.place), probes, 0));
     }
     return probabilities;
   }
@@ -138,14 +138,15 @@ class SphereHistogram {
   /// Whether what was counted is distributed as density(Vec3) says; what that lacks of one is expected to be lost.
   template <typename Density>
   [[nodiscard]] ChiSquare compare(const Density& density, double* ret_integral = nullptr) const {
+    constexpr double kLeastExpected = 1e-3;
     std::vector<double> expected = integrate(density);
     double sum = 0.0;
     for (double& e : expected) {
       sum += e;
-      e *= total_;
+      e = std::max(e * total_, kLeastExpected);  // What the integration finds empty may hold the tail of a tail.
     }
     if (ret_integral != nullptr) *ret_integral = sum;
-    expected.push_back(std::max(1e-3, (1.0 - sum) * total_));
+    expected.push_back(std::max((1.0 - sum) * total_, kLeastExpected));
     return chi_square(counts_, expected);
   }
 
@@ -153,6 +154,15 @@ class SphereHistogram {
   struct Rectangle {
     std::array<double, 2> low{};
     std::array<double, 2> high{};
+  };
+  struct Bin {
+    Rectangle place;
+    std::vector<std::array<double, 2>> pilot;
+  };
+  /// Where something is, and the density there.
+  struct Probe {
+    std::array<double, 2> at{};
+    double density = 0.0;
   };
   /// The lower child follows its parent.
   struct Node {
@@ -193,24 +203,35 @@ class SphereHistogram {
     }
     if (depth == 0) {
       nodes_.push_back({0, 0.0, 0, bins_.size()});
-      bins_.push_back(r);
+      bins_.push_back({r, {points.begin(), points.end()}});
       return;
     }
     const std::size_t axis = depth % 2 == 0 ? 0 : 1;
-    double place = 0.5 * (r.low[axis] + r.high[axis]);
+    const double place = median(r, points, axis);
     const std::size_t half = points.size() / 2;
-    if (points.size() > 1) {
-      const auto less = [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; };
-      std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half), points.end(), less);
-      place = points[half][axis];
-    }
     split(r, axis, place, {points.first(half), points.subspan(half)}, {depth - 1, depth - 1});
+  }
+
+  /// Of the points, which it sorts about it; the middle where there is none.
+  static double median(const Rectangle& r, Points points, std::size_t axis) {
+    if (points.size() < 2) return 0.5 * (r.low[axis] + r.high[axis]);
+    const std::size_t half = points.size() / 2;
+    const auto less = [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; };
+    std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half), points.end(), less);
+    return points[half][axis];
   }
 
   static std::array<Rectangle, 4> quarters(const Rectangle& r) {
     const double x = 0.5 * (r.low[0] + r.high[0]);
     const double a = 0.5 * (r.low[1] + r.high[1]);
     return {{{r.low, {x, a}}, {{x, r.low[1]}, {r.high[0], a}}, {{r.low[0], a}, {x, r.high[1]}}, {{x, a}, r.high}}};
+  }
+
+  template <typename Density>
+  static double value_at(const Density& density, double x, double angle) {
+    const double radius = std::sqrt(std::max(0.0, 1.0 - x * x));
+    const Eigen::Vector3d d(x, radius * std::cos(angle), radius * std::sin(angle));
+    return static_cast<double>(density(Vec3(d.cast<float>())));
   }
 
   /// Gauss-Legendre of 3 x 3 points.
@@ -221,32 +242,44 @@ class SphereHistogram {
     double sum = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
       const double x = 0.5 * (r.low[0] + r.high[0] + (r.high[0] - r.low[0]) * kPlaces[i]);
-      const double radius = std::sqrt(std::max(0.0, 1.0 - x * x));
       for (std::size_t j = 0; j < 3; ++j) {
         const double angle = 0.5 * (r.low[1] + r.high[1] + (r.high[1] - r.low[1]) * kPlaces[j]);
-        const Eigen::Vector3d d(x, radius * std::cos(angle), radius * std::sin(angle));
-        sum += kWeights[i] * kWeights[j] * static_cast<double>(density(Vec3(d.cast<float>())));
+        sum += kWeights[i] * kWeights[j] * value_at(density, x, angle);
       }
     }
-    return sum * (r.high[0] - r.low[0]) * (r.high[1] - r.low[1]);
+    return sum * area(r);
   }
+  static double area(const Rectangle& r) { return (r.high[0] - r.low[0]) * (r.high[1] - r.low[1]); }
 
   template <typename Density>
-  double refined(const Density& density, const Rectangle& r, double coarse, int level) const {
-    constexpr int kMostLevels = 7;
-    const double tolerance = 5e-4 / static_cast<double>(bins_.size());
+  double refined(const Density& density, const Rectangle& r, double coarse, const std::vector<Probe>& probes,
+                 int level) const {
+    constexpr int kMostLevels = 10;
+    constexpr int kMostLevelsOfPeaks = 16;
+    const double tolerance = 1e-6 / static_cast<double>(bins_.size());
     std::array<double, 4> parts{};
     double sum = 0.0;
     const std::array<Rectangle, 4> cells = quarters(r);
     for (std::size_t i = 0; i < 4; ++i) sum += parts[i] = gauss(density, cells[i]);
-    if (level == kMostLevels || std::abs(sum - coarse) < tolerance) return sum;
+    const double level_density = (2.0 * sum + tolerance) / area(r);
+    const bool has_peak =
+        std::any_of(probes.begin(), probes.end(), [&](const Probe& probe) { return probe.density > level_density; });
+    if (level >= (has_peak ? kMostLevelsOfPeaks : kMostLevels)) return sum;
+    if (!has_peak && std::abs(sum - coarse) < tolerance) return sum;
     sum = 0.0;
-    for (std::size_t i = 0; i < 4; ++i) sum += refined(density, cells[i], parts[i], level + 1);
+    for (std::size_t i = 0; i < 4; ++i) {
+      std::vector<Probe> inside;
+      for (const Probe& probe : probes) {
+        const bool right = probe.at[0] >= cells[i].low[0] && probe.at[0] < cells[i].high[0];
+        if (right && probe.at[1] >= cells[i].low[1] && probe.at[1] < cells[i].high[1]) inside.push_back(probe);
+      }
+      sum += refined(density, cells[i], parts[i], inside, level + 1);
+    }
     return sum;
   }
 
   std::vector<Node> nodes_;
-  std::vector<Rectangle> bins_;
+  std::vector<Bin> bins_;
   std::vector<double> counts_;  ///< Of each bin, and of what was lost.
   double total_ = 0.0;
 };

@@ -3,120 +3,194 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
-
-#include "renderfarm/render/sampler.h"
+#include "renderfarm/render/requirements.h"
+#include "tests/unit/renderfarm/render/bsdf_cases.h"
 
 namespace cyclorama {
 namespace {
 
-Vec3 direction(double polar, double azimuth) {
-  return {static_cast<float>(std::sin(polar) * std::cos(azimuth)),
-          static_cast<float>(std::sin(polar) * std::sin(azimuth)), static_cast<float>(std::cos(polar))};
+TEST(Scattering, a_matte_surface_is_exactly_lambert_at_every_level) {
+  const Bsdf bsdf = make_matte({0.2f, 0.4f, 0.6f});
+  for (const SurfaceLevel level : {SurfaceLevel::kMatte, SurfaceLevel::kGlossy, SurfaceLevel::kLayered}) {
+    with_scattering({"", level, bsdf}, Vec3::UnitZ(), direction(0.3, 0.0), [&](const auto& scattering) {
+      EXPECT_TRUE(scattering.evaluate(direction(0.5, 1.0)).isApprox(bsdf.base_colour * std::cos(0.5f) / kPi, 1e-5f));
+      EXPECT_TRUE(scattering.evaluate(-Vec3::UnitZ()).isZero(0.0f));
+      EXPECT_TRUE(scattering.albedo().isApprox(bsdf.base_colour, 1e-6f));
+      const ScatterSample sample = scattering.sample({0.3f, 0.9f}, 0.5f);
+      EXPECT_GT(sample.wi.z(), 0.0f);
+      EXPECT_FALSE(sample.through);
+      EXPECT_TRUE(sample.weight.isApprox(bsdf.base_colour, 1e-5f));
+    });
+  }
 }
 
-/// Integral of BSDF times cosine over the hemisphere about +z, by the midpoint rule.
-double reflected_part(const Scattering<true>& scattering) {
-  constexpr int kPolar = 600;
-  constexpr int kAround = 600;
-  double sum = 0.0;
-  for (int i = 0; i < kPolar; ++i) {
-    const double polar = (i + 0.5) * 0.5 * M_PI / kPolar;
-    for (int j = 0; j < kAround; ++j) {
-      const Vec3 value = scattering.evaluate(direction(polar, (j + 0.5) * 2.0 * M_PI / kAround));
-      sum += static_cast<double>(value.x()) * std::sin(polar);
+TEST(Scattering, a_level_shows_what_the_one_below_it_shows) {
+  const Material material = [] {
+    Material plastic = white_material(0.4f);
+    plastic.base_colour << 0.7f, 0.3f, 0.2f, 1.0f;
+    return plastic;
+  }();
+  const Bsdf bsdf = make_bsdf(material, SurfaceTexels{}, false, SurfaceLevel::kLayered);
+  const Vec3 wo = direction(0.8, 0.1);
+  const Scattering<SurfaceLevel::kGlossy> glossy(bsdf, Vec3::UnitZ(), wo);
+  const Scattering<SurfaceLevel::kLayered> layered(bsdf, Vec3::UnitZ(), wo);
+  for (const double polar : {0.0, 0.5, 0.8, 1.5}) {
+    const Vec3 wi = direction(polar, 3.0);
+    EXPECT_TRUE(glossy.evaluate(wi).isApprox(layered.evaluate(wi), 1e-5f));
+    EXPECT_NEAR(glossy.density(wi), layered.density(wi), 1e-4f * glossy.density(wi));
+  }
+}
+
+TEST(Scattering, a_polished_metal_is_a_mirror) {
+  const Bsdf bsdf = make_glossy({0.9f, 0.6f, 0.3f}, 1.0f, 0.0f);
+  const Vec3 wo = direction(0.7, 0.2);
+  const Scattering<SurfaceLevel::kGlossy> scattering(bsdf, Vec3::UnitZ(), wo);
+  const Vec3 mirrored(-wo.x(), -wo.y(), wo.z());
+  EXPECT_TRUE(scattering.evaluate(mirrored).isZero(1e-6f));
+  const ScatterSample sample = scattering.sample({0.1f, 0.2f}, 0.5f);
+  EXPECT_EQ(sample.density, 0.0f);
+  EXPECT_TRUE(sample.wi.isApprox(mirrored, 1e-6f));
+  EXPECT_NEAR(sample.weight.x(), 0.9f, 1e-2f);
+}
+
+TEST(Scattering, glass_of_index_1_is_not_there) {
+  for (const float roughness : {0.0f, 0.5f, 1.0f}) {
+    for (const bool inside : {false, true}) {
+      const Bsdf bsdf = make_bsdf(glass_material(roughness, 1.0f, false), {}, inside, SurfaceLevel::kLayered);
+      for (const double polar : {0.0, 1.0, 1.55}) {
+        const Vec3 wo = direction(polar, 0.4);
+        const Scattering<SurfaceLevel::kLayered> scattering(bsdf, Vec3::UnitZ(), wo);
+        for (const float choice : {0.0f, 0.5f, 0.999f}) {
+          const ScatterSample sample = scattering.sample({0.3f, 0.6f}, choice);
+          EXPECT_TRUE(sample.through);
+          EXPECT_TRUE(sample.wi.isApprox(-wo, 1e-6f));
+          EXPECT_TRUE(sample.weight.isApprox(Vec3(Vec3::Ones()), 1e-6f));
+        }
+      }
     }
   }
-  return sum * (0.5 * M_PI / kPolar) * (2.0 * M_PI / kAround);
 }
 
-struct Case {
-  float base;
-  float metallic;
-  float roughness;
-  double polar;
-};
-
-class GlossTest : public ::testing::TestWithParam<Case> {
- protected:
-  Bsdf bsdf_ = make_glossy(Vec3::Constant(GetParam().base), GetParam().metallic, GetParam().roughness);
-  Scattering<true> scattering_{bsdf_, Vec3::UnitZ(), direction(GetParam().polar, 0.7)};
-};
-
-TEST_P(GlossTest, reflects_no_more_than_it_gets) {
-  const double part = reflected_part(scattering_);
-  EXPECT_LE(part, 1.002);
-  EXPECT_GE(part, 0.0);
+TEST(Scattering, clear_glass_bends_light_as_snell_says) {
+  const Bsdf bsdf = make_bsdf(glass_material(0.0f, 1.5f, false), {}, false, SurfaceLevel::kLayered);
+  const Vec3 wo = direction(0.9, 0.0);
+  const Scattering<SurfaceLevel::kLayered> scattering(bsdf, Vec3::UnitZ(), wo);
+  const ScatterSample sample = scattering.sample({0.5f, 0.5f}, 0.99f);
+  ASSERT_TRUE(sample.through);
+  EXPECT_NEAR(sample.wi.x(), -std::sin(0.9f) / 1.5f, 1e-6f);
+  EXPECT_NEAR(sample.weight.x(), 1.0f, 1e-5f);
+  // And back from inside along the same way.
+  const Bsdf back = make_bsdf(glass_material(0.0f, 1.5f, false), {}, true, SurfaceLevel::kLayered);
+  const Scattering<SurfaceLevel::kLayered> leaving(back, -Vec3::UnitZ(), sample.wi);
+  EXPECT_TRUE(leaving.sample({0.5f, 0.5f}, 0.99f).wi.isApprox(wo, 1e-5f));
 }
 
-TEST_P(GlossTest, sampling_agrees_with_the_integral) {
-  constexpr int kSamples = 1 << 16;
-  double sum = 0.0;
-  for (int i = 0; i < kSamples; ++i) {
-    const SampleSequence sequence(11, 0, 0, i, kSamples);
-    Vec3 weight;
-    const Vec3 wi = scattering_.sample(sequence.pair(0), sequence.pair(1).x(), &weight);
-    ASSERT_NEAR(wi.norm(), 1.0f, 1e-3f);
-    ASSERT_TRUE(is_finite(weight));
-    ASSERT_GE(weight.minCoeff(), 0.0f);
-    sum += static_cast<double>(weight.x());
-  }
-  EXPECT_NEAR(sum / kSamples, reflected_part(scattering_), 0.01);
-}
-
-TEST_P(GlossTest, swapping_light_and_viewer_changes_nothing_but_the_cosine) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> polar(0.05, 1.5);
-  for (int i = 0; i < 100; ++i) {
-    const Vec3 a = direction(polar(random), 4.0 * polar(random));
-    const Vec3 b = direction(polar(random), -3.0 * polar(random));
-    const float there = Scattering<true>(bsdf_, Vec3::UnitZ(), a).evaluate(b).x() / b.z();
-    const float back = Scattering<true>(bsdf_, Vec3::UnitZ(), b).evaluate(a).x() / a.z();
-    EXPECT_NEAR(there, back, 1e-3f * std::max(1.0f, there));
+TEST(Scattering, beyond_the_critical_angle_nothing_leaves_a_body) {
+  const Bsdf bsdf = make_bsdf(glass_material(0.0f, 1.5f, false), {}, true, SurfaceLevel::kLayered);
+  const Scattering<SurfaceLevel::kLayered> scattering(bsdf, Vec3::UnitZ(), direction(0.8, 0.0));
+  for (const float choice : {0.0f, 0.5f, 0.999f}) {
+    const ScatterSample sample = scattering.sample({0.5f, 0.5f}, choice);
+    EXPECT_FALSE(sample.through);
+    EXPECT_NEAR(sample.weight.x(), 1.0f, 1e-5f);
   }
 }
 
-TEST_P(GlossTest, the_even_light_albedo_is_near_the_integral) {
-  EXPECT_NEAR(static_cast<double>(scattering_.albedo().x()), reflected_part(scattering_), 0.15);
+TEST(Scattering, a_clear_sheet_does_not_bend_light) {
+  const Bsdf bsdf = make_bsdf(glass_material(0.0f, 1.5f, true), {}, true, SurfaceLevel::kLayered);
+  const Vec3 wo = direction(1.0, 0.3);
+  const ScatterSample sample = Scattering<SurfaceLevel::kLayered>(bsdf, Vec3::UnitZ(), wo).sample({0.5f, 0.5f}, 0.99f);
+  EXPECT_TRUE(sample.through);
+  EXPECT_TRUE(sample.wi.isApprox(-wo, 1e-6f));
 }
 
-INSTANTIATE_TEST_SUITE_P(Materials, GlossTest,
-                         ::testing::Values(Case{0.5f, 0.0f, 0.3f, 0.2}, Case{0.8f, 1.0f, 0.2f, 0.5},
-                                           Case{1.0f, 1.0f, 0.5f, 1.2}, Case{0.9f, 0.0f, 0.9f, 1.3},
-                                           Case{0.3f, 0.5f, 0.6f, 0.9}, Case{1.0f, 1.0f, 1.0f, 0.1}));
+TEST(Scattering, without_specular_a_dielectric_is_matte) {
+  Material material = white_material(0.2f);
+  material.specular = 0.0f;
+  const Bsdf bsdf = make_bsdf(material, {}, false, SurfaceLevel::kGlossy);
+  const Scattering<SurfaceLevel::kGlossy> scattering(bsdf, Vec3::UnitZ(), direction(0.5, 0.0));
+  EXPECT_NEAR(scattering.evaluate(direction(0.5, 3.14)).x(), std::cos(0.5f) / kPi, 1e-4f);
+}
 
-TEST(Scattering, a_matte_surface_is_exactly_lambert) {
-  const Bsdf bsdf = make_matte({0.2f, 0.4f, 0.6f});
-  const Scattering<true> scattering(bsdf, Vec3::UnitZ(), direction(0.3, 0.0));
-  EXPECT_TRUE(scattering.evaluate(Vec3::UnitZ()).isApprox(bsdf.diffuse / kPi));
-  EXPECT_TRUE(scattering.evaluate(-Vec3::UnitZ()).isZero(0.0f));
-  EXPECT_EQ(scattering.albedo(), bsdf.diffuse);
-  Vec3 weight;
-  EXPECT_GT(scattering.sample({0.3f, 0.9f}, 0.5f, &weight).z(), 0.0f);
-  EXPECT_EQ(weight, bsdf.diffuse);
+TEST(Absorption, is_that_of_the_attenuation_colour_after_its_distance) {
+  Material material = glass_material(0.0f, 1.5f, false);
+  EXPECT_TRUE(absorption_of(material).isZero(0.0f));
+  material.attenuation_colour << 0.5f, 1.0f, 0.0f;
+  material.attenuation_distance = 0.25f;
+  const Vec3 absorption = absorption_of(material);
+  EXPECT_NEAR(std::exp(-0.25f * absorption.x()), 0.5f, 1e-6f);
+  EXPECT_EQ(absorption.y(), 0.0f);
+  EXPECT_EQ(std::exp(-absorption.z()), 0.0f);
+  for (const float distance : {0.0f, -1.0f, std::numeric_limits<float>::infinity(), NAN}) {
+    material.attenuation_distance = distance;
+    EXPECT_TRUE(absorption_of(material).isZero(0.0f));
+  }
+  material.attenuation_distance = std::numeric_limits<float>::denorm_min();
+  EXPECT_TRUE(is_finite(absorption_of(material)));
+  material.thickness = 0.0f;
+  EXPECT_TRUE(absorption_of(material).isZero(0.0f));
+}
+
+TEST(SurfaceLevel, is_the_least_that_shows_a_material) {
+  Material material = white_material(1.0f);
+  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kMatte);
+  material.ior = 1.8f;
+  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
+  material.specular = 0.0f;
+  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kMatte);
+  material = white_material(0.5f);
+  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
+  material.transmission = 0.5f;
+  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kLayered);
+  material.metallic = 1.0f;  // A metal lets nothing through.
+  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
+  material.clearcoat = 0.1f;
+  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kLayered);
+}
+
+void expect_numbers(const BsdfCase& at, const Vec3& wo) {
+  with_scattering(at, Vec3::UnitZ(), wo, [&](const auto& scattering) {
+    EXPECT_TRUE(is_finite(scattering.albedo())) << at.name;
+    for (const Vec3& wi : {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(-wo), wo, Vec3(0, 0, -1), Vec3(-wo.x(), -wo.y(), wo.z()),
+                           Vec3(0.99999994f, 0, 1e-6f), Vec3(0.99999994f, 0, -1e-6f)}) {
+      EXPECT_TRUE(is_finite(scattering.evaluate(wi))) << at.name;
+      EXPECT_GE(scattering.evaluate(wi).minCoeff(), 0.0f) << at.name;
+      EXPECT_TRUE(std::isfinite(scattering.density(wi)) && scattering.density(wi) >= 0.0f) << at.name;
+    }
+    for (const Vec2& u : {Vec2(0, 0), Vec2(0.99999994f, 0.99999994f), Vec2(0.5f, 0.0f), Vec2(0.0f, 0.99999994f)}) {
+      for (const float choice : {0.0f, 0.25f, 0.5f, 0.75f, 0.99999994f}) {
+        const ScatterSample sample = scattering.sample(u, choice);
+        EXPECT_TRUE(is_finite(sample.weight) && std::isfinite(sample.density)) << at.name;
+        EXPECT_GE(sample.weight.minCoeff(), 0.0f) << at.name;
+        EXPECT_NEAR(sample.wi.norm(), 1.0f, 1e-3f) << at.name;
+      }
+    }
+  });
 }
 
 TEST(Scattering, extremes_give_numbers) {
-  for (const float roughness : {0.0f, 1.0f, -1.0f, 5.0f}) {
-    for (const float metallic : {0.0f, 1.0f}) {
+  std::vector<BsdfCase> cases = white_cases();
+  for (const float roughness : {0.0f, 1e-6f, 0.0316f, 0.032f, 1.0f, -1.0f, 5.0f, NAN}) {
+    for (const float ior : {1.0f, 1.0005f, 1.002f, 1e3f, kLargestIor}) {
       for (const float base : {0.0f, 1.0f}) {
-        const Bsdf bsdf = make_glossy(Vec3::Constant(base), metallic, roughness);
-        for (const Vec3& wo : {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0, 0, -1), Vec3(0.9999f, 0, 0.0141f)}) {
-          const Scattering<true> scattering(bsdf, Vec3::UnitZ(), wo);
-          for (const Vec3& wi : {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(-wo), wo, Vec3(0, 0, -1)}) {
-            EXPECT_TRUE(is_finite(scattering.evaluate(wi)));
-          }
-          for (const Vec2& u : {Vec2(0, 0), Vec2(0.99999994f, 0.99999994f), Vec2(0.5f, 0.0f)}) {
-            for (const float choice : {0.0f, 0.5f, 0.99999994f}) {
-              Vec3 weight;
-              const Vec3 wi = scattering.sample(u, choice, &weight);
-              EXPECT_TRUE(is_finite(weight));
-              EXPECT_NEAR(wi.norm(), 1.0f, 1e-3f);
-            }
-          }
-          EXPECT_TRUE(is_finite(scattering.albedo()));
+        Material material = glass_material(roughness, ior, false);
+        material.base_colour.head<3>().setConstant(base);
+        material.clearcoat = 1.0f;
+        material.clearcoat_roughness = roughness;
+        for (const float transmission : {0.0f, 1.0f}) {
+          material.transmission = transmission;
+          cases.push_back(bsdf_case("body", material, SurfaceLevel::kLayered));
+          cases.push_back(bsdf_case("body from inside", material, SurfaceLevel::kLayered, true));
         }
+        material.thickness = 0.0f;
+        cases.push_back(bsdf_case("sheet", material, SurfaceLevel::kLayered));
+        material.specular = 0.0f;
+        cases.push_back(bsdf_case("dull", material, SurfaceLevel::kGlossy));
       }
+    }
+  }
+  for (const BsdfCase& at : cases) {
+    for (const Vec3& wo : {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(0, 0, -1), Vec3(0.9999f, 0, 0.0141f)}) {
+      expect_numbers(at, wo);
     }
   }
 }

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One surface point's material: what a Material says, its textures looked up. Reentrant.
+#pragma once
+
+#include <limits>
+
+#include "renderfarm/render/surface_level.h"
+#include "renderfarm/render/vectors.h"
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+/// What the textures hold at one point, decoded to linear; ones where there is none. They multiply the factors.
+struct SurfaceTexels {
+  Vec3 base_colour = Vec3::Ones();  ///< Vertex colour included.
+  float metallic = 1.0f;
+  float roughness = 1.0f;
+  float specular = 1.0f;
+  Vec3 specular_colour = Vec3::Ones();
+  float clearcoat = 1.0f;
+  float clearcoat_roughness = 1.0f;
+  float transmission = 1.0f;
+};
+
+/// Colours are linear, in [0, 1], as are all parts; the default mirrors nothing.
+struct Bsdf {
+  Vec3 base_colour = Vec3::Zero();
+  float metallic = 0.0f;
+  Vec3 f0 = Vec3::Zero();  ///< Reflectance of the dielectric along its normal,
+  float f90 = 0.0f;        ///< and along its surface.
+  float alpha = 1.0f;      ///< GGX's width: roughness squared.
+
+  // Only SurfaceLevel::kLayered looks at these.
+  float transmission = 0.0f;
+  bool thin = true;       ///< Light that goes through leaves on the other side as it came.
+  bool inside = false;    ///< The viewer is within the body. Never with `thin`.
+  float ior = 1.5f;       ///< Of the body; at least 1.
+  float specular = 1.0f;  ///< Scales the body's reflectance.
+  float coat = 0.0f;      ///< How much of the surface is coated.
+  float coat_alpha = 0.0f;
+  Vec3 coat_normal = Vec3::Zero();  ///< On the viewer's side; zero is the surface's own.
+};
+
+/// Below this width a lobe is a mirror: float directions and real lamps do not resolve it.
+inline constexpr float kLeastAlpha = 1e-3f;
+
+[[nodiscard]] inline float alpha_of(float roughness) {
+  const float r = roughness > 0.0f ? std::min(roughness, 1.0f) : 0.0f;
+  return r * r < kLeastAlpha ? 0.0f : r * r;
+}
+
+/// Lambert's reflection alone.
+[[nodiscard]] inline Bsdf make_matte(const Vec3& albedo) {
+  Bsdf bsdf;
+  bsdf.base_colour = albedo;
+  return bsdf;
+}
+
+/// glTF's reflectance of a dielectric. An ior near 1 mirrors nothing at grazing angles either, where Schlick's fit
+/// does.
+inline void set_dielectric(float ior, float specular, const Vec3& specular_colour, Bsdf* bsdf) {
+  const float root = (ior - 1.0f) / (ior + 1.0f);
+  const float f0 = root * root;
+  constexpr float kFullF0 = 0.02f;  // That of water, 1.33.
+  bsdf->f0 = (f0 * specular_colour).cwiseMin(1.0f) * specular;
+  bsdf->f90 = specular * std::min(1.0f, f0 / kFullF0);
+  bsdf->ior = ior;
+  bsdf->specular = specular;
+}
+
+/// glTF's metallic-roughness model without extensions.
+[[nodiscard]] inline Bsdf make_glossy(const Vec3& base_colour, float metallic, float roughness) {
+  Bsdf bsdf;
+  bsdf.base_colour = base_colour;
+  bsdf.metallic = std::clamp(metallic, 0.0f, 1.0f);
+  bsdf.alpha = alpha_of(roughness);
+  set_dielectric(1.5f, 1.0f, Vec3::Ones(), &bsdf);
+  return bsdf;
+}
+
+/// `inside`: the ray that found the point came from behind the triangle, as its winding has it. `level`: what the
+/// kernel is compiled for; what is above it is left out.
+[[nodiscard]] inline Bsdf make_bsdf(const Material& material, const SurfaceTexels& texels, bool inside,
+                                    SurfaceLevel level) {
+  const auto unit = [](float value) { return std::clamp(value, 0.0f, 1.0f); };
+  Bsdf bsdf;
+  bsdf.base_colour = material.base_colour.head<3>().cwiseProduct(texels.base_colour).cwiseMax(0.0f).cwiseMin(1.0f);
+  if (level == SurfaceLevel::kMatte) return bsdf;
+  bsdf.metallic = unit(material.metallic * texels.metallic);
+  bsdf.alpha = alpha_of(material.roughness * texels.roughness);
+  set_dielectric(material.ior, unit(material.specular * texels.specular),
+                 material.specular_colour.cwiseProduct(texels.specular_colour), &bsdf);
+  if (level == SurfaceLevel::kGlossy) return bsdf;
+  bsdf.transmission = unit(material.transmission * texels.transmission);
+  bsdf.thin = !(material.thickness > 0.0f);
+  bsdf.inside = inside && !bsdf.thin;
+  bsdf.coat = unit(material.clearcoat * texels.clearcoat);
+  bsdf.coat_alpha = alpha_of(material.clearcoat_roughness * texels.clearcoat_roughness);
+  return bsdf;
+}
+
+/// Whether rays go on within the body.
+[[nodiscard]] inline bool encloses_body(const Material& material) {
+  return material.transmission > 0.0f && material.thickness > 0.0f;
+}
+
+/// Per metre of the way inside: exp(-absorption * metres) is left. Finite; zero where nothing is absorbed.
+[[nodiscard]] inline Vec3 absorption_of(const Material& material) {
+  const float distance = material.attenuation_distance;
+  if (!encloses_body(material) || !(distance > 0.0f) || !std::isfinite(distance)) return Vec3::Zero();
+  constexpr float kMost = 1e12f;
+  Vec3 absorption;
+  for (int i = 0; i < 3; ++i) {
+    const float left = std::clamp(material.attenuation_colour[i], std::numeric_limits<float>::min(), 1.0f);
+    absorption[i] = left < 1.0f ? std::min(-std::log(left) / distance, kMost) : 0.0f;
+  }
+  return absorption;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+/// KHR_materials_clearcoat: a colourless lobe of index 1.5 above the rest, and how much light it leaves to the rest.
+///
+/// The extension weighs what is below by the viewer's angle alone; here light and viewer may be swapped. For wide lobes
+/// below, both angles count, in balance; for narrow ones, which leave as they came, the lesser share does.
+#pragma once
+
+#include "renderfarm/render/bsdf/albedo_table.h"
+#include "renderfarm/render/bsdf/bsdf.h"
+#include "renderfarm/render/bsdf/fresnel.h"
+#include "renderfarm/render/bsdf/microfacet.h"
+
+namespace cyclorama {
+
+/// Directions are in the surface's frame, not local. Seen from inside a body it is only passed. Thread-bound.
+class Coat {
+ public:
+  Coat(const Bsdf& bsdf, const Vec3& normal, const Vec3& wo)
+      : part_(bsdf.coat),
+        frame_(bsdf.coat_normal.isZero(0.0f) ? normal : bsdf.coat_normal),
+        wo_(seen_from_above(frame_.to_local(wo))),
+        mirror_(!(bsdf.coat_alpha > 0.0f)),
+        shines_(part_ > 0.0f && !bsdf.inside),
+        facets_(bsdf.coat_alpha, wo_),
+        row_(bsdf.coat_alpha) {
+    if (!(part_ > 0.0f)) return;
+    const float cos_o = frame_.to_local(wo).z();
+    kept_ = kept(std::abs(cos_o));
+    faces_ = shines_ && cos_o > 0.0f;
+    const BounceAlbedo mean = row_.mean();
+    mean_kept_ = 1.0f - part_ * (kCoatF0 * mean.low + mean.high);
+  }
+
+  /// Zero where it is not seen.
+  [[nodiscard]] float part() const { return shines_ ? part_ : 0.0f; }
+  [[nodiscard]] bool is_mirror() const { return mirror_; }
+  /// What it reflects of light that is the same from everywhere.
+  [[nodiscard]] float albedo() const { return faces_ ? 1.0f - kept_ : 0.0f; }
+  /// The part of the light that it leaves to a narrow lobe below, from wo to wi.
+  [[nodiscard]] float narrow(const Vec3& wi) const { return shines_ ? std::min(kept_, kept(cosine(wi))) : 1.0f; }
+  [[nodiscard]] float wide(const Vec3& wi) const {
+    return shines_ ? kept_ * kept(cosine(wi)) / std::max(1e-6f, mean_kept_) : 1.0f;
+  }
+  /// Into or out of a body: only the direction outside crosses the coat.
+  [[nodiscard]] float crossed(const Vec3& wi) const {
+    if (!(part_ > 0.0f)) return 1.0f;
+    return shines_ ? kept_ : kept(cosine(wi));
+  }
+  /// About the mean of both.
+  [[nodiscard]] float left() const { return shines_ ? kept_ : 1.0f; }
+
+  /// With the cosine, without mirrors.
+  [[nodiscard]] float evaluate(const Vec3& wi) const {
+    if (!faces_ || mirror_) return 0.0f;
+    const Vec3 local = frame_.to_local(wi);
+    if (!(local.z() > 0.0f)) return 0.0f;
+    const Vec3 h = normalized_or(wo_ + local, Vec3::UnitZ());
+    return facet(local.dot(h)) * facets_.density(h) * facets_.visibility(local.z()) * local.z();
+  }
+  [[nodiscard]] float density(const Vec3& wi) const {
+    if (!faces_ || mirror_) return 0.0f;
+    const Vec3 local = frame_.to_local(wi);
+    if (!(local.z() > 0.0f)) return 0.0f;
+    return facets_.mirrored_density(facets_.density(normalized_or(wo_ + local, Vec3::UnitZ())), true);
+  }
+  [[nodiscard]] Vec3 sample(const Vec2& u) const {
+    const Vec3 h = mirror_ ? Vec3(Vec3::UnitZ()) : facets_.sample(u, true);
+    return frame_.from_local(normalized_or(2.0f * wo_.dot(h) * h - wo_, Vec3::UnitZ()));
+  }
+  [[nodiscard]] float mirrored() const { return facet(wo_.z()); }
+
+ private:
+  [[nodiscard]] float facet(float cosine) const { return part_ * (kCoatF0 + (1.0f - kCoatF0) * schlick(cosine)); }
+  [[nodiscard]] float cosine(const Vec3& wi) const { return std::abs(frame_.to_local(wi).z()); }
+  [[nodiscard]] float kept(float cosine) const {
+    const BounceAlbedo a = row_.at(cosine);
+    return 1.0f - part_ * (kCoatF0 * a.low + a.high);
+  }
+
+  float part_;
+  Frame frame_;
+  Vec3 wo_;
+  bool mirror_;
+  bool shines_;         ///< Seen from outside a body.
+  bool faces_ = false;  ///< And from above its own normal.
+  Microfacets facets_;
+  AlbedoRow row_;
+  float kept_ = 1.0f;
+  float mean_kept_ = 1.0f;
+};
+
+}  // namespace cyclorama

@@ -9,12 +9,42 @@ namespace cyclorama {
 namespace {
 
 constexpr std::uint32_t kCutPx = 16;
+// What a view may ask for; renderfarm/render/quality.h allows at least as much.
 constexpr std::uint32_t kMostSamples = 4096;
+constexpr std::uint32_t kMostBounces = 64;
+constexpr std::uint32_t kMostLightSamples = 16;
+constexpr float kMostLight = 1e9f;
 constexpr double kFarthestEyeM = 1e7;       // Far beyond any scene, and within float, which the ray kernels use.
 constexpr double kSteepestElevation = 1e4;  // Tangent: within a hundredth of a degree of straight up or down.
 
 Error refuse(const char* field, const std::string& what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("view.{} {}", field, what));
+}
+
+Status at_most(const char* field, std::uint32_t value, std::uint32_t most) {
+  if (value <= most) return Done{};
+  return refuse(field, fmt::format("is {}; it must be at most {}", value, most));
+}
+
+Status is_light(const char* field, float value) {
+  if (value >= 0.0f && value <= kMostLight) return Done{};
+  return refuse(field, fmt::format("is {}; it must be 0 to {}", value, kMostLight));
+}
+
+Status validate_knobs(const wire::View& view) {
+  if (view.samples() < 1 || view.samples() > kMostSamples) {
+    return refuse("samples", fmt::format("is {}; it must be 1 to {}", view.samples(), kMostSamples));
+  }
+  TRY(at_most("first_sample", view.first_sample(), kMostSamples - view.samples()));
+  TRY(at_most("sequence", view.sequence(), kMostSamples));
+  TRY(at_most("bounces", view.bounces(), kMostBounces));
+  TRY(at_most("light_samples", view.light_samples(), kMostLightSamples));
+  TRY(is_light("firefly_limit", view.firefly_limit()));
+  TRY(is_light("adaptive_error", view.adaptive_error()));
+  if (view.adaptive_minimum() == 1) return refuse("adaptive_minimum", "is 1; it must be 0 or at least 2");
+  TRY(at_most("adaptive_minimum", view.adaptive_minimum(), kMostSamples));
+  if (view.jpeg_quality() >= 1 && view.jpeg_quality() <= 100) return Done{};
+  return refuse("jpeg_quality", fmt::format("is {}; it must be 1 to 100", view.jpeg_quality()));
 }
 
 }  // namespace
@@ -52,12 +82,7 @@ Status validate(const wire::View& view) {
   if (!from_wire(view.eye_m()).allFinite()) return refuse("eye_m", "is not finite");
   if (!(from_wire(view.eye_m()).cwiseAbs().maxCoeff() <= kFarthestEyeM)) return refuse("eye_m", "is too far away");
   if (!std::isfinite(view.heading_rad())) return refuse("heading_rad", "is not finite");
-  if (view.samples() < 1 || view.samples() > kMostSamples) {
-    return refuse("samples", fmt::format("is {}; it must be 1 to {}", view.samples(), kMostSamples));
-  }
-  if (view.jpeg_quality() < 1 || view.jpeg_quality() > 100) {
-    return refuse("jpeg_quality", fmt::format("is {}; it must be 1 to 100", view.jpeg_quality()));
-  }
+  TRY(validate_knobs(view));
   TRY_ASSIGN(const Panorama panorama, from_wire(view.panorama()));
   if (panorama.tan_elevation_top > kSteepestElevation || panorama.tan_elevation_bottom < -kSteepestElevation) {
     return refuse("panorama", fmt::format("has an elevation beyond a tangent of {}", kSteepestElevation));

@@ -122,6 +122,8 @@ void FarmClient::write_views(Visit& visit) {
   wire::VisitRequest request;
   request.mutable_open()->set_scene(options_.scene);
   request.mutable_open()->set_museum(options_.museum);
+  request.mutable_open()->set_frame_budget_ms(options_.frame_budget_ms);
+  request.mutable_open()->set_reference_samples(static_cast<std::uint32_t>(options_.reference_samples));
   bool alive = visit.stream().Write(request);
   std::unique_lock lock(mutex_);
   while (alive && !visit.over) {

@@ -27,15 +27,19 @@ struct FarmClientOptions {
   std::string museum{};              ///< Shown to the farm's operator.
   /// A head that owes an answer and says nothing for this long is given up. Longer than any tile takes to render.
   Duration patience = std::chrono::seconds(30);
+  /// As wire::OpenVisit: with a budget, the farm chooses the quality, and refines while no new view is requested.
+  double frame_budget_ms = 0.0;
+  int reference_samples = 0;
 };
 
 /// What the farm says. Every call comes on the client's own thread, one at a time, in this order:
 ///
 ///   ( on_lost* on_opened ( on_begin on_tile* on_end )* )*
 ///
-/// A begun frame always ends: when the head goes away, with `complete` false and the reason. While a call runs nothing
-/// more is read, so a slow listener slows the farm and never fills memory. May call FarmClient::request(), never
-/// stop().
+/// With a frame budget, on_begin() says how large the picture is, and a frame that was ended may come again, refined:
+/// same number, more samples. A begun frame always ends: when the head goes away, with `complete` false and the reason.
+/// While a call runs nothing more is read, so a slow listener slows the farm and never fills memory. May call
+/// FarmClient::request(), never stop().
 class FarmListener {
  public:
   virtual ~FarmListener() = default;

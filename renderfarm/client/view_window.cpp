@@ -12,10 +12,12 @@ namespace {
 
 Error broken(const std::string& what) { return Error(ErrorCode::kBadData, "the farm " + what); }
 
-bool same_panorama(const wire::View& a, const wire::View& b) {
-  const auto ours = from_wire(a.panorama());
-  const auto theirs = from_wire(b.panorama());
-  return ours && theirs && *ours == *theirs;
+/// What the farm makes of a panorama that was asked for: the same field, perhaps with fewer pixels.
+Status check_shape(const Panorama& asked, Panorama begun) {
+  const bool fits = begun.width_px <= asked.width_px && begun.height_px <= asked.height_px;
+  begun.width_px = asked.width_px;
+  begun.height_px = asked.height_px;
+  return fits && begun == asked ? Status(Done{}) : broken("sent a frame in another shape");
 }
 
 }  // namespace
@@ -36,23 +38,27 @@ std::optional<wire::View> ViewWindow::take_sendable() {
 
 Status ViewWindow::begin(const wire::View& view) {
   if (open_) return broken(fmt::format("began frame {} before it ended another", view.number()));
-  const auto asked =
-      std::ranges::find_if(in_flight_, [&](const wire::View& sent) { return sent.number() == view.number(); });
-  if (asked == in_flight_.end()) return broken(fmt::format("sent frame {}, which nobody asked for", view.number()));
-  if (!same_panorama(*asked, view)) return broken(fmt::format("sent frame {} in another shape", view.number()));
-  in_flight_.erase(in_flight_.begin(), asked);  // Older numbers were skipped.
-  open_ = true;
+  const bool is_refined = answered_ && answered_->number() == view.number();
+  const auto asked = std::ranges::find(in_flight_, view.number(), &wire::View::number);
+  if (!is_refined && asked == in_flight_.end()) {
+    return broken(fmt::format("sent frame {}, which nobody asked for", view.number()));
+  }
+  TRY_ASSIGN(const Panorama wanted, from_wire((is_refined ? *answered_ : *asked).panorama()));
+  TRY_ASSIGN(const Panorama begun, from_wire(view.panorama()));
+  TRY(check_shape(wanted, begun));
+  if (!is_refined) in_flight_.erase(in_flight_.begin(), asked);  // Older numbers were skipped.
+  open_ = begun;
+  open_number_ = view.number();
   corners_.clear();
   covered_px_ = 0;
   return Done{};
 }
 
 Status ViewWindow::accept(const wire::Tile& tile) {
-  if (!open_ || tile.view_number() != in_flight_.front().number()) {
+  if (!open_ || tile.view_number() != open_number_) {
     return broken(fmt::format("sent a tile of frame {}, which is not open", tile.view_number()));
   }
-  TRY_ASSIGN(const Panorama picture, from_wire(in_flight_.front().panorama()));
-  if (const Status fits = validate(tile, picture); !fits) return broken("sent a " + fits.error().message());
+  if (const Status fits = validate(tile, *open_); !fits) return broken("sent a " + fits.error().message());
   if (!corners_.emplace(tile.x_px(), tile.y_px()).second) {
     return broken(fmt::format("sent the tile at ({}, {}) twice", tile.x_px(), tile.y_px()));
   }
@@ -61,26 +67,30 @@ Status ViewWindow::accept(const wire::Tile& tile) {
 }
 
 Status ViewWindow::end(const wire::FrameEnd& end) {
-  if (!open_ || end.view_number() != in_flight_.front().number()) {
+  if (!open_ || end.view_number() != open_number_) {
     return broken(fmt::format("ended frame {}, which is not open", end.view_number()));
   }
-  const wire::Panorama& picture = in_flight_.front().panorama();
-  const std::uint64_t whole_px = std::uint64_t{picture.width_px()} * picture.height_px();
+  const std::uint64_t whole_px =
+      static_cast<std::uint64_t>(open_->width_px) * static_cast<std::uint64_t>(open_->height_px);
   if (end.complete() && (covered_px_ != whole_px || end.tiles() != corners_.size())) {
     return broken(
         fmt::format("called frame {} complete with {} of {} pixels", end.view_number(), covered_px_, whole_px));
   }
-  in_flight_.pop_front();
-  open_ = false;
+  if (!in_flight_.empty() && in_flight_.front().number() == open_number_) {
+    answered_ = std::move(in_flight_.front());
+    in_flight_.pop_front();
+  }
+  open_.reset();
   return Done{};
 }
 
 std::optional<std::uint64_t> ViewWindow::lose() {
   std::optional<std::uint64_t> open_number;
-  if (open_) open_number = in_flight_.front().number();
+  if (open_) open_number = open_number_;
   if (!waiting_ && !in_flight_.empty()) waiting_ = std::move(in_flight_.back());
   in_flight_.clear();
-  open_ = false;
+  answered_.reset();
+  open_.reset();
   return open_number;
 }
 

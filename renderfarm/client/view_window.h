@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/result.h"
+#include "common/geometry/panorama.h"
 #include "common/wire/view.pb.h"
 
 namespace cyclorama {
@@ -22,7 +23,8 @@ inline constexpr std::size_t kFramesInFlight = 2;
 ///                 ▲                                                │
 ///                 └──────────────── lose(): the newest ────────────┘
 ///
-/// Invariant: at most one frame is open (begun and not ended), and it is in flight.
+/// The frame that ended last may be begun again, refined. Invariant: at most one frame is open (begun and not ended);
+/// it is the oldest in flight, or that one.
 class ViewWindow {
  public:
   /// True if a view that waited was dropped for this one. Precondition: numbers grow.
@@ -31,7 +33,8 @@ class ViewWindow {
   std::optional<wire::View> take_sendable();
 
   /// What the farm answers, in the order in which it comes. Each is kBadData when it breaks farm.proto: another frame
-  /// is open, a number that was not asked for, a tile twice or outside, a "complete" frame with holes.
+  /// is open, a number that was not asked for, another field or more pixels than asked for, a tile twice or outside, a
+  /// "complete" frame with holes.
   Status begin(const wire::View& view);
   Status accept(const wire::Tile& tile);
   Status end(const wire::FrameEnd& end);
@@ -46,8 +49,10 @@ class ViewWindow {
  private:
   std::uint64_t newest_ = 0;
   std::optional<wire::View> waiting_;
-  std::deque<wire::View> in_flight_;  ///< Growing numbers; while a frame is open, it is the front.
-  bool open_ = false;
+  std::deque<wire::View> in_flight_;    ///< Growing numbers.
+  std::optional<wire::View> answered_;  ///< As asked: the last whose frame ended.
+  std::optional<Panorama> open_;        ///< As begun.
+  std::uint64_t open_number_ = 0;
   std::set<std::pair<std::uint32_t, std::uint32_t>> corners_;  ///< Of the open frame's tiles.
   std::uint64_t covered_px_ = 0;
 };

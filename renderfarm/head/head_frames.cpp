@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/wire/convert.h"
 #include "renderfarm/head/head_state.h"
@@ -35,24 +36,34 @@ FrameInFlight* HeadState::find_frame(const BlockPlace& place) {
   const auto session = sessions_.find(place.session);
   if (session == sessions_.end()) return nullptr;
   auto& frames = session->second.frames;
-  const auto frame = std::ranges::find(frames, place.view_number, [](const auto& f) { return f.view.number(); });
+  const auto frame = std::ranges::find(frames, place.frame, &FrameInFlight::id);
   return frame == frames.end() ? nullptr : &*frame;
+}
+
+std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& view) const {
+  const std::vector<NodeId> nodes = nodes_for(session.scene);
+  std::vector<double> speeds;
+  for (const NodeId node : nodes) speeds.push_back(nodes_.at(node).threads);
+  const std::vector<PixelRect> rects =
+      session.balancer->split({size_of(view), speeds, view.heading_rad(), view.panorama().azimuth_span_rad()});
+  std::vector<PlacedBlock> blocks;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!rects[i].empty()) blocks.push_back({nodes[i], rects[i]});
+  }
+  return blocks;
 }
 
 void HeadState::plan(SessionId id, Session& session) {
   FrameInFlight& frame = session.frames.emplace_back();
+  frame.id = ++last_frame_;
   frame.view = *std::exchange(session.waiting, std::nullopt);
   frame.received_at = session.waiting_since;
   frame.last_tile_at = clock_.now();
-  const std::vector<NodeId> nodes = nodes_for(session.scene);
-  std::vector<double> speeds;
-  for (const NodeId node : nodes) speeds.push_back(nodes_.at(node).threads);
-  const std::vector<PixelRect> blocks = session.balancer->split(
-      {size_of(frame.view), speeds, frame.view.heading_rad(), frame.view.panorama().azimuth_span_rad()});
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (blocks[i].empty()) continue;
-    frame.assembly.plan(++last_block_, nodes[i], blocks[i]);
-    order_block(id, session, frame, last_block_, nodes[i], blocks[i]);
+  frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
+  if (session.governed) govern(*session.governed, &frame);
+  for (const PlacedBlock& block : split(session, frame.view)) {
+    frame.assembly.plan(++last_block_, block.node, block.rect);
+    order_block(id, session, frame, last_block_, block.node, block.rect);
   }
   frame.planned_at = clock_.now();
 }
@@ -61,7 +72,7 @@ void HeadState::order_block(SessionId id, const Session& session, const FrameInF
                             NodeId node_id, const PixelRect& rect) {
   Node& node = nodes_.at(node_id);
   if (node.blocks.empty()) node.heard_at = clock_.now();  // An idle node owes nothing for the time before.
-  node.blocks[block] = {id, frame.view.number()};
+  node.blocks[block] = {id, frame.id};
   wire::NodeCommand command;
   wire::RenderBlock* const order = command.mutable_render();
   order->set_block(block);
@@ -71,7 +82,15 @@ void HeadState::order_block(SessionId id, const Session& session, const FrameInF
   order->set_y_px(static_cast<std::uint32_t>(rect.y));
   order->set_width_px(static_cast<std::uint32_t>(rect.width));
   order->set_height_px(static_cast<std::uint32_t>(rect.height));
+  order->set_visit(static_cast<std::uint64_t>(id));
+  order->set_keep(frame.refines.has_value());
   peers_.to_node(node_id, command);
+}
+
+NodeId HeadState::idlest(const std::vector<NodeId>& nodes) const {
+  return *std::ranges::min_element(nodes, {}, [&](NodeId node) {
+    return static_cast<double>(nodes_.at(node).blocks.size()) / nodes_.at(node).threads;
+  });
 }
 
 void HeadState::give_again(SessionId id, Session& session, FrameInFlight& frame, const std::vector<PixelRect>& tiles,
@@ -82,11 +101,9 @@ void HeadState::give_again(SessionId id, Session& session, FrameInFlight& frame,
     if (frame.assembly.attempts(tile) >= kMostAttempts) {
       return fail(frame, fmt::format("{} nodes failed at the same tile", kMostAttempts), session);
     }
-    const NodeId idlest = *std::ranges::min_element(nodes, {}, [&](NodeId node) {
-      return static_cast<double>(nodes_.at(node).blocks.size()) / nodes_.at(node).threads;
-    });
-    frame.assembly.plan_again(++last_block_, idlest, tile);
-    order_block(id, session, frame, last_block_, idlest, tile);
+    const NodeId node = idlest(nodes);
+    frame.assembly.plan_again(++last_block_, node, tile);
+    order_block(id, session, frame, last_block_, node, tile);
   }
 }
 
@@ -141,18 +158,12 @@ void HeadState::advance(SessionId id) {
   for (;;) {
     while (!session.frames.empty()) {
       FrameInFlight& frame = session.frames.front();
-      if (!frame.begun) {
-        frame.begun = true;
-        wire::VisitReply reply;
-        *reply.mutable_begin() = frame.view;
-        send(id, session, std::move(reply));
-        for (wire::Tile& tile : frame.held) relay(id, session, std::move(tile));
-        frame.held.clear();
-      }
+      if (!frame.begun && !frame.refines) begin(id, session, frame);
       if (!frame.is_over()) break;
       finish(id, session, frame);
       session.frames.pop_front();
     }
+    if (session.governed && session.governed->refinement) refine(id, session);
     if (!session.waiting || session.frames.size() + session.unwritten_ends.size() >= kFramesAtWork) return;
     if (nodes_with(session.scene) == 0) break;
     plan(id, session);
@@ -160,6 +171,15 @@ void HeadState::advance(SessionId id) {
   const Error reason = why_not(session.scene);
   forget_visit(id);
   peers_.end_visit(id, reason, false);
+}
+
+void HeadState::begin(SessionId id, Session& session, FrameInFlight& frame) {
+  frame.begun = true;
+  wire::VisitReply reply;
+  *reply.mutable_begin() = frame.view;
+  send(id, session, std::move(reply));
+  for (wire::Tile& tile : frame.held) relay(id, session, std::move(tile));
+  frame.held.clear();
 }
 
 void HeadState::relay(SessionId id, Session& session, wire::Tile tile) {
@@ -173,41 +193,64 @@ void HeadState::send(SessionId id, Session& session, wire::VisitReply reply) {
   peers_.to_museum(id, std::move(reply));
 }
 
-void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
-  if (!frame.failure) cancel_blocks(frame);  // Of stragglers, whose work others did.
+FrameReport HeadState::report_of(SessionId id, const FrameInFlight& frame) const {
   const FrameAssembly::Summary sum = frame.assembly.summary();
-  std::vector<double> loads;
+  FrameReport report{id, !frame.failure, frame.failure.value_or("")};
   for (const auto& [node, cpu_seconds] : sum.loads) {
     const auto found = nodes_.find(node);
-    if (found != nodes_.end()) loads.push_back(cpu_seconds / found->second.threads);
+    if (found != nodes_.end()) report.loads.push_back(cpu_seconds / found->second.threads);
   }
-  FrameReport report{id, !frame.failure, frame.failure.value_or("")};
   report.plan_seconds = to_seconds(frame.planned_at - frame.received_at);
   report.render_seconds = sum.render_seconds;
   report.encode_seconds = sum.encode_seconds;
   report.farm_seconds = to_seconds(clock_.now() - frame.received_at);
-  report.balance_efficiency = balance_efficiency(loads);
+  report.balance_efficiency = balance_efficiency(report.loads);
   report.cpu_seconds = sum.cpu_seconds;
   report.rays = sum.rays;
   report.bytes = frame.bytes;
-  if (report.complete && !frame.assembly.was_given_again()) {
-    session.balancer->learn({size_of(frame.view), sum.costs, frame.view.heading_rad()});
+  report.refined = frame.refines.has_value();
+  report.samples = static_cast<int>(frame.view.first_sample() + frame.view.samples());
+  report.scale = std::sqrt(static_cast<double>(frame.view.panorama().width_px()) * frame.view.panorama().height_px() /
+                           static_cast<double>(frame.asked_px));
+  return report;
+}
+
+void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
+  if (!frame.failure) cancel_blocks(frame);  // Of stragglers, whose work others did.
+  FrameReport report = report_of(id, frame);
+  if (session.governed) report.budget_ms = session.governed->governor.budget_ms();
+  if (frame.refines) {
+    finish_refined(id, session, frame, report);
+  } else {
+    if (report.complete && !frame.assembly.was_given_again()) {
+      session.balancer->learn({size_of(frame.view), frame.assembly.summary().costs, frame.view.heading_rad()});
+    }
+    end(id, session, frame, report);
   }
+  peers_.frame_ended(report);
+}
+
+void HeadState::end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report) {
   wire::VisitReply reply;
   wire::FrameEnd* const end = reply.mutable_end();
   end->set_view_number(frame.view.number());
   end->set_tiles(frame.assembly.delivered());
-  add_stage(end, "plan", report.plan_seconds);
-  add_stage(end, "render", report.render_seconds);
-  add_stage(end, "encode", report.encode_seconds);
-  add_stage(end, "farm", report.farm_seconds);
-  end->set_nodes(static_cast<std::uint32_t>(loads.size()));
+  if (!report.refined) {
+    add_stage(end, "plan", report.plan_seconds);
+    add_stage(end, "render", report.render_seconds);
+    add_stage(end, "encode", report.encode_seconds);
+    add_stage(end, "farm", report.farm_seconds);
+  }
+  end->set_nodes(static_cast<std::uint32_t>(report.loads.size()));
   end->set_balance_efficiency(report.balance_efficiency);
   end->set_complete(report.complete);
   end->set_reason(report.reason);
-  session.unwritten_ends.push_back(frame.last_tile_at);
+  end->set_samples(static_cast<std::uint32_t>(report.samples));
+  if (session.governed) end->set_reference_samples(static_cast<std::uint32_t>(session.governed->reference_samples));
+  session.unwritten_ends.push_back(
+      {frame.planned_at, frame.last_tile_at, frame.assembly.was_given_again() || !report.complete, frame.point,
+       1e-6 * static_cast<double>(frame.asked_px), frame.refines ? frame.refines->end - frame.refines->first : 0});
   send(id, session, std::move(reply));
-  peers_.frame_ended(report);
 }
 
 }  // namespace cyclorama

@@ -16,6 +16,14 @@ void HeadMeters::add(const FrameReport& report) {
     inspection_.set_fact("last_frame_given_up", report.reason);
     return;
   }
+  inspection_.set_gauge("samples_per_pixel", report.samples);
+  inspection_.set_gauge("scale", report.scale);
+  inspection_.set_gauge("budget_ms", report.budget_ms);
+  if (report.refined) {
+    inspection_.count("refined_frames");
+    rays_ += report.rays;
+    return;
+  }
   inspection_.add_stage_time("plan", duration_of(report.plan_seconds));
   inspection_.add_stage_time("render", duration_of(report.render_seconds));
   inspection_.add_stage_time("encode", duration_of(report.encode_seconds));

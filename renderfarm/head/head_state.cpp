@@ -55,7 +55,13 @@ std::string HeadState::summary() const {
   for (const FarmScene& scene : scenes_) {
     if (nodes_with(scene.name) == 0) return why_not(scene.name).message();
   }
-  return fmt::format("{} visits on {} nodes", sessions_.size(), nodes_.size());
+  std::string sentence = fmt::format("{} visits on {} nodes", sessions_.size(), nodes_.size());
+  if (sessions_.size() == 1) {
+    if (const std::string quality = quality_summary(sessions_.begin()->second); !quality.empty()) {
+      sentence += "; " + quality;
+    }
+  }
+  return sentence;
 }
 
 }  // namespace cyclorama

@@ -41,6 +41,14 @@ struct HeadLimits {
 /// session in their queues, sessions take turns. Of two frames, the older one's tiles go to the museum as they come,
 /// the newer one's are held.
 ///
+/// A visit with a frame budget is governed: a Governor chooses each view's quality, and when nothing was asked for a
+/// while, the last view is refined, picture after picture, until the reference is reached. Of a refined picture nothing
+/// is sent before it is whole, so that the next view ends it without a trace.
+///
+///   moving ──nothing asked──► refining ──reference──► at rest: no message, no block
+///      ▲                          │                       │
+///      └──────── a view ──────────┴───────────────────────┘
+///
 /// A block is given to others, tile by tile, when its node goes, fails, or keeps a frame waiting alone (a straggler).
 /// Whoever delivers a tile first counts; the rest is dropped.
 ///
@@ -86,8 +94,22 @@ class HeadState {
   void lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks);
   void tick_nodes();
 
+  // Governed visits: head_rest.cpp
+  /// Chooses the view's quality.
+  static void govern(Governed& governed, FrameInFlight* frame);
+  /// What a frame that the museum has taken teaches.
+  void learn(Governed& governed, const WrittenFrame& frame);
+  /// A view came: what was refined is no more.
+  void stir(Session& session);
+  /// Plans the next picture of a visit at rest, if there is one.
+  void refine(SessionId id, Session& session);
+  void finish_refined(SessionId id, Session& session, FrameInFlight& frame, const FrameReport& report);
+  [[nodiscard]] static std::string quality_summary(const Session& session);
+
   // Visits: head_visits.cpp
   Status open(SessionId id, Session& session, const wire::OpenVisit& open);
+  /// Null without a budget.
+  static Result<std::unique_ptr<Governed>> governed_by(const wire::OpenVisit& open);
   Status ask(Session& session, const wire::View& view, TimePoint received_at);
   [[nodiscard]] Error why_not(const std::string& scene) const;
   void forget_visit(SessionId id);
@@ -95,6 +117,8 @@ class HeadState {
 
   // Frames: head_frames.cpp
   void plan(SessionId id, Session& session);
+  [[nodiscard]] std::vector<PlacedBlock> split(Session& session, const wire::View& view) const;
+  [[nodiscard]] NodeId idlest(const std::vector<NodeId>& nodes) const;
   void order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
                    const PixelRect& rect);
   void give_again(SessionId id, Session& session, FrameInFlight& frame, const std::vector<PixelRect>& tiles,
@@ -105,7 +129,10 @@ class HeadState {
   /// Sends what may be sent, ends what is over, plans what waits. After every event of a session; may end the visit.
   void advance(SessionId id);
   void relay(SessionId id, Session& session, wire::Tile tile);
+  void begin(SessionId id, Session& session, FrameInFlight& frame);
   void finish(SessionId id, Session& session, FrameInFlight& frame);
+  [[nodiscard]] FrameReport report_of(SessionId id, const FrameInFlight& frame) const;
+  void end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report);
   void send(SessionId id, Session& session, wire::VisitReply reply);
   FrameInFlight* find_frame(const BlockPlace& place);
   /// Those to give blocks to: that have the scene and are not late, or, if there are none, all that have it.
@@ -120,6 +147,7 @@ class HeadState {
   std::map<SessionId, Session> sessions_;
   std::map<std::string, wire::SceneDescription> descriptions_;  ///< Of the scenes that some node has or had.
   std::uint64_t last_block_ = 0;
+  std::uint64_t last_frame_ = 0;
   std::string last_refusal_;
 };
 

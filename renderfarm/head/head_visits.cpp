@@ -49,6 +49,24 @@ void HeadState::visit_asked(SessionId id, const wire::VisitRequest& request, Tim
   peers_.end_visit(id, fine.error(), false);
 }
 
+Result<std::unique_ptr<Governed>> HeadState::governed_by(const wire::OpenVisit& open) {
+  constexpr double kLongestMs = 60000.0;
+  constexpr std::uint32_t kUsualReference = 1024;
+  constexpr std::uint32_t kMostReference = 4096;
+  const double budget_ms = open.frame_budget_ms();
+  if (budget_ms == 0.0) return std::unique_ptr<Governed>();
+  if (!(budget_ms > 0.0 && budget_ms <= kLongestMs)) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("open.frame_budget_ms is {}; it must be 0 to {}", budget_ms, kLongestMs));
+  }
+  if (open.reference_samples() > kMostReference) {
+    return Error(ErrorCode::kInvalidArgument, fmt::format("open.reference_samples is {}; it must be at most {}",
+                                                          open.reference_samples(), kMostReference));
+  }
+  const std::uint32_t samples = open.reference_samples() == 0 ? kUsualReference : open.reference_samples();
+  return std::make_unique<Governed>(Governor(Front::standard(), budget_ms), static_cast<int>(samples));
+}
+
 Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& open) {
   session.museum = printable(open.museum());
   const std::string& wanted = open.scene().empty() ? scenes_.front().name : open.scene();
@@ -58,6 +76,7 @@ Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& op
                  fmt::format("this farm has no scene '{}'; ask for the list of scenes", printable(wanted)));
   }
   if (nodes_with(scene->name) == 0) return why_not(scene->name);
+  TRY_ASSIGN(session.governed, governed_by(open));
   session.scene = scene->name;
   wire::VisitReply reply;
   *reply.mutable_opened() = descriptions_.at(scene->name);
@@ -77,9 +96,13 @@ Status HeadState::ask(Session& session, const wire::View& view, TimePoint receiv
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("view.number is {} after {}; it must grow", view.number(), session.newest_view));
   }
+  if (view.first_sample() != 0) {
+    return Error(ErrorCode::kInvalidArgument, "view.first_sample is not 0; the farm alone refines");
+  }
   session.newest_view = view.number();
   session.waiting = view;
   session.waiting_since = received_at;
+  if (session.governed) stir(session);
   return Done{};
 }
 
@@ -124,9 +147,12 @@ void HeadState::written(SessionId id, const wire::VisitReply& reply) {
   session.taken_at = clock_.now();
   if (reply.has_tile()) session.bytes_waiting -= reply.tile().jpeg().size();
   if (!reply.has_end()) return;
-  const TimePoint last_tile_at = session.unwritten_ends.front();
+  const WrittenFrame frame = session.unwritten_ends.front();
   session.unwritten_ends.pop_front();
-  if (reply.end().complete()) peers_.frame_relayed(to_seconds(clock_.now() - last_tile_at));
+  if (reply.end().complete() && frame.samples_added == 0) {
+    peers_.frame_relayed(to_seconds(clock_.now() - frame.last_tile_at));
+  }
+  if (session.governed) learn(*session.governed, frame);
   advance(id);
 }
 
@@ -140,6 +166,7 @@ void HeadState::tick_visits() {
                                   fmt::format("the museum took nothing for {:.0f} s", to_seconds(limits_.stall))));
     }
     for (FrameInFlight& frame : session.frames) take_over_stragglers(id, session, frame);
+    refine(id, session);
   }
   for (const auto& [id, reason] : lost) {
     peers_.notice(fmt::format("the visit of '{}' is ended: {}", sessions_.at(id).museum, reason.message()));

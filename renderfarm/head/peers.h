@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "common/base/error.h"
@@ -18,10 +19,15 @@ struct FrameReport {
   SessionId session{};
   bool complete = false;
   std::string reason{};
+  bool refined = false;    ///< A picture at rest, again with more samples: its times are not those of a moving one.
+  int samples = 0;         ///< Per pixel, in all.
+  double scale = 1.0;      ///< Rendered over asked width.
+  double budget_ms = 0.0;  ///< 0: the view said its quality itself.
   double plan_seconds = 0.0;
   double render_seconds = 0.0;
   double encode_seconds = 0.0;
   double farm_seconds = 0.0;
+  std::vector<double> loads{};  ///< Cpu-seconds per thread, by node.
   double balance_efficiency = 1.0;
   double cpu_seconds = 0.0;
   std::uint64_t rays = 0;

@@ -15,12 +15,14 @@
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/balance/balancer.h"
 #include "renderfarm/head/frame_assembly.h"
+#include "renderfarm/head/governed.h"
 #include "renderfarm/head/ids.h"
 
 namespace cyclorama {
 
 struct FrameInFlight {
-  wire::View view;
+  std::uint64_t id = 0;  ///< Frames of one view, the first and its refinements, differ in it.
+  wire::View view;       ///< As rendered.
   FrameAssembly assembly{};
   TimePoint received_at{};  ///< The view.
   TimePoint planned_at{};
@@ -29,8 +31,21 @@ struct FrameInFlight {
   std::vector<wire::Tile> held{};  ///< Tiles that came while an older frame was open.
   std::size_t bytes = 0;           ///< Of all its tiles.
   std::optional<std::string> failure{};
+  std::int64_t asked_px = 0;             ///< Of the panorama as asked for, whatever the scale.
+  std::size_t point = 0;                 ///< Of the visit's front, if it is governed.
+  std::optional<SampleRange> refines{};  ///< The samples that it adds to a picture at rest.
 
   [[nodiscard]] bool is_over() const { return failure || assembly.is_complete(); }
+};
+
+/// A frame whose end is not yet on the wire.
+struct WrittenFrame {
+  TimePoint planned_at{};
+  TimePoint last_tile_at{};
+  bool given_again = false;
+  std::size_t point = 0;
+  double megapixels = 0.0;  ///< As asked for, whatever its scale.
+  int samples_added = 0;    ///< By a refinement; else 0.
 };
 
 struct Session {
@@ -40,17 +55,18 @@ struct Session {
   std::uint64_t newest_view = 0;
   std::optional<wire::View> waiting{};  ///< Newest wins.
   TimePoint waiting_since{};
-  std::deque<FrameInFlight> frames{};      ///< Oldest first; the museum gets the front one.
-  std::deque<TimePoint> unwritten_ends{};  ///< Of ended frames whose end is not yet on the wire: last tile's arrival.
-  std::size_t bytes_waiting = 0;           ///< Held tiles, and tiles that the museum has not taken yet.
+  std::deque<FrameInFlight> frames{};  ///< Oldest first; the museum gets the front one. A refinement is alone.
+  std::deque<WrittenFrame> unwritten_ends{};
+  std::size_t bytes_waiting = 0;  ///< Held tiles, and tiles that the museum has not taken yet.
   std::size_t messages_waiting = 0;
   TimePoint taken_at{};  ///< When the museum last took something.
   std::unique_ptr<Balancer> balancer{};
+  std::unique_ptr<Governed> governed{};  ///< Null: each view says its own quality.
 };
 
 struct BlockPlace {
   SessionId session{};
-  std::uint64_t view_number = 0;
+  std::uint64_t frame = 0;
 };
 
 struct Node {

@@ -28,7 +28,19 @@ TEST(Convert, a_panorama_crosses_unchanged) {
   EXPECT_EQ(*from_wire(wire), panorama);
 }
 
-TEST(Convert, a_good_view_passes) { EXPECT_TRUE(validate(good_view()).has_value()); }
+TEST(Convert, a_good_view_passes) {
+  wire::View view = good_view();
+  EXPECT_TRUE(validate(view).has_value());
+  view.set_samples(1024);
+  view.set_first_sample(3072);
+  view.set_sequence(4096);
+  view.set_bounces(64);
+  view.set_light_samples(16);
+  view.set_firefly_limit(10.0f);
+  view.set_adaptive_error(0.01f);
+  view.set_adaptive_minimum(2);
+  EXPECT_TRUE(validate(view).has_value());
+}
 
 TEST(Convert, each_wrong_field_of_a_view_is_named) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -43,6 +55,13 @@ TEST(Convert, each_wrong_field_of_a_view_is_named) {
   EXPECT_THAT(refused([&](auto& v) { v.set_heading_rad(-1.0 / 0.0); }), HasSubstr("heading_rad"));
   EXPECT_THAT(refused([](auto& v) { v.set_samples(5000); }), HasSubstr("samples"));
   EXPECT_THAT(refused([](auto& v) { v.set_jpeg_quality(0); }), HasSubstr("jpeg_quality"));
+  EXPECT_THAT(refused([](auto& v) { v.set_first_sample(4096); }), HasSubstr("first_sample"));
+  EXPECT_THAT(refused([](auto& v) { v.set_sequence(4097); }), HasSubstr("sequence"));
+  EXPECT_THAT(refused([](auto& v) { v.set_bounces(65); }), HasSubstr("bounces"));
+  EXPECT_THAT(refused([](auto& v) { v.set_light_samples(17); }), HasSubstr("light_samples"));
+  EXPECT_THAT(refused([&](auto& v) { v.set_firefly_limit(static_cast<float>(nan)); }), HasSubstr("firefly_limit"));
+  EXPECT_THAT(refused([](auto& v) { v.set_adaptive_error(-0.1f); }), HasSubstr("adaptive_error"));
+  EXPECT_THAT(refused([](auto& v) { v.set_adaptive_minimum(1); }), HasSubstr("adaptive_minimum"));
   EXPECT_THAT(refused([](auto& v) { v.mutable_panorama()->set_width_px(4294967295u); }), HasSubstr("width_px"));
   EXPECT_THAT(refused([](auto& v) { v.mutable_panorama()->set_azimuth_span_rad(7.0); }), HasSubstr("azimuth_span"));
   EXPECT_THAT(refused([](auto& v) { v.mutable_panorama()->set_tan_elevation_top(-0.5); }), HasSubstr("top"));

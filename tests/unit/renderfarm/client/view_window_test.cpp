@@ -97,6 +97,51 @@ TEST(ViewWindow, refuses_what_breaks_the_order) {
   EXPECT_EQ(window.accept(tile_of(1, 0, 32)).error().code(), ErrorCode::kBadData);
 }
 
+TEST(ViewWindow, takes_a_frame_with_fewer_pixels_and_checks_its_tiles_by_its_own_size) {
+  ViewWindow window;
+  window.put(view_of(1, 64, 64));
+  ASSERT_TRUE(window.take_sendable());
+  EXPECT_FALSE(window.begin(view_of(1, 64, 65)));
+  wire::View other_field = view_of(1, 32, 32);
+  other_field.mutable_panorama()->set_azimuth_span_rad(1.1);
+  EXPECT_FALSE(window.begin(other_field));
+  ASSERT_TRUE(window.begin(view_of(1, 48, 32)));
+  EXPECT_FALSE(window.accept(tile_of(1, 32, 32)));
+  EXPECT_TRUE(window.accept(tile_of(1, 0, 48)));
+  EXPECT_TRUE(window.end(end_of(1, 1)));
+}
+
+TEST(ViewWindow, takes_the_last_frame_again_refined_even_while_a_newer_view_is_in_flight) {
+  ViewWindow window;
+  window.put(view_of(1));
+  ASSERT_TRUE(window.take_sendable());
+  ASSERT_TRUE(window.begin(view_of(1, 32)));
+  ASSERT_TRUE(window.accept(tile_of(1, 0, 32)));
+  ASSERT_TRUE(window.end(end_of(1, 1)));
+  for (int again = 0; again < 2; ++again) {
+    ASSERT_TRUE(window.begin(view_of(1)));
+    EXPECT_EQ(window.in_flight(), again == 0 ? 0u : 1u);
+    EXPECT_TRUE(window.accept(tile_of(1, 0, 64)));
+    window.put(view_of(2 + static_cast<std::uint64_t>(again)));
+    window.take_sendable();
+    EXPECT_TRUE(window.end(end_of(1, 1)));
+  }
+  EXPECT_EQ(window.in_flight(), 2u);
+  ASSERT_TRUE(window.begin(view_of(2)));
+  EXPECT_TRUE(window.end(end_of(2, 0, false)));
+  EXPECT_FALSE(window.begin(view_of(1))) << "2 was answered since";
+}
+
+TEST(ViewWindow, expects_no_refined_frame_from_the_next_farm) {
+  ViewWindow window;
+  window.put(view_of(1));
+  ASSERT_TRUE(window.take_sendable());
+  ASSERT_TRUE(window.begin(view_of(1)));
+  ASSERT_TRUE(window.end(end_of(1, 0, false)));
+  EXPECT_EQ(window.lose(), std::nullopt);
+  EXPECT_FALSE(window.begin(view_of(1)));
+}
+
 TEST(ViewWindow, asks_again_for_the_newest_view_after_a_loss) {
   ViewWindow window;
   for (std::uint64_t n : {1u, 2u}) {

@@ -7,10 +7,7 @@
 #include <random>
 #include <set>
 
-#include "renderfarm/balance/tiles.h"
-#include "renderfarm/client/view_window.h"
-#include "tests/doubles/fake_farm.h"
-#include "tests/doubles/fake_peers.h"
+#include "tests/doubles/farm_simulation.h"
 
 namespace cyclorama {
 namespace {
@@ -18,160 +15,8 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-wire::View view_of(std::uint64_t number, std::uint32_t width = 1024, std::uint32_t height = 512) {
-  wire::View view;
-  view.set_number(number);
-  view.set_samples(1);
-  view.set_jpeg_quality(80);
-  view.mutable_panorama()->set_width_px(width);
-  view.mutable_panorama()->set_height_px(height);
-  view.mutable_panorama()->set_azimuth_span_rad(2.0);
-  view.mutable_panorama()->set_tan_elevation_top(0.5);
-  view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
-  return view;
-}
-
-/// A farm whose nodes and museums are moved by hand.
-class Simulation {
- public:
-  explicit Simulation(HeadLimits limits = {})
-      : state({{"grotto", "path"}}, BalanceStrategy::kPbt, limits, clock, peers) {}
-
-  FakeClock clock;
-  FakePeers peers;
-  HeadState state;
-  std::map<SessionId, ViewWindow> windows;  ///< What a client believes; refuses what breaks farm.proto.
-  std::map<SessionId, std::uint64_t> answered;
-  int complete = 0;
-  int given_up = 0;
-
-  NodeId add_node(std::uint32_t threads = 1) {
-    const NodeId id{++last_id_};
-    state.node_came(id);
-    wire::NodeReport report;
-    report.mutable_hello()->set_version(CYCLORAMA_VERSION);
-    report.mutable_hello()->set_threads(threads);
-    report.mutable_hello()->set_name("node " + std::to_string(last_id_));
-    state.node_reported(id, report);
-    report.mutable_scene_loaded()->set_scene("grotto");
-    *report.mutable_scene_loaded()->mutable_description() = fake_scene("grotto");
-    state.node_reported(id, report);
-    peers.commands[id].clear();
-    return id;
-  }
-  void kill(NodeId id) {
-    peers.commands.erase(id);
-    work_.erase(id);
-    state.node_gone(id);
-  }
-  SessionId add_visit() {
-    const SessionId id{++last_id_};
-    state.visit_came(id);
-    wire::VisitRequest request;
-    request.mutable_open()->set_museum("museum");
-    state.visit_asked(id, request, clock.now());
-    windows[id];
-    return id;
-  }
-  void ask(SessionId id, const wire::View& view) {
-    windows.at(id).put(view);
-    send_views(id);
-  }
-  /// The museum takes one message; false when none waits.
-  bool take(SessionId id) {
-    auto& queue = peers.replies[id];
-    if (queue.empty()) return false;
-    const wire::VisitReply reply = std::move(queue.front());
-    queue.pop_front();
-    ViewWindow& window = windows.at(id);
-    Status fine = Done{};
-    if (reply.has_begin()) fine = window.begin(reply.begin());
-    if (reply.has_tile()) fine = window.accept(reply.tile());
-    if (reply.has_end()) {
-      fine = window.end(reply.end());
-      ++(reply.end().complete() ? complete : given_up);
-      answered[id] = reply.end().view_number();
-      last_end = reply.end();
-    }
-    EXPECT_TRUE(fine) << fine.error().message();
-    state.written(id, reply);
-    send_views(id);
-    return true;
-  }
-  /// The node does one thing: a tile, or a block's end; false when it has nothing to do.
-  bool work(NodeId id, const std::string& error = "") {
-    auto& queue = peers.commands[id];
-    for (const wire::NodeCommand& command : queue) {
-      if (command.has_cancel()) cancelled_.insert(command.cancel().block());
-    }
-    std::erase_if(queue, [](const wire::NodeCommand& command) { return !command.has_render(); });
-    if (queue.empty()) return false;
-    const wire::RenderBlock order = queue.front().render();
-    Work& now = work_[id];
-    if (now.block != order.block()) {
-      const auto cut = tiles_of({static_cast<int>(order.x_px()), static_cast<int>(order.y_px()),
-                                 static_cast<int>(order.width_px()), static_cast<int>(order.height_px())});
-      now = {order.block(), {cut.begin(), cut.end()}};
-    }
-    if (!error.empty()) return end(id, order, error);
-    if (cancelled_.count(order.block()) > 0) return end(id, order, "cancelled");
-    if (now.tiles.empty()) return end(id, order, "");
-    auto& tiles = now.tiles;
-    wire::NodeReport report;
-    report.mutable_tile()->set_block(order.block());
-    wire::Tile& tile = *report.mutable_tile()->mutable_tile();
-    tile.set_view_number(order.view().number());
-    tile.set_x_px(static_cast<std::uint32_t>(tiles.front().x));
-    tile.set_y_px(static_cast<std::uint32_t>(tiles.front().y));
-    tile.set_width_px(static_cast<std::uint32_t>(tiles.front().width));
-    tile.set_height_px(static_cast<std::uint32_t>(tiles.front().height));
-    tile.set_jpeg(std::string(tile_bytes, 'j'));
-    tiles.pop_front();
-    state.node_reported(id, report);
-    return true;
-  }
-  /// Until nothing moves any more.
-  void settle(const std::vector<NodeId>& nodes) {
-    for (bool moved = true; moved;) {
-      moved = false;
-      for (const NodeId node : nodes) moved = work(node) || moved;
-      for (auto& [id, window] : windows) {
-        if (!peers.ended_visits.count(id)) moved = take(id) || moved;
-      }
-    }
-  }
-  wire::FrameEnd last_end;
-  std::size_t tile_bytes = 10;
-
- private:
-  bool end(NodeId id, const wire::RenderBlock& order, const std::string& error) {
-    wire::NodeReport report;
-    report.mutable_end()->set_block(order.block());
-    report.mutable_end()->set_render_cpu_seconds(0.01);
-    report.mutable_end()->set_wall_seconds(0.01);
-    report.mutable_end()->set_error(error);
-    peers.commands[id].pop_front();
-    state.node_reported(id, report);
-    return true;
-  }
-  void send_views(SessionId id) {
-    while (const auto view = windows.at(id).take_sendable()) {
-      wire::VisitRequest request;
-      *request.mutable_view() = *view;
-      state.visit_asked(id, request, clock.now());
-    }
-  }
-  std::uint64_t last_id_ = 0;
-  struct Work {
-    std::uint64_t block = 0;
-    std::deque<PixelRect> tiles{};
-  };
-  std::map<NodeId, Work> work_;
-  std::set<std::uint64_t> cancelled_;
-};
-
 TEST(HeadState, relays_the_older_frame_first_and_holds_the_newer_ones_tiles) {
-  Simulation s;
+  FarmSimulation s;
   const NodeId a = s.add_node();
   const NodeId b = s.add_node();
   const SessionId visit = s.add_visit();
@@ -195,16 +40,8 @@ TEST(HeadState, relays_the_older_frame_first_and_holds_the_newer_ones_tiles) {
   EXPECT_DOUBLE_EQ(s.last_end.balance_efficiency(), 1.0);
 }
 
-void drain_opened(Simulation& s, SessionId visit) {
-  ASSERT_FALSE(s.peers.replies[visit].empty());
-  const auto opened = s.peers.replies[visit].front();
-  ASSERT_TRUE(opened.has_opened());
-  s.peers.replies[visit].pop_front();
-  s.state.written(visit, opened);
-}
-
 TEST(HeadState, keeps_at_most_two_frames_for_a_museum_that_takes_nothing) {
-  Simulation s;
+  FarmSimulation s;
   const NodeId node = s.add_node();
   const SessionId visit = s.add_visit();
   drain_opened(s, visit);
@@ -223,7 +60,7 @@ TEST(HeadState, keeps_at_most_two_frames_for_a_museum_that_takes_nothing) {
 TEST(HeadState, gives_a_frame_up_that_is_too_large_to_keep_and_says_why) {
   HeadLimits limits;
   limits.session_bytes = 1000;
-  Simulation s(limits);
+  FarmSimulation s(limits);
   s.tile_bytes = 300;
   const NodeId node = s.add_node();
   const SessionId visit = s.add_visit();
@@ -240,7 +77,7 @@ TEST(HeadState, gives_a_frame_up_that_is_too_large_to_keep_and_says_why) {
 }
 
 TEST(HeadState, ends_a_visit_that_takes_nothing_for_long) {
-  Simulation s;
+  FarmSimulation s;
   const NodeId node = s.add_node();
   const SessionId visit = s.add_visit();
   drain_opened(s, visit);
@@ -258,7 +95,7 @@ TEST(HeadState, ends_a_visit_that_takes_nothing_for_long) {
 }
 
 TEST(HeadState, sends_strangers_away_who_say_nothing) {
-  Simulation s;
+  FarmSimulation s;
   s.state.node_came(NodeId{1000});
   s.state.visit_came(SessionId{1000});
   s.clock.advance(std::chrono::seconds(11));
@@ -268,7 +105,7 @@ TEST(HeadState, sends_strangers_away_who_say_nothing) {
 }
 
 TEST(HeadState, gives_a_block_that_failed_to_another_node_and_not_for_ever) {
-  Simulation s;
+  FarmSimulation s;
   const NodeId good = s.add_node();
   const NodeId bad = s.add_node();
   const SessionId visit = s.add_visit();
@@ -286,7 +123,7 @@ TEST(HeadState, gives_a_block_that_failed_to_another_node_and_not_for_ever) {
 }
 
 TEST(HeadState, helps_a_straggler_once_the_others_are_done) {
-  Simulation s;
+  FarmSimulation s;
   const NodeId quick = s.add_node();
   const NodeId slow = s.add_node();
   const SessionId visit = s.add_visit();
@@ -312,7 +149,7 @@ TEST(HeadState, helps_a_straggler_once_the_others_are_done) {
 }
 
 TEST(HeadState, does_not_mix_nodes_with_different_scenes) {
-  Simulation s;
+  FarmSimulation s;
   s.add_node();
   const NodeId other{500};
   s.state.node_came(other);
@@ -332,7 +169,7 @@ TEST(HeadState, takes_no_more_peers_than_it_may) {
   HeadLimits limits;
   limits.nodes = 1;
   limits.sessions = 1;
-  Simulation s(limits);
+  FarmSimulation s(limits);
   s.add_node();
   s.add_visit();
   s.state.node_came(NodeId{100});
@@ -342,7 +179,7 @@ TEST(HeadState, takes_no_more_peers_than_it_may) {
 }
 
 TEST(HeadState, stops_rendering_for_a_museum_that_left) {
-  Simulation s;
+  FarmSimulation s;
   const NodeId node = s.add_node();
   const SessionId visit = s.add_visit();
   drain_opened(s, visit);
@@ -359,7 +196,7 @@ TEST(HeadState, keeps_its_promises_whatever_happens_in_whatever_order) {
     std::mt19937 random(seed);
     const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
     const auto chance = [&](std::uint32_t of) { return below(of) == 0; };
-    Simulation s;
+    FarmSimulation s;
     std::vector<NodeId> nodes{s.add_node(1), s.add_node(4)};
     std::vector<SessionId> visits;
     for (int i = 0; i < 2; ++i) {

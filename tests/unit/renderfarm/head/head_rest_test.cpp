@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// HeadState's governed visits.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/doubles/farm_simulation.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+/// A farm with one governed visit, where a frame takes as long as its samples and pixels say.
+class GovernedVisit : public testing::Test {
+ protected:
+  void open(double budget_ms, std::uint32_t reference_samples, int count = 2) {
+    for (int i = 0; i < count; ++i) nodes.push_back(s.add_node());
+    visit = s.add_visit(budget_ms, reference_samples);
+    drain_opened(s, visit);
+  }
+  /// One frame of a moving view, from the asking to the museum's hands.
+  void move(double ms_per_cost = 1.0) {
+    s.ask(visit, view_of(++number));
+    const wire::View& planned = s.peers.commands[nodes.front()].back().render().view();
+    const double scale = static_cast<double>(planned.panorama().width_px()) / 1024.0;
+    s.clock.advance(std::chrono::duration_cast<Duration>(
+        std::chrono::duration<double, std::milli>(ms_per_cost * planned.samples() * scale * scale)));
+    s.settle(nodes);
+  }
+  /// The first refined picture is ordered; no node has begun it.
+  void begin_rest() {
+    s.clock.advance(200ms);
+    s.state.tick();
+  }
+  /// Nobody asks for anything.
+  void stand_still(Duration time) {
+    for (Duration passed{}; passed < time; passed += 100ms) {
+      s.clock.advance(100ms);
+      s.state.tick();
+      s.settle(nodes);
+    }
+  }
+  [[nodiscard]] std::vector<std::uint32_t> samples_begun() const {
+    std::vector<std::uint32_t> samples;
+    for (const wire::View& view : s.begun) samples.push_back(view.first_sample() + view.samples());
+    return samples;
+  }
+
+  FarmSimulation s;
+  std::vector<NodeId> nodes;
+  SessionId visit{};
+  std::uint64_t number = 0;
+};
+
+TEST_F(GovernedVisit, moves_to_the_best_picture_that_fits_the_budget) {
+  open(20.0, 64);
+  for (int frame = 0; frame < 60; ++frame) move();
+  EXPECT_EQ(s.begun.front().panorama().width_px(), 512u) << "the cheapest first";
+  EXPECT_EQ(s.begun.back().panorama().width_px(), 1024u);
+  EXPECT_EQ(s.begun.back().samples(), 16u) << "16 ms";
+  for (int frame = 0; frame < 60; ++frame) move(4.0);
+  EXPECT_EQ(s.begun.back().samples(), 4u) << "16 ms";
+  EXPECT_EQ(s.complete, 120);
+  EXPECT_EQ(s.last_end.reference_samples(), 64u);
+  EXPECT_THAT(s.state.summary(), HasSubstr("moving, 4 samples at 100 %"));
+}
+
+TEST_F(GovernedVisit, leaves_a_visit_without_a_budget_as_its_views_say) {
+  open(0.0, 0);
+  move();
+  stand_still(10s);
+  ASSERT_EQ(s.begun.size(), 1u);
+  EXPECT_EQ(s.begun.front().samples(), 1u);
+  EXPECT_EQ(s.last_end.samples(), 1u);
+  EXPECT_EQ(s.last_end.reference_samples(), 0u);
+}
+
+TEST_F(GovernedVisit, refines_to_the_reference_and_then_rests) {
+  open(20.0, 64);
+  move();
+  s.begun.clear();
+  stand_still(200ms);
+  ASSERT_FALSE(s.begun.empty());
+  stand_still(5s);
+  EXPECT_EQ(samples_begun(), (std::vector<std::uint32_t>{2, 4, 8, 16, 32, 64}));
+  for (const wire::View& view : s.begun) {
+    EXPECT_EQ(view.number(), 1u);
+    EXPECT_EQ(view.panorama().width_px(), 1024u) << "of the size asked for, whatever the moving one had";
+    EXPECT_EQ(view.shutter_ns(), 0);
+  }
+  EXPECT_EQ(s.last_end.samples(), 64u);
+  EXPECT_TRUE(s.last_end.stages().empty());
+  EXPECT_TRUE(s.peers.frames.back().refined);
+  EXPECT_THAT(s.state.summary(), HasSubstr("at rest with 64 samples"));
+  const std::size_t orders = s.orders.size();
+  stand_still(60s);
+  EXPECT_EQ(s.begun.size(), 6u);
+  EXPECT_EQ(s.orders.size(), orders) << "nodes rest, too";
+}
+
+TEST_F(GovernedVisit, keeps_each_part_of_a_picture_where_its_sums_are) {
+  open(20.0, 64, 3);
+  for (int frame = 0; frame < 3; ++frame) move();
+  s.orders.clear();
+  stand_still(5s);
+  std::map<NodeId, std::set<std::pair<std::uint32_t, std::uint32_t>>> corners;
+  for (const auto& [block, order] : s.orders) {
+    EXPECT_TRUE(order.second.keep());
+    EXPECT_EQ(order.second.visit(), static_cast<std::uint64_t>(visit));
+    corners[order.first].emplace(order.second.x_px(), order.second.y_px());
+  }
+  ASSERT_EQ(corners.size(), 3u);
+  for (const auto& [node, places] : corners) EXPECT_EQ(places.size(), 1u);
+}
+
+TEST_F(GovernedVisit, ends_a_refinement_without_a_trace_when_a_view_comes) {
+  open(20.0, 1024);
+  move();
+  begin_rest();
+  const std::size_t seen = s.begun.size();
+  const int given_up = s.given_up;
+  s.work(nodes[0]);  // A tile of the next picture; nothing of it goes out.
+  for (const auto& reply : s.peers.replies[visit]) ADD_FAILURE() << reply.ShortDebugString();
+  s.ask(visit, view_of(++number));
+  bool cancelled = false;
+  for (const NodeId node : nodes) {
+    for (const auto& command : s.peers.commands[node]) cancelled = cancelled || command.has_cancel();
+  }
+  EXPECT_TRUE(cancelled);
+  s.settle(nodes);
+  ASSERT_EQ(s.begun.size(), seen + 1);
+  EXPECT_EQ(s.begun.back().number(), 2u);
+  EXPECT_EQ(s.begun.back().first_sample(), 0u);
+  EXPECT_EQ(s.given_up, given_up);
+  stand_still(20s);
+  EXPECT_EQ(s.last_end.samples(), 1024u);
+  EXPECT_EQ(s.last_end.view_number(), 2u);
+  ASSERT_GT(s.begun.size(), seen + 2);
+  EXPECT_EQ(s.begun[seen + 1].first_sample(), 0u) << "nothing of the old view is added";
+  EXPECT_EQ(s.begun[seen + 2].first_sample(), s.begun[seen + 1].samples());
+}
+
+TEST_F(GovernedVisit, goes_on_refining_when_a_node_goes) {
+  open(20.0, 256);
+  move();
+  begin_rest();
+  s.work(nodes.back());
+  s.kill(nodes.back());
+  nodes.pop_back();
+  stand_still(20s);
+  EXPECT_EQ(s.last_end.samples(), 256u);
+  EXPECT_EQ(s.last_end.nodes(), 1u);
+  EXPECT_EQ(s.given_up, 0);
+}
+
+TEST_F(GovernedVisit, shows_what_it_has_when_refining_fails) {
+  open(20.0, 256, 1);
+  move();
+  begin_rest();
+  const std::size_t seen = s.begun.size();
+  for (int i = 0; i < 200 && s.work(nodes[0], "the disk is on fire"); ++i) {
+  }
+  stand_still(5s);
+  EXPECT_EQ(s.begun.size(), seen);
+  EXPECT_THAT(s.state.summary(), HasSubstr("more failed"));
+  move();
+  stand_still(5s);
+  EXPECT_EQ(s.last_end.samples(), 256u) << "the next view is tried again";
+}
+
+TEST_F(GovernedVisit, does_not_take_a_late_tile_of_the_moving_frame_for_one_of_the_refined) {
+  open(20.0, 64);
+  s.ask(visit, view_of(++number));
+  while (s.work(nodes[0])) {
+  }
+  s.clock.advance(600ms);
+  s.state.tick();  // The other one is late; the first takes over, and the frame ends.
+  s.settle({nodes[0]});
+  ASSERT_EQ(s.complete, 1);
+  begin_rest();
+  s.settle({nodes[0]});
+  s.settle(nodes);
+  EXPECT_TRUE(s.peers.ended_nodes.empty());
+  stand_still(20s);
+  EXPECT_EQ(s.last_end.samples(), 64u);
+}
+
+TEST_F(GovernedVisit, waits_for_a_museum_that_takes_slowly) {
+  open(20.0, 64);
+  s.ask(visit, view_of(++number));
+  for (const NodeId node : nodes) {
+    while (s.work(node)) {
+    }
+  }
+  s.clock.advance(5s);
+  s.state.tick();
+  EXPECT_TRUE(std::ranges::none_of(nodes, [&](NodeId node) { return s.work(node); })) << "it has frame 1 to take yet";
+  s.settle(nodes);
+  stand_still(5s);
+  EXPECT_EQ(s.last_end.samples(), 64u);
+}
+
+TEST_F(GovernedVisit, refuses_budgets_and_views_out_of_range) {
+  s.add_node();
+  const auto refused = [&](double budget_ms, std::uint32_t samples) {
+    const SessionId id = s.add_visit(budget_ms, samples);
+    const bool ended = s.peers.ended_visits.count(id) > 0;
+    if (ended) s.windows.erase(id);
+    return ended;
+  };
+  EXPECT_TRUE(refused(-1.0, 1));
+  EXPECT_TRUE(refused(std::nan(""), 1));
+  EXPECT_TRUE(refused(1e9, 1));
+  EXPECT_TRUE(refused(50.0, 4097));
+  EXPECT_FALSE(refused(50.0, 4096));
+  EXPECT_FALSE(refused(1e-3, 1));
+  const SessionId id = s.add_visit(50.0);
+  wire::View view = view_of(1);
+  view.set_first_sample(1);
+  s.ask(id, view);
+  EXPECT_EQ(s.peers.ended_visits.count(id), 1u);
+}
+
+}  // namespace
+}  // namespace cyclorama

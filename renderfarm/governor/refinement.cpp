@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kPiece = 64;
 constexpr double kLongestPictureMs = 1000.0;
+/// A dozen pictures are sent, and then none: their bytes do not count.
+constexpr int kReferenceJpegQuality = 95;
 
 int cut_after(int samples) {
   if (samples == 0) return 1;
@@ -58,6 +60,8 @@ Refinement::Refinement(const Front& front, const FrontPoint& moving, int referen
   CHECK(reference_samples >= 1 && reference_samples <= kMostSamples);
   quality_.scale = 1.0;
   quality_.denoise = false;
+  quality_.jpeg_quality = std::max(quality_.jpeg_quality, kReferenceJpegQuality);
+  quality_.subsample_chroma = false;
   quality_.render.firefly_limit = 0.0f;
   quality_.render.adaptive_error = 0.0f;
   quality_.render.sequence = reference_samples;

@@ -30,8 +30,9 @@ struct SampleRange {
 class Refinement {
  public:
   /// The quality is the front's best one without what makes a reference wrong: no denoiser, no limit to fireflies, no
-  /// adaptive stop, full size. `moving`: the point of the picture before, one of the front's; its error decides how
-  /// many samples come first. Precondition: 1 <= reference_samples <= kMostSamples.
+  /// adaptive stop, full size, all of its colours, JPEG of 95 or more. `moving`: the point of the picture before, one
+  /// of the front's; its error decides how many samples come first. Precondition: 1 <= reference_samples <=
+  /// kMostSamples.
   Refinement(const Front& front, const FrontPoint& moving, int reference_samples);
 
   /// The samples that come next; nothing when the reference is reached. `ms_per_sample`, of the whole picture, from an

@@ -11,6 +11,8 @@
 #include "common/image/image.h"
 #include "common/image/pixel_rect.h"
 #include "common/wire/farm.pb.h"
+#include "renderfarm/governor/refinement.h"
+#include "renderfarm/render/film.h"
 #include "renderfarm/render/renderer.h"
 
 namespace cyclorama {
@@ -22,6 +24,12 @@ class BlockRenderer {
   /// As Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is asked often, from any thread.
   virtual RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                             const std::function<bool()>& cancelled) = 0;
+  /// Only these samples of the view, whatever number of samples it asks for, into `ret_film`, made anew. Sums of films
+  /// of the ranges of cut_samples(), added in that order, are bit-identical on any node.
+  virtual RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples,
+                                 Film* ret_film, const std::function<bool()>& cancelled) = 0;
+  /// What render() makes of a film.
+  [[nodiscard]] virtual RgbImage developed(const Film& film) const = 0;
   /// All but the name, which the head gives.
   [[nodiscard]] virtual wire::SceneDescription description() const = 0;
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;

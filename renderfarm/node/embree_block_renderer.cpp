@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/embree_block_renderer.h"
 
+#include <algorithm>
+
+#include "common/image/colour.h"
 #include "common/wire/convert.h"
+#include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
 namespace cyclorama {
@@ -17,6 +21,27 @@ class EmbreeBlockRenderer final : public BlockRenderer {
   RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                     const std::function<bool()>& cancelled) override {
     return renderer_->render(view, rect, ret_pixels, cancelled);
+  }
+
+  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* ret_film,
+                         const std::function<bool()>& cancelled) override {
+    // Each range has random numbers of its own.
+    PanoramaView part = view;
+    part.samples = samples.end - samples.first;
+    part.seed = view.seed + (static_cast<std::uint64_t>(samples.first) << 40U);
+    *ret_film = Film(rect.width, rect.height, false);
+    const RenderCost cost = renderer_->render_radiance(part, rect, &ret_film->sum, cancelled);
+    for (float& value : ret_film->sum.data()) value *= static_cast<float>(part.samples);
+    std::ranges::fill(ret_film->samples.data(), part.samples);
+    return cost;
+  }
+
+  [[nodiscard]] RgbImage developed(const Film& film) const override {
+    const RadianceImage mean = film.mean();
+    RgbImage picture(mean.width(), mean.height());
+    std::ranges::transform(mean.data(), picture.data().begin(),
+                           [](float exposed) { return linear_to_srgb8(tone_mapped(exposed)); });
+    return picture;
   }
 
   [[nodiscard]] wire::SceneDescription description() const override {

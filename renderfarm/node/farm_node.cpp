@@ -49,6 +49,20 @@ Result<PanoramaView> view_of(const wire::RenderBlock& block) {
                       block.view().number()};
 }
 
+/// All that decides the samples of a picture.
+std::string name_of(const wire::RenderBlock& block) {
+  wire::View view = block.view();
+  view.clear_samples();
+  view.clear_first_sample();
+  return block.scene() + '\n' + view.SerializeAsString();
+}
+
+void add_cost(const RenderCost& cost, RenderCost* ret_sum) {
+  ret_sum->cpu_seconds += cost.cpu_seconds;
+  ret_sum->wall_seconds += cost.wall_seconds;
+  ret_sum->rays += cost.rays;
+}
+
 PixelRect rect_of(const wire::RenderBlock& block) {
   return {static_cast<int>(block.x_px()), static_cast<int>(block.y_px()), static_cast<int>(block.width_px()),
           static_cast<int>(block.height_px())};
@@ -204,6 +218,25 @@ void FarmNode::render(NodeLink& link, std::uint64_t block) {
   link.push(std::move(end));
 }
 
+RgbImage FarmNode::refine_tile(BlockRenderer& renderer, const wire::RenderBlock& block, const PanoramaView& view,
+                               const PixelRect& rect, const std::function<bool()>& cancelled, RenderCost* ret_cost) {
+  const std::string picture = name_of(block);
+  FilmStore::Kept kept = films_.take(block.visit(), picture, rect);
+  const int wanted = static_cast<int>(block.view().first_sample() + block.view().samples());
+  // Beyond what is wanted: the head asks for an earlier picture again.
+  if (kept.samples == 0 || kept.samples > wanted) kept = {Film(rect.width, rect.height, false), 0};
+  for (const SampleRange& range : cut_samples({kept.samples, wanted})) {
+    Film part;
+    add_cost(renderer.render_film(view, rect, range, &part, cancelled), ret_cost);
+    if (cancelled()) return {};
+    kept.film.add(part);
+  }
+  kept.samples = wanted;
+  RgbImage pixels = renderer.developed(kept.film);
+  films_.put(block.visit(), picture, rect, std::move(kept));
+  return pixels;
+}
+
 RenderedBlock FarmNode::render_tiles(NodeLink& link, const BlockOrder& order) {
   RenderedBlock end;
   const auto view = view_of(order.block);
@@ -217,15 +250,17 @@ RenderedBlock FarmNode::render_tiles(NodeLink& link, const BlockOrder& order) {
     return order.cancelled.load() || link.is_closed();
   };
   const JpegOptions options{static_cast<int>(order.block.view().jpeg_quality()), order.block.view().subsample_chroma()};
+  if (!order.block.keep()) films_.forget(order.block.visit());
   for (const PixelRect& rect : tiles_of(rect_of(order.block))) {
     RenderedTile tile{order.block.block(), order.block.view().number(), rect, {}, options};
     moved_at_ = SteadyClock().now().time_since_epoch().count();
     rendering_ = true;
-    const RenderCost cost = renderer->render(*view, rect, &tile.pixels, cancelled);
+    if (order.block.keep()) {
+      tile.pixels = refine_tile(*renderer, order.block, *view, rect, cancelled, &end.cost);
+    } else {
+      add_cost(renderer->render(*view, rect, &tile.pixels, cancelled), &end.cost);
+    }
     rendering_ = false;
-    end.cost.cpu_seconds += cost.cpu_seconds;
-    end.cost.wall_seconds += cost.wall_seconds;
-    end.cost.rays += cost.rays;
     if (cancelled() || !link.push(std::move(tile))) {
       end.error = "cancelled";
       return end;

@@ -13,6 +13,7 @@
 #include "common/base/clock.h"
 #include "common/base/result.h"
 #include "renderfarm/node/block_renderer.h"
+#include "renderfarm/node/film_store.h"
 #include "renderfarm/node/node_link.h"
 #include "renderfarm/node/scene_store.h"
 
@@ -67,11 +68,15 @@ class FarmNode {
   void load(NodeLink& link, const wire::LoadScene& order);
   void render(NodeLink& link, std::uint64_t block);
   RenderedBlock render_tiles(NodeLink& link, const BlockOrder& order);
+  /// A tile of a picture at rest: adds to the sums that it has, or begins them anew. Empty when cancelled.
+  RgbImage refine_tile(BlockRenderer& renderer, const wire::RenderBlock& block, const PanoramaView& view,
+                       const PixelRect& rect, const std::function<bool()>& cancelled, RenderCost* ret_cost);
   void set_state(std::string sentence);
 
   const FarmNodeOptions options_;
   const std::shared_ptr<grpc::Channel> channel_;
   SceneStore scenes_;  ///< Render thread only.
+  FilmStore films_;    ///< Render thread only.
   std::atomic<bool> loading_ = false;
   std::atomic<bool> rendering_ = false;
   std::atomic<Duration::rep> moved_at_{0};  ///< TimePoint's count: when a cell was last begun.

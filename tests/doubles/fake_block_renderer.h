@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <memory>
@@ -38,6 +39,7 @@ class FakeRendering {
     return true;
   }
   std::atomic<int> renders = 0;
+  std::atomic<int> samples = 0;  ///< Of all films together.
 
  private:
   std::mutex mutex_;
@@ -61,6 +63,35 @@ class FakeBlockRenderer final : public BlockRenderer {
     ++shared_->renders;
     return {1e-9 * static_cast<double>(rect.area()), 1e-9 * static_cast<double>(rect.area()),
             static_cast<std::uint64_t>(rect.area())};
+  }
+  /// Every range has a pattern of its own, in sums that are not exact.
+  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* ret_film,
+                         const std::function<bool()>& cancelled) override {
+    *ret_film = Film(rect.width, rect.height, false);
+    PanoramaView one = view;
+    one.samples = 1;
+    if (!shared_->pass_gate(cancelled)) return {};
+    for (int sample = samples.first; sample < samples.end; ++sample) {
+      for (int y = 0; y < rect.height; ++y) {
+        for (int x = 0; x < rect.width; ++x) {
+          std::uint8_t rgb[3];
+          colour(one, rect.x + x + 37 * sample, rect.y + y + 11 * sample, rgb);
+          for (int c = 0; c < 3; ++c) ret_film->sum.at(x, y)[c] += static_cast<float>(rgb[c]) / 255.0f;
+          ++*ret_film->samples.at(x, y);
+        }
+      }
+    }
+    ++shared_->renders;
+    shared_->samples += samples.end - samples.first;
+    const double seconds = 1e-9 * static_cast<double>(rect.area() * (samples.end - samples.first));
+    return {seconds, seconds, static_cast<std::uint64_t>(rect.area())};
+  }
+  [[nodiscard]] RgbImage developed(const Film& film) const override {
+    const RadianceImage mean = film.mean();
+    RgbImage picture(film.width(), film.height());
+    std::ranges::transform(mean.data(), picture.data().begin(),
+                           [](float value) { return static_cast<std::uint8_t>(255.0f * value + 0.5f); });
+    return picture;
   }
   [[nodiscard]] wire::SceneDescription description() const override { return fake_scene("unnamed"); }
   [[nodiscard]] std::uint64_t memory_bytes() const override { return 1000; }

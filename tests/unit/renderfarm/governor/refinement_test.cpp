@@ -92,6 +92,7 @@ TEST(Refinement, leaves_out_what_makes_a_reference_wrong) {
   best.quality.render.adaptive_error = 0.1f;
   best.quality.render.bounces = 3;
   best.quality.jpeg_quality = 93;
+  best.quality.subsample_chroma = true;
   const Front front = *Front::make({best});
   const Refinement refinement(front, front[0], 256);
   const PictureQuality& quality = refinement.quality();
@@ -101,7 +102,8 @@ TEST(Refinement, leaves_out_what_makes_a_reference_wrong) {
   EXPECT_EQ(quality.render.adaptive_error, 0.0f);
   EXPECT_EQ(quality.render.bounces, 3);
   EXPECT_EQ(quality.render.sequence, 256);
-  EXPECT_EQ(quality.jpeg_quality, 93);
+  EXPECT_EQ(quality.jpeg_quality, 95);
+  EXPECT_FALSE(quality.subsample_chroma);
 }
 
 }  // namespace

@@ -85,9 +85,13 @@ class Farm : public testing::Test {
     made.node = *std::move(started);
     return made;
   }
-  std::unique_ptr<FarmClient> add_client(FarmListener& to, const std::string& scene = "") {
-    auto started = FarmClient::start(
-        {.heads = {"[::1]:" + std::to_string(head->museum_port())}, .scene = scene, .museum = "test"}, to);
+  std::unique_ptr<FarmClient> add_client(FarmListener& to, const std::string& scene = "", double budget_ms = 0.0) {
+    auto started = FarmClient::start({.heads = {"[::1]:" + std::to_string(head->museum_port())},
+                                      .scene = scene,
+                                      .museum = "test",
+                                      .frame_budget_ms = budget_ms,
+                                      .reference_samples = kReference},
+                                     to);
     EXPECT_TRUE(started);
     return *std::move(started);
   }
@@ -113,6 +117,12 @@ class Farm : public testing::Test {
     return listener.wait([&](const auto& seen) { return seen.frames.size() >= count; });
   }
 
+  bool wait_for_rest() {
+    return listener.wait(
+        [](const auto& seen) { return !seen.frames.empty() && seen.frames.back().end.samples() == kReference; });
+  }
+
+  static constexpr int kReference = 64;
   std::unique_ptr<Head> head;
   RecordingFarmListener listener;
 };
@@ -168,6 +178,59 @@ TEST_F(Farm, makes_whole_frames_when_a_node_dies_in_the_middle_of_one) {
   client->request(view_of(3));
   ASSERT_TRUE(wait_for_frames(3));
   EXPECT_EQ(listener.seen().frames.back().end.nodes(), 1u);
+}
+
+TEST_F(Farm, refines_to_the_same_picture_whoever_makes_it) {
+  std::vector<RgbImage> pictures;
+  for (const std::size_t n : {1u, 2u, 3u}) {
+    start_head();
+    std::vector<TestNode> nodes;
+    for (std::size_t i = 0; i < n; ++i) nodes.push_back(add_node());
+    ASSERT_TRUE(wait_for_nodes(n));
+    RecordingFarmListener to;
+    const auto client = add_client(to, "", 50.0);
+    client->request(view_of(1, 600, 300));
+    if (n == 3) {
+      // One goes while they refine; the others have nothing of its part.
+      ASSERT_TRUE(to.wait([](const auto& seen) { return seen.frames.size() >= 3; }));
+      nodes.pop_back();
+    }
+    ASSERT_TRUE(to.wait(
+        [](const auto& seen) { return !seen.frames.empty() && seen.frames.back().end.samples() == kReference; }));
+    pictures.push_back(composed(to.seen().frames.back()));
+    int last = 0;
+    for (const auto& frame : to.seen().frames) {
+      EXPECT_TRUE(frame.end.complete());
+      EXPECT_GT(static_cast<int>(frame.end.samples()), last);
+      last = static_cast<int>(frame.end.samples());
+    }
+    if (n == 1) {
+      EXPECT_EQ(nodes[0].rendering->samples % kReference, 0) << "no sample was made twice";
+      EXPECT_LE(nodes[0].rendering->samples, 6 * kReference) << "of six tiles";
+    }
+    client->stop();
+    head.reset();
+  }
+  for (const RgbImage& picture : pictures) EXPECT_EQ(picture, pictures.front());
+}
+
+TEST_F(Farm, sends_nothing_at_rest_and_starts_again_with_the_next_view) {
+  start_head();
+  TestNode node = add_node();
+  ASSERT_TRUE(wait_for_nodes(1));
+  const auto client = add_client(listener, "", 50.0);
+  client->request(view_of(1, 320, 160));
+  ASSERT_TRUE(wait_for_rest());
+  const std::size_t frames = listener.seen().frames.size();
+  EXPECT_FALSE(
+      listener.wait([&](const auto& seen) { return seen.frames.size() > frames; }, std::chrono::milliseconds(600)));
+  wire::View turned = view_of(2, 320, 160);
+  turned.set_heading_rad(0.5);
+  client->request(turned);
+  ASSERT_TRUE(wait_for_frames(frames + 1));
+  EXPECT_EQ(listener.seen().frames[frames].view.number(), 2u);
+  EXPECT_LT(listener.seen().frames[frames].end.samples(), 64u);
+  ASSERT_TRUE(wait_for_rest());
 }
 
 TEST_F(Farm, helps_a_node_that_hangs_and_shows_each_tile_once) {

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "common/image/pixel_rect.h"
+#include "renderfarm/render/film.h"
+
+namespace cyclorama {
+
+/// The sums of pictures at rest, one picture per visit, tile by tile, so that a node need not render a sample twice.
+/// What was forgotten is rendered again: a lost film costs time and changes no pixel. Thread-bound.
+class FilmStore {
+ public:
+  struct Kept {
+    Film film{};
+    int samples = 0;  ///< Asked for, per pixel.
+  };
+  /// Twenty bytes a pixel are kept, `most_bytes` in all.
+  explicit FilmStore(std::size_t most_bytes = std::size_t{1} << 30) : most_bytes_(most_bytes) {}
+
+  /// Takes the film out; an empty one when it has none of that very picture and tile. `picture` names all that decides
+  /// the samples: scene, view, knobs.
+  [[nodiscard]] Kept take(std::uint64_t visit, const std::string& picture, const PixelRect& tile);
+  /// Forgets other pictures of the visit, and, if memory is short, other visits, or, if that does not help, this film.
+  void put(std::uint64_t visit, const std::string& picture, const PixelRect& tile, Kept kept);
+  /// The visitor moves.
+  void forget(std::uint64_t visit);
+
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+ private:
+  struct Picture {
+    std::string name;
+    std::map<PixelRect, Kept> tiles;
+    std::uint64_t used = 0;  ///< Grows: the smallest was used longest ago.
+  };
+  void drop(std::map<std::uint64_t, Picture>::iterator visit);
+
+  const std::size_t most_bytes_;
+  std::size_t bytes_ = 0;
+  std::uint64_t uses_ = 0;
+  std::map<std::uint64_t, Picture> visits_;
+};
+
+}  // namespace cyclorama

@@ -22,6 +22,7 @@ struct Options {
   std::optional<std::string> config;
   std::vector<std::string> farms;
   std::optional<std::string> scene;
+  std::optional<double> budget_ms;
   std::optional<int> samples;
   std::optional<int> quality;
   std::optional<double> guard_deg;
@@ -33,8 +34,17 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--farm", options->farms, "Address of the farm's head; repeat it for a second one to turn to")
       ->allow_extra_args(false);
   app.add_option("--scene", options->scene, "Name of the scene to visit; else the farm's first");
-  app.add_option("--samples", options->samples, "Rays per pixel")->check(CLI::Range(1, 4096));
-  app.add_option("--quality", options->quality, "JPEG quality of the tiles")->check(CLI::Range(1, 100));
+  CLI::Option* const budget =
+      app.add_option(
+             "--budget-ms", options->budget_ms,
+             "Time per frame that the farm holds while the view moves, by its choice of the quality (default 50)")
+          ->check(CLI::Range(1.0, 60000.0));
+  app.add_option("--samples", options->samples, "Rays per pixel, always as many, instead of a budget")
+      ->check(CLI::Range(1, 4096))
+      ->excludes(budget);
+  app.add_option("--quality", options->quality, "JPEG quality of the tiles, always the same, instead of a budget")
+      ->check(CLI::Range(1, 100))
+      ->excludes(budget);
   app.add_option("--guard-deg", options->guard_deg, "Degrees rendered beyond each side of the wall, for quick turns")
       ->check(CLI::Range(0.0, 90.0));
 }
@@ -46,6 +56,8 @@ Result<TourSettings> settings_of(const Options& options) {
   }
   if (!options.farms.empty()) settings.heads = options.farms;
   if (options.scene) settings.scene = *options.scene;
+  if (options.samples || options.quality) settings.picture.frame_budget_ms = 0.0;
+  if (options.budget_ms) settings.picture.frame_budget_ms = *options.budget_ms;
   if (options.samples) settings.picture.samples = *options.samples;
   if (options.quality) settings.picture.jpeg_quality = *options.quality;
   if (options.guard_deg) settings.picture.guard_rad = *options.guard_deg * std::numbers::pi / 180.0;

@@ -7,6 +7,7 @@
 
 #include "common/base/text.h"
 #include "common/wire/convert.h"
+#include "renderfarm/governor/front_file.h"
 #include "renderfarm/head/head_state.h"
 
 namespace cyclorama {
@@ -108,6 +109,7 @@ Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   wire::SceneDescription& known = descriptions_[loaded.scene()];
   if (is_first) {
     known = loaded.description();
+    TRY(keep_front(loaded));
   } else if (!is_same_scene(known, loaded.description())) {
     // Pictures would be patched together from two scenes.
     asked->second = {Node::SceneState::kFailed, "its copy differs from the other nodes'"};
@@ -120,6 +122,14 @@ Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   peers_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
                             loaded.scene(), 1e-6 * static_cast<double>(loaded.description().triangles_seen()),
                             static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()));
+  return Done{};
+}
+
+Status HeadState::keep_front(const wire::SceneLoaded& loaded) {
+  fronts_.erase(loaded.scene());
+  if (loaded.front().empty()) return Done{};
+  TRY_ASSIGN(const Front front, parse_front(loaded.front(), "front.toml"));
+  fronts_.emplace(loaded.scene(), front);
   return Done{};
 }
 

@@ -89,6 +89,7 @@ class HeadState {
   // Nodes: head_nodes.cpp
   Status hello(NodeId id, Node& node, const wire::Hello& hello);
   Status scene_loaded(Node& node, const wire::SceneLoaded& loaded);
+  Status keep_front(const wire::SceneLoaded& loaded);
   Status tile_came(NodeId id, Node& node, wire::BlockTile& tile);
   Status block_ended(NodeId id, Node& node, const wire::BlockEnd& end);
   void lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks);
@@ -109,7 +110,8 @@ class HeadState {
   // Visits: head_visits.cpp
   Status open(SessionId id, Session& session, const wire::OpenVisit& open);
   /// Null without a budget.
-  static Result<std::unique_ptr<Governed>> governed_by(const wire::OpenVisit& open);
+  [[nodiscard]] Result<std::unique_ptr<Governed>> governed_by(const wire::OpenVisit& open,
+                                                              const std::string& scene) const;
   Status ask(Session& session, const wire::View& view, TimePoint received_at);
   [[nodiscard]] Error why_not(const std::string& scene) const;
   void forget_visit(SessionId id);
@@ -146,6 +148,7 @@ class HeadState {
   std::map<NodeId, Node> nodes_;
   std::map<SessionId, Session> sessions_;
   std::map<std::string, wire::SceneDescription> descriptions_;  ///< Of the scenes that some node has or had.
+  std::map<std::string, Front> fronts_;                         ///< Of those that have been measured.
   std::uint64_t last_block_ = 0;
   std::uint64_t last_frame_ = 0;
   std::string last_refusal_;

@@ -49,7 +49,7 @@ void HeadState::visit_asked(SessionId id, const wire::VisitRequest& request, Tim
   peers_.end_visit(id, fine.error(), false);
 }
 
-Result<std::unique_ptr<Governed>> HeadState::governed_by(const wire::OpenVisit& open) {
+Result<std::unique_ptr<Governed>> HeadState::governed_by(const wire::OpenVisit& open, const std::string& scene) const {
   constexpr double kLongestMs = 60000.0;
   constexpr std::uint32_t kUsualReference = 1024;
   constexpr std::uint32_t kMostReference = 4096;
@@ -64,7 +64,9 @@ Result<std::unique_ptr<Governed>> HeadState::governed_by(const wire::OpenVisit& 
                                                           open.reference_samples(), kMostReference));
   }
   const std::uint32_t samples = open.reference_samples() == 0 ? kUsualReference : open.reference_samples();
-  return std::make_unique<Governed>(Governor(Front::standard(), budget_ms), static_cast<int>(samples));
+  const auto measured = fronts_.find(scene);
+  return std::make_unique<Governed>(
+      Governor(measured == fronts_.end() ? Front::standard() : measured->second, budget_ms), static_cast<int>(samples));
 }
 
 Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& open) {
@@ -76,7 +78,7 @@ Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& op
                  fmt::format("this farm has no scene '{}'; ask for the list of scenes", printable(wanted)));
   }
   if (nodes_with(scene->name) == 0) return why_not(scene->name);
-  TRY_ASSIGN(session.governed, governed_by(open));
+  TRY_ASSIGN(session.governed, governed_by(open, scene->name));
   session.scene = scene->name;
   wire::VisitReply reply;
   *reply.mutable_opened() = descriptions_.at(scene->name);

@@ -4,15 +4,29 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <filesystem>
 #include <new>
 
 #include "common/base/clock.h"
+#include "common/base/file.h"
 #include "common/base/text.h"
 #include "common/wire/convert.h"
+#include "renderfarm/governor/front_file.h"
 
 namespace cyclorama {
 namespace {
 constexpr std::size_t kLongestError = 1000;
+
+/// What the scene's own front says, checked; empty without one.
+Result<std::string> front_of(const std::filesystem::path& scene) {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+  const std::filesystem::path file = scene / "front.toml";
+  std::error_code none;
+  if (!std::filesystem::exists(file, none)) return std::string();
+  TRY_ASSIGN(std::string text, read_text_file(file, kMostBytes));
+  TRY(parse_front(text, file.string()));
+  return text;
+}
 }  // namespace
 
 wire::SceneLoaded SceneStore::load(const wire::LoadScene& order, const std::function<void(double)>& progress) {
@@ -23,11 +37,13 @@ wire::SceneLoaded SceneStore::load(const wire::LoadScene& order, const std::func
   wire::SceneLoaded answer;
   answer.set_scene(order.scene());
   const TimePoint begun = SteadyClock().now();
-  auto renderer = load_guarded(order.path(), progress);
+  const auto front = front_of(order.path());
+  auto renderer = front ? load_guarded(order.path(), progress) : Error(front.error());
   if (!renderer) {
     answer.set_error(printable(renderer.error().message(), kLongestError));  // May quote a file's bytes.
     return answer;
   }
+  answer.set_front(*front);
   *answer.mutable_description() = (*renderer)->description();
   answer.mutable_description()->set_name(order.scene());
   if (const Status fine = validate(answer.description()); !fine) {

@@ -54,6 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   open.mutable_open();
   for (std::uint64_t id = 1; id <= 3; ++id) {
     state.visit_came(SessionId{id});
+    open.mutable_open()->set_frame_budget_ms(id == 2 ? 50.0 : 0.0);
     if (id < 3) state.visit_asked(SessionId{id}, open, clock.now());
   }
   while (size >= 2) {

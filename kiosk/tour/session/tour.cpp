@@ -23,6 +23,8 @@ Result<std::unique_ptr<Tour>> Tour::start(TourSettings settings, InspectionServi
   options.heads = settings.heads;
   options.scene = settings.scene;
   options.museum = settings.museum;
+  options.frame_budget_ms = settings.picture.frame_budget_ms;
+  options.reference_samples = settings.picture.reference_samples;
   auto tour = std::unique_ptr<Tour>(new Tour(std::move(settings), inspection));
   TRY_ASSIGN(tour->farm_, FarmClient::start(std::move(options), *tour));
   tour->walker_ = std::thread([raw = tour.get()] { raw->walk(); });
@@ -33,7 +35,8 @@ Tour::Tour(TourSettings settings, InspectionService* inspection)
     : settings_(std::move(settings)),
       inspection_(*inspection),
       log_(inspection),
-      farm_away_("it was not reached yet") {}
+      farm_away_("it was not reached yet"),
+      pacer_(settings_.picture.frame_budget_ms > 0.0) {}
 
 Tour::~Tour() { stop(); }
 
@@ -150,7 +153,13 @@ void Tour::on_keys(const SteeringWish& wish) {
   wake();
 }
 
-void Tour::on_displays_changed() { wake(); }
+void Tour::on_displays_changed() {
+  {
+    const std::lock_guard lock(mutex_);
+    pacer_.ask_again();
+  }
+  wake();
+}
 
 void Tour::on_presented(const wire::FramePresented& presented) { log_.add_presented(presented, SteadyClock().now()); }
 
@@ -171,6 +180,7 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
     visit.navigation.guide = {};
     visit_ = std::move(visit);
     farm_away_.reset();
+    pacer_.ask_again();
   }
   inspection_.set_fact("scene", printable(scene.name()));
   inspection_.set_fact("title", printable(scene.title(), 200));

@@ -73,6 +73,11 @@ Result<TourSettings> read_from(Config config) {
   settings.museum = farm.text("museum", settings.museum);
   read_walk(root.table("walk"), &settings.navigation);
   ConfigTable picture = root.table("picture");
+  const bool is_fixed = picture.has("samples") || picture.has("jpeg_quality") || picture.has("subsample_chroma");
+  settings.picture.frame_budget_ms = picture.number("frame_budget_ms", {0.0, is_fixed ? 0.0 : 60000.0},
+                                                    is_fixed ? 0.0 : settings.picture.frame_budget_ms);
+  settings.picture.reference_samples =
+      picture.integer("reference_samples", {1, 4096}, settings.picture.reference_samples);
   settings.picture.samples = picture.integer("samples", {1, 4096}, settings.picture.samples);
   settings.picture.jpeg_quality = picture.integer("jpeg_quality", {1, 100}, settings.picture.jpeg_quality);
   settings.picture.subsample_chroma = picture.flag("subsample_chroma", settings.picture.subsample_chroma);

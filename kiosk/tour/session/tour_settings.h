@@ -6,10 +6,15 @@
 ///   scene = "grotto"      # empty: the first        turn_deg_per_s = 40          guide_after_s = 45   # 0: never
 ///   museum = "Hall 3"                               ...
 ///   [picture]
+///   frame_budget_ms = 50        # The farm chooses the quality that fits, and refines at rest;
+///   reference_samples = 1024    # up to so many samples per pixel.
+///   guard_deg = 8
+///
+/// or, for a picture of always the same quality, instead of the budget:
+///
 ///   samples = 1
 ///   jpeg_quality = 85
 ///   subsample_chroma = true
-///   guard_deg = 8
 #pragma once
 
 #include <filesystem>
@@ -24,6 +29,8 @@
 namespace cyclorama {
 
 struct PictureSettings {
+  double frame_budget_ms = 50.0;  ///< 0: the next three say the quality.
+  int reference_samples = 1024;
   int samples = 1;
   int jpeg_quality = 85;
   bool subsample_chroma = true;

@@ -36,9 +36,10 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
   *ret_healthy = visit_->warning.empty();
   if (!*ret_healthy) return visit_->warning;
   const char* const hint = trackers_.empty() ? " No tracker has dialled in, so only keys steer." : "";
-  return fmt::format("Visiting '{}', {:.1f} frames a second, {} display{}, steered by {}.{}",
-                     printable(visit_->scene.title()), log_.frames_per_second(now), displays, displays == 1 ? "" : "s",
-                     to_text(visit_->navigation.steerer), hint);
+  const std::string picture =
+      log_.refinement().value_or(fmt::format("{:.1f} frames a second", log_.frames_per_second(now)));
+  return fmt::format("Visiting '{}', {}, {} display{}, steered by {}.{}", printable(visit_->scene.title()), picture,
+                     displays, displays == 1 ? "" : "s", to_text(visit_->navigation.steerer), hint);
 }
 
 void Tour::show_state(TimePoint now) {

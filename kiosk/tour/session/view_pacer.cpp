@@ -9,7 +9,7 @@ namespace cyclorama {
 
 bool ViewPacer::wants(const wire::View& view, TimePoint now) const {
   if (in_flight_.size() >= kFramesInFlight) return false;
-  if (!newest_ || now - *asked_at_ >= kAtRest) return true;
+  if (!newest_ || (!farm_refines_ && now - *asked_at_ >= kAtRest)) return true;
   wire::View same = *newest_;
   same.set_number(view.number());
   same.set_shutter_ns(view.shutter_ns());  // A newer picture of a still tag shows nothing new.

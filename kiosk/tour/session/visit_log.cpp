@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/tour/session/visit_log.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -56,7 +58,7 @@ void VisitLog::add_pose(const wire::TrackedPose& pose) {
 void VisitLog::add_view(const wire::View& view, TimePoint now, std::optional<TimePoint> pose_received_at) {
   const std::lock_guard lock(mutex_);
   if (pose_received_at) inspection_.add_stage_time("steer", now - *pose_received_at);
-  sent_[view.number()] = {view.shutter_ns(), now, false, false};
+  sent_[view.number()] = {view.shutter_ns(), now, false, false, false};
   if (sent_.size() > kMostSent) sent_.erase(sent_.begin());
 }
 
@@ -73,10 +75,19 @@ void VisitLog::add_end(const wire::FrameEnd& end, TimePoint now) {
     return;
   }
   completed_at_ = now;
-  add_stages(end.stages());
-  if (const auto sent = sent_.find(end.view_number()); sent != sent_.end()) {
-    inspection_.add_stage_time("farm_round_trip", now - sent->second.asked_at);
+  inspection_.set_gauge("samples_per_pixel", end.samples());
+  const auto sent = sent_.find(end.view_number());
+  const bool is_refined = sent != sent_.end() && std::exchange(sent->second.ended, true);
+  refinement_.reset();
+  if (is_refined) {
+    const bool rests = end.samples() >= end.reference_samples();
+    refinement_ = rests ? fmt::format("at rest with {} samples", end.samples())
+                        : fmt::format("refining {} of {} samples", end.samples(), end.reference_samples());
+    inspection_.count("refined_frames");
+    return;
   }
+  add_stages(end.stages());
+  if (sent != sent_.end()) inspection_.add_stage_time("farm_round_trip", now - sent->second.asked_at);
   bytes_.add(bytes);
   inspection_.set_gauge("bytes_per_frame", std::round(bytes_.mean()));
   if (end.balance_efficiency() > 0.0 && end.balance_efficiency() <= 1.0) {
@@ -136,6 +147,11 @@ double VisitLog::frames_per_second(TimePoint now) {
 void VisitLog::refresh(TimePoint now) {
   const std::lock_guard lock(mutex_);
   inspection_.set_gauge("frames_per_second", rate(now));
+}
+
+std::optional<std::string> VisitLog::refinement() const {
+  const std::lock_guard lock(mutex_);
+  return refinement_;
 }
 
 std::optional<TimePoint> VisitLog::frame_completed_at() const {

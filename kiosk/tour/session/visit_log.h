@@ -22,7 +22,8 @@ namespace cyclorama {
 ///
 /// stages   capture, detect, pose (tracker) · steer · farm_round_trip · plan, render, encode, farm (FrameEnd) ·
 ///          decode, wait, draw (display) · shutter_to_photon
-/// gauges   frames, frames_per_second, bytes_per_frame, balance_efficiency, "dropped: REASON"
+/// gauges   frames, frames_per_second, refined_frames, samples_per_pixel, bytes_per_frame, balance_efficiency,
+/// "dropped: REASON"
 ///
 /// Names and reasons come from the wire: odd ones are made printable, and beyond a fixed number they share one entry,
 /// so that no peer fills memory. Thread-safe.
@@ -45,6 +46,8 @@ class VisitLog {
   void refresh(TimePoint now);
 
   [[nodiscard]] double frames_per_second(TimePoint now);
+  /// What the farm refines, in words; nothing while it shows a view for the first time.
+  [[nodiscard]] std::optional<std::string> refinement() const;
   /// When the farm last completed a frame.
   [[nodiscard]] std::optional<TimePoint> frame_completed_at() const;
 
@@ -52,6 +55,7 @@ class VisitLog {
   struct Sent {
     std::int64_t shutter_ns = 0;
     TimePoint asked_at{};
+    bool ended = false;  ///< Once: the frames that follow refine it.
     bool presented = false;
     bool dropped = false;
   };
@@ -67,6 +71,7 @@ class VisitLog {
   std::set<std::string> drop_reasons_;
   std::deque<TimePoint> presented_at_;
   std::optional<TimePoint> completed_at_;
+  std::optional<std::string> refinement_;
   double frame_bytes_ = 0.0;
   Percentiles bytes_{256};
   Percentiles balance_{256};

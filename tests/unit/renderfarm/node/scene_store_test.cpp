@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "tests/doubles/fake_block_renderer.h"
 
 namespace cyclorama {
@@ -44,6 +47,20 @@ TEST(SceneStore, answers_with_the_reason_when_a_scene_cannot_be_loaded) {
   EXPECT_THAT(store.load(order("x", "missing"), [](double) {}).error(), HasSubstr("no such file"));
   EXPECT_THAT(store.load(order("x", "huge"), [](double) {}).error(), HasSubstr("more memory than this host has"));
   EXPECT_EQ(store.find("x"), nullptr);
+}
+
+TEST(SceneStore, tells_the_front_in_the_scenes_folder_and_refuses_a_wrong_one) {
+  const std::filesystem::path folder = testing::TempDir() + "scene_store_front";
+  std::filesystem::create_directories(folder);
+  SceneStore store(fake_loader());
+  const std::string front = "[[point]]\ncpu_us_per_px = 1\nerror = 2\n";
+  std::ofstream(folder / "front.toml") << front;
+  EXPECT_EQ(store.load(order("x", folder), [](double) {}).front(), front);
+  EXPECT_EQ(store.load(order("y", "a"), [](double) {}).front(), "");
+  std::ofstream(folder / "front.toml") << "[[point]]\ncpu_us_per_px = 0\n";
+  const auto refused = store.load(order("z", folder), [](double) {});
+  EXPECT_THAT(refused.error(), HasSubstr("front.toml:2"));
+  std::filesystem::remove_all(folder);
 }
 
 TEST(SceneStore, survives_a_loader_that_throws) {

@@ -55,6 +55,7 @@ guide_after_s = 0
   ASSERT_TRUE(settings) << settings.error().message();
   EXPECT_EQ(settings->heads.size(), 2u);
   EXPECT_EQ(settings->museum, "Hall 3");
+  EXPECT_EQ(settings->picture.frame_budget_ms, 0.0) << "the quality is fixed";
   EXPECT_EQ(settings->picture.jpeg_quality, 92);
   EXPECT_FALSE(settings->picture.subsample_chroma);
   EXPECT_NEAR(settings->picture.guard_rad, 12 * kDegree, 1e-12);
@@ -62,6 +63,17 @@ guide_after_s = 0
   EXPECT_NEAR(settings->navigation.tag.yaw_rad.full, 40 * kDegree, 1e-12);
   EXPECT_EQ(settings->navigation.tag_smoothing, std::chrono::milliseconds(80));
   EXPECT_EQ(settings->navigation.guide_after, Duration::zero());
+}
+
+TEST(TourSettings, hold_a_frame_budget_unless_the_quality_is_fixed) {
+  EXPECT_EQ(default_tour_settings().picture.frame_budget_ms, 50.0);
+  EXPECT_EQ(parse_tour_settings("[picture]\nguard_deg = 1", "site.toml")->picture.frame_budget_ms, 50.0);
+  EXPECT_EQ(parse_tour_settings("[picture]\nframe_budget_ms = 0", "site.toml")->picture.frame_budget_ms, 0.0);
+  EXPECT_EQ(parse_tour_settings("[picture]\njpeg_quality = 60", "site.toml")->picture.frame_budget_ms, 0.0);
+  const auto settings = parse_tour_settings("[picture]\nframe_budget_ms = 33\nreference_samples = 256", "site.toml");
+  ASSERT_TRUE(settings) << settings.error().message();
+  EXPECT_EQ(settings->picture.frame_budget_ms, 33.0);
+  EXPECT_EQ(settings->picture.reference_samples, 256);
 }
 
 struct Wrong {
@@ -76,6 +88,9 @@ TEST(TourSettings, name_line_and_remedy_of_every_mistake) {
            {"[farm]\nheads = [1]", "site.toml:2", "texts"},
            {"[picture]\nsamples = 0", "site.toml:2", "between 1 and 4096"},
            {"[picture]\njpeg_quality = 101", "site.toml:2", "between 1 and 100"},
+           {"[picture]\nframe_budget_ms = -1", "site.toml:2", "between 0 and 60000"},
+           {"[picture]\nframe_budget_ms = 50\nsamples = 2", "site.toml:2", "between 0 and 0"},
+           {"[picture]\nreference_samples = 5000", "site.toml:2", "between 1 and 4096"},
            {"[picture]\nguard_rad = 1", "site.toml:2", "guard_deg"},
            {"[walk]\nforward_m_per_s = nan", "site.toml:2", "between"},
            {"[walk]\nforwards_m_per_s = 1", "site.toml:2", "did you mean 'forward_m_per_s'"},

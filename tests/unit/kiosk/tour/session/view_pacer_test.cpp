@@ -19,7 +19,7 @@ wire::View view(std::uint64_t number, double heading, std::int64_t shutter_ns = 
 }
 
 TEST(ViewPacer, asks_for_what_is_new_and_once_a_second_for_what_is_not) {
-  ViewPacer pacer;
+  ViewPacer pacer(false);
   const TimePoint now(10s);
   EXPECT_TRUE(pacer.wants(view(1, 0.0), now));
   pacer.asked(view(1, 0.0), now);
@@ -29,8 +29,22 @@ TEST(ViewPacer, asks_for_what_is_new_and_once_a_second_for_what_is_not) {
   EXPECT_TRUE(pacer.wants(view(2, 1e-6), now + 1ms));
 }
 
+TEST(ViewPacer, leaves_a_farm_that_refines_alone_until_somebody_has_not_seen_the_picture) {
+  ViewPacer pacer(true);
+  const TimePoint now(10s);
+  EXPECT_TRUE(pacer.wants(view(1, 0.0), now));
+  pacer.asked(view(1, 0.0), now);
+  pacer.ended(1);
+  EXPECT_FALSE(pacer.wants(view(2, 0.0), now + 1h));
+  EXPECT_TRUE(pacer.wants(view(2, 1e-6), now + 1ms));
+  pacer.ask_again();
+  EXPECT_TRUE(pacer.wants(view(2, 0.0), now + 1h));
+  pacer.asked(view(2, 0.0), now + 1h);
+  EXPECT_FALSE(pacer.wants(view(3, 0.0), now + 2h));
+}
+
 TEST(ViewPacer, keeps_two_frames_in_flight_at_most) {
-  ViewPacer pacer;
+  ViewPacer pacer(false);
   const TimePoint now(10s);
   pacer.asked(view(1, 0.1), now);
   pacer.asked(view(2, 0.2), now);
@@ -40,7 +54,7 @@ TEST(ViewPacer, keeps_two_frames_in_flight_at_most) {
 }
 
 TEST(ViewPacer, counts_views_that_the_farm_passed_over) {
-  ViewPacer pacer;
+  ViewPacer pacer(false);
   pacer.asked(view(1, 0.1), TimePoint(1s));
   pacer.asked(view(2, 0.2), TimePoint(1s));
   EXPECT_EQ(pacer.began(2), 1u);
@@ -50,7 +64,7 @@ TEST(ViewPacer, counts_views_that_the_farm_passed_over) {
 }
 
 TEST(ViewPacer, keeps_the_newest_in_flight_when_the_farm_is_lost) {
-  ViewPacer pacer;
+  ViewPacer pacer(false);
   pacer.lost();
   pacer.asked(view(1, 0.1), TimePoint(1s));
   pacer.asked(view(2, 0.2), TimePoint(1s));

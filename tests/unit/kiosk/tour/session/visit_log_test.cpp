@@ -99,6 +99,37 @@ TEST(VisitLog, tells_bytes_balance_and_why_frames_were_dropped) {
   EXPECT_EQ(log.gauge("dropped: a node was lost"), 1.0);
 }
 
+TEST(VisitLog, tells_a_refined_picture_from_a_new_one) {
+  Log log;
+  wire::View view;
+  view.set_number(1);
+  log.log.add_view(view, log.now, std::nullopt);
+  wire::FrameEnd end;
+  end.set_view_number(1);
+  end.set_complete(true);
+  end.set_samples(4);
+  end.set_reference_samples(64);
+  log.log.add_end(end, log.now + 20ms);
+  EXPECT_EQ(log.log.refinement(), std::nullopt);
+  end.set_samples(8);
+  log.log.add_end(end, log.now + 10s);
+  EXPECT_EQ(log.log.refinement(), "refining 8 of 64 samples");
+  end.set_samples(64);
+  log.log.add_end(end, log.now + 20s);
+  EXPECT_EQ(log.log.refinement(), "at rest with 64 samples");
+  EXPECT_EQ(log.gauge("samples_per_pixel"), 64.0);
+  EXPECT_EQ(log.gauge("refined_frames"), 2.0);
+  for (const wire::Stage& stage : log.inspection.status().stages()) {
+    if (stage.name() == "farm_round_trip") EXPECT_EQ(stage.count(), 1u) << "of the first frame alone";
+  }
+  view.set_number(2);
+  log.log.add_view(view, log.now, std::nullopt);
+  end.set_view_number(2);
+  end.set_samples(4);
+  log.log.add_end(end, log.now + 21s);
+  EXPECT_EQ(log.log.refinement(), std::nullopt);
+}
+
 TEST(VisitLog, counts_a_dropped_frame_once_whoever_tells_of_it) {
   Log log;
   wire::View view;

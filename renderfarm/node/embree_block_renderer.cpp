@@ -25,15 +25,10 @@ class EmbreeBlockRenderer final : public BlockRenderer {
 
   RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* ret_film,
                          const std::function<bool()>& cancelled) override {
-    // Each range has random numbers of its own.
     PanoramaView part = view;
-    part.samples = samples.end - samples.first;
-    part.seed = view.seed + (static_cast<std::uint64_t>(samples.first) << 40U);
-    *ret_film = Film(rect.width, rect.height, false);
-    const RenderCost cost = renderer_->render_radiance(part, rect, &ret_film->sum, cancelled);
-    for (float& value : ret_film->sum.data()) value *= static_cast<float>(part.samples);
-    std::ranges::fill(ret_film->samples.data(), part.samples);
-    return cost;
+    part.quality.first_sample = samples.first;
+    part.quality.samples = samples.end - samples.first;
+    return renderer_->render_film(part, rect, false, ret_film, cancelled);
   }
 
   [[nodiscard]] RgbImage developed(const Film& film) const override {

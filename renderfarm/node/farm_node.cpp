@@ -32,6 +32,20 @@ void send_reports(Stream& stream, NodeLink& link) {
   link.close();
 }
 
+/// Precondition: validate(view).
+RenderQuality quality_of(const wire::View& view) {
+  RenderQuality quality;
+  quality.samples = static_cast<int>(view.samples());
+  quality.first_sample = static_cast<int>(view.first_sample());
+  quality.sequence = static_cast<int>(view.sequence());
+  quality.bounces = static_cast<int>(view.bounces());
+  if (view.light_samples() > 0) quality.light_samples = static_cast<int>(view.light_samples());
+  quality.firefly_limit = view.firefly_limit();
+  quality.adaptive_error = view.adaptive_error();
+  if (view.adaptive_minimum() > 0) quality.adaptive_minimum = static_cast<int>(view.adaptive_minimum());
+  return quality;
+}
+
 /// What is wrong with the order, or the view to be rendered. The head checked it too; a node believes nobody.
 Result<PanoramaView> view_of(const wire::RenderBlock& block) {
   TRY(validate(block.view()));
@@ -43,9 +57,7 @@ Result<PanoramaView> view_of(const wire::RenderBlock& block) {
   whole.set_height_px(block.height_px());
   TRY(validate(whole, panorama));
   // A view's own number is the seed: noise changes from frame to frame and is the same on every node.
-  RenderQuality quality;
-  quality.samples = static_cast<int>(block.view().samples());
-  return PanoramaView{from_wire(block.view().eye_m()), block.view().heading_rad(), panorama, quality,
+  return PanoramaView{from_wire(block.view().eye_m()), block.view().heading_rad(), panorama, quality_of(block.view()),
                       block.view().number()};
 }
 

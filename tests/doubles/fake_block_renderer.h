@@ -69,7 +69,7 @@ class FakeBlockRenderer final : public BlockRenderer {
                          const std::function<bool()>& cancelled) override {
     *ret_film = Film(rect.width, rect.height, false);
     PanoramaView one = view;
-    one.samples = 1;
+    one.quality.samples = 1;
     if (!shared_->pass_gate(cancelled)) return {};
     for (int sample = samples.first; sample < samples.end; ++sample) {
       for (int y = 0; y < rect.height; ++y) {

@@ -59,7 +59,7 @@ TEST(SceneStore, tells_the_front_in_the_scenes_folder_and_refuses_a_wrong_one) {
   EXPECT_EQ(store.load(order("y", "a"), [](double) {}).front(), "");
   std::ofstream(folder / "front.toml") << "[[point]]\ncpu_us_per_px = 0\n";
   const auto refused = store.load(order("z", folder), [](double) {});
-  EXPECT_THAT(refused.error(), HasSubstr("front.toml:2"));
+  EXPECT_THAT(refused.error(), HasSubstr("front.toml:1: point[0].error: is missing"));
   std::filesystem::remove_all(folder);
 }
 

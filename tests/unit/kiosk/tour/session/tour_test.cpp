@@ -85,8 +85,10 @@ class TourProcess {
   std::unique_ptr<WireServer> server_;
 };
 
+/// A fixed quality: the fake farm refines nothing.
 TourSettings settings_for(const FakeFarm& farm) {
   TourSettings settings = default_tour_settings();
+  settings.picture.frame_budget_ms = 0.0;
   settings.heads = {farm.address()};
   settings.navigation.guide_after = 0s;
   return settings;
@@ -177,6 +179,27 @@ TEST(Tour, asks_once_a_second_at_rest) {
   ASSERT_TRUE(farm.wait_for_views(3));
   EXPECT_GE(SteadyClock().now() - begin, 1900ms);
   EXPECT_TRUE(farm.views()[2].shutter_ns() == 0);
+}
+
+TEST(Tour, leaves_a_farm_with_a_budget_alone_at_rest_until_somebody_has_not_seen_the_picture) {
+  auto farm = std::make_unique<FakeFarm>();
+  const int port = farm->port();
+  TourSettings settings = settings_for(*farm);
+  settings.picture.frame_budget_ms = 33.0;
+  settings.picture.reference_samples = 256;
+  TourProcess tour(std::move(settings));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  EXPECT_EQ(farm->last_open().frame_budget_ms(), 33.0);
+  EXPECT_EQ(farm->last_open().reference_samples(), 256u);
+  const std::size_t views = farm->views().size();
+  EXPECT_FALSE(farm->wait_for_views(views + 1, 1500ms));
+  FakeDisplay second(tour.address());
+  EXPECT_TRUE(second.wait_for_frames(1));
+  farm.reset();
+  ASSERT_TRUE(tour.eventually([&] { return !tour.status().healthy(); }));
+  farm = std::make_unique<FakeFarm>(fake_scene("plain"), port);
+  EXPECT_TRUE(farm->wait_for_views(1));
 }
 
 TEST(Tour, lives_through_a_farm_that_goes_away_and_comes_back) {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Films of the real ray tracer, as a node adds them up.
+#include "renderfarm/node/embree_block_renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/doubles/simple_scenes.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kReference = 256;
+constexpr PixelRect kRect = {16, 0, 48, 32};
+
+/// A folded sheet, lit by what the importer finds: penumbrae and corners.
+std::unique_ptr<BlockRenderer> folded_sheet() {
+  const std::filesystem::path file = testing::TempDir() + "folded_sheet.obj";
+  std::ofstream(file)
+      << "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 1 -2\nv 2 1 -2\nf 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\n";
+  auto loaded = embree_scene_loader(1)(file.string(), [](double) {});
+  std::filesystem::remove(file);
+  EXPECT_TRUE(loaded) << loaded.error().message();
+  return *std::move(loaded);
+}
+
+PanoramaView view_of_sheet() {
+  PanoramaView view = view_from({0.0, 0.5, 1.5}, 64, 32, 0.5, -0.8);
+  view.quality.bounces = 1;
+  view.quality.sequence = kReference;
+  view.seed = 7;
+  return view;
+}
+
+/// All samples up to `end`, in steps that end at these counts, each in its pieces.
+Film accumulated(BlockRenderer& renderer, const PanoramaView& view, const PixelRect& rect, std::vector<int> steps) {
+  Film film(rect.width, rect.height, false);
+  int have = 0;
+  for (const int end : steps) {
+    for (const SampleRange& range : cut_samples({have, end})) {
+      Film part;
+      renderer.render_film(view, rect, range, &part, nullptr);
+      film.add(part);
+    }
+    have = end;
+  }
+  return film;
+}
+
+double squared_error(const RadianceImage& a, const RadianceImage& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.data().size(); ++i) {
+    const double difference = static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i]);
+    sum += difference * difference;
+  }
+  return sum / static_cast<double>(a.data().size());
+}
+
+TEST(EmbreeBlockRenderer, accumulates_bit_for_bit_what_it_renders_afresh_however_it_is_cut) {
+  const auto renderer = folded_sheet();
+  const PanoramaView view = view_of_sheet();
+  const Film steps = accumulated(*renderer, view, kRect, {2, 8, 16, 64, 128});
+  const Film afresh = accumulated(*renderer, view, kRect, {128});
+  EXPECT_EQ(steps.sum, afresh.sum);
+  EXPECT_EQ(renderer->developed(steps), renderer->developed(afresh));
+  const Film part = accumulated(*renderer, view, {32, 16, 16, 16}, {128});
+  for (int y = 0; y < 16; ++y) {
+    for (int c = 0; c < 48; ++c) ASSERT_EQ(part.sum.at(0, y)[c], afresh.sum.at(16, 16 + y)[c]);
+  }
+}
+
+TEST(EmbreeBlockRenderer, accumulates_up_to_float_rounding_what_one_render_of_all_samples_gives) {
+  const auto renderer = folded_sheet();
+  const PanoramaView view = view_of_sheet();
+  const RadianceImage pieces = accumulated(*renderer, view, kRect, {64}).mean();
+  Film whole;
+  renderer->render_film(view, kRect, {0, 64}, &whole, nullptr);
+  const RadianceImage once = whole.mean();
+  for (std::size_t i = 0; i < once.data().size(); ++i) {
+    ASSERT_NEAR(pieces.data()[i], once.data()[i], 64 * 1.2e-7f * once.data()[i]) << i;
+  }
+}
+
+TEST(EmbreeBlockRenderer, errs_less_from_picture_to_picture_by_at_least_the_square_root_law) {
+  const auto renderer = folded_sheet();
+  PanoramaView view = view_of_sheet();
+  view.quality.sequence = 4096;
+  view.seed = 12345;
+  const RadianceImage reference = accumulated(*renderer, view, kRect, {4096}).mean();
+  view.seed = 7;
+  view.quality.sequence = kReference;
+  double last = INFINITY;
+  double first = 0.0;
+  for (int samples = 4; samples <= kReference; samples *= 4) {
+    const double error = squared_error(accumulated(*renderer, view, kRect, {samples}).mean(), reference);
+    EXPECT_LT(error, last) << samples;
+    if (samples == 4) first = error;
+    last = error;
+  }
+  // Mean squared error falls with the samples, or faster, for they are stratified: slope -1 from 4 to 256.
+  const double slope = std::log(last / first) / std::log(kReference / 4.0);
+  EXPECT_LT(slope, -0.9);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/quality/shown_error.h"
 
-#include <algorithm>
-
-#include "common/image/colour.h"
 #include "renderfarm/quality/code_error.h"
 #include "renderfarm/quality/flip.h"
 #include "renderfarm/render/tone.h"
 
 namespace cyclorama {
 
-RgbImage shown(const RadianceImage& exposed) {
-  RgbImage codes(exposed.width(), exposed.height());
-  std::transform(exposed.data().begin(), exposed.data().end(), codes.data().begin(),
-                 [](float light) { return linear_to_srgb8(tone_mapped(light)); });
-  return codes;
-}
+RgbImage shown(const RadianceImage& exposed) { return developed(exposed, ToneCurve::kShoulder); }
 
 Result<ShownError> shown_error(const RgbImage& picture, const RgbImage& reference) {
   ShownError error;

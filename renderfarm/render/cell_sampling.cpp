@@ -14,7 +14,7 @@ namespace {
 constexpr int kRound = kPacketRays;
 
 float displayed(const TraceView& view, double light) {
-  return linear_to_srgb(tone_mapped(view.exposure * static_cast<float>(light)));
+  return linear_to_srgb(tone_mapped(view.exposure * static_cast<float>(light), view.tone));
 }
 
 /// Half of what one standard error up and one down differ by on the display.

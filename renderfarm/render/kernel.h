@@ -26,6 +26,7 @@ struct TraceView {
   std::uint64_t seed = 0;
   RenderQuality quality;
   float exposure = 1.0f;
+  ToneCurve tone = ToneCurve::kShoulder;
   bool features = false;
 };
 

@@ -12,7 +12,6 @@
 
 #include "common/base/check.h"
 #include "common/base/clock.h"
-#include "common/image/colour.h"
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/cell_sampling.h"
@@ -115,6 +114,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   traced_view.seed = view.seed;
   traced_view.quality = view.quality;
   traced_view.exposure = static_cast<float>(scene.exposure);
+  traced_view.tone = scene.tone;
   traced_view.features = features;
 
   const int picture_width = view.picture().width_px();
@@ -165,13 +165,14 @@ RenderCost Renderer::render(const PanoramaView& view, const PixelRect& rect, Rgb
                             const std::function<bool()>& cancelled) const {
   *ret_pixels = RgbImage(rect.width, rect.height);
   const auto exposure = static_cast<float>(state_->scene.exposure);
+  const ToneTable& tone = tone_table(state_->scene.tone);
   return state_->run(view, rect, false, cancelled,
                      [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
                        for (int y = part.top; y < part.bottom; ++y) {
                          std::uint8_t* out = ret_pixels->at(part.left - rect.x, y - rect.y);
                          for (int x = part.left; x < part.right; ++x, out += 3) {
                            const Vec3 mean = exposed_mean(film, pixel_of(cell, x, y), exposure);
-                           for (int c = 0; c < 3; ++c) out[c] = linear_to_srgb8(tone_mapped(mean[c]));
+                           for (int c = 0; c < 3; ++c) out[c] = tone.code(mean[c]);
                          }
                        }
                      });

@@ -71,6 +71,7 @@ bool has_light(const Scene& scene) {
 /// Light and exposure, as far as the package leaves them open.
 void light(const ScenePackage& package, const FoundSettings& found, Scene* scene) {
   constexpr float kShadow = 0.04f;  // Of white: what no lamp reaches directly is not black in the world.
+  scene->tone = package.tone;
   const bool package_says = package.sky || package.ambient || package.eye_lamp || !package.lamps.empty();
   if (!package_says && !has_light(*scene)) {
     add_light(found, scene);

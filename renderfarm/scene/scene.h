@@ -20,6 +20,9 @@ struct Sky {
   Eigen::Vector3f ground = Eigen::Vector3f::Zero();
 };
 
+/// How exposed light becomes display light: renderfarm/render/tone.h.
+enum class ToneCurve { kShoulder, kLinear, kFilmic };
+
 struct SceneTourStop {
   std::string title;
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
@@ -47,6 +50,7 @@ struct Scene {
   /// A lamp that the visitor carries at the eye, candela; zero is none. Scenes without any light get one.
   Eigen::Vector3f eye_lamp = Eigen::Vector3f::Zero();
   double exposure = 1.0;  ///< Radiance is multiplied by this before it becomes a code value.
+  ToneCurve tone = ToneCurve::kShoulder;
   Eigen::AlignedBox3d bounds;
 
   [[nodiscard]] std::uint64_t triangles_stored() const;

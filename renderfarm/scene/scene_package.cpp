@@ -134,6 +134,11 @@ std::optional<Sky> read_sky(ConfigTable* root) {
              colour_of(table.numbers("ground", 3, kLight, none))};
 }
 
+ToneCurve read_tone(ConfigTable table) {
+  const std::string curve = table.choice("curve", {"shoulder", "linear", "filmic"}, "shoulder");
+  return curve == "linear" ? ToneCurve::kLinear : curve == "filmic" ? ToneCurve::kFilmic : ToneCurve::kShoulder;
+}
+
 void read_visitor(ConfigTable table, ScenePackage* package) {
   package->eye_height_m = number_if_given(&table, "eye_height_m", {0.01, 100.0});
   package->walking_scale = number_if_given(&table, "walking_scale", {1e-4, 1e4});
@@ -164,6 +169,7 @@ Result<ScenePackage> parse_scene_package(std::string_view text, std::string name
   const double unit_m = root.number("unit_m", kUnit, 1.0);
   const bool z_up = is_z_up(&root, false);
   package.exposure = number_if_given(&root, "exposure", {1e-6, 1e6});
+  package.tone = read_tone(root.table("tone"));
 
   ConfigTable start = root.table("start");
   if (start.has("eye_m")) package.start_eye = vector_of(start.numbers("eye_m", 3, kMetres));

@@ -28,6 +28,7 @@ struct ScenePackage {
   std::string title;
   std::string credits;
   std::optional<double> exposure;
+  ToneCurve tone = ToneCurve::kShoulder;
   std::optional<Eigen::Vector3d> start_eye;
   std::optional<double> start_heading_rad;
   std::optional<double> eye_height_m;

@@ -51,6 +51,8 @@ credits = "me"
 unit_m = 0.001
 up = "z"
 exposure = 2.5
+[tone]
+curve = "filmic"
 [start]
 eye_m = [1, 2, 3]
 heading_deg = 90
@@ -89,6 +91,7 @@ heading_deg = -90
 )");
   ASSERT_TRUE(package.has_value()) << package.error().message();
   EXPECT_EQ(package->exposure, 2.5);
+  EXPECT_EQ(package->tone, ToneCurve::kFilmic);
   EXPECT_EQ(*package->start_eye, Eigen::Vector3d(1, 2, 3));
   EXPECT_NEAR(*package->start_heading_rad, 0.5 * std::numbers::pi, 1e-12);
   EXPECT_EQ(package->walkable.size(), 4u);

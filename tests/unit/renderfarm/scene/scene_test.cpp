@@ -75,12 +75,13 @@ TEST_F(SceneFolder, several_files_keep_their_materials) {
 TEST_F(SceneFolder, what_a_package_says_is_kept_and_what_it_leaves_open_is_found) {
   write("a.obj", kObj);
   write("scene.toml",
-        "title = 'x'\ncredits = 'me'\nexposure = 3\n[start]\neye_m = [1, 2, 3]\nheading_deg = 90\n[sky]\n"
+        "title = 'x'\ncredits = 'me'\nexposure = 3\n[start]\neye_m = [1, 2, 3]\nheading_deg = 90\n[tone]\ncurve = 'linear'\n[sky]\n"
         "zenith = [1, 1, 1]\n[[geometry]]\nfile = 'a.obj'\n");
   const auto scene = load("");
   ASSERT_TRUE(scene.has_value());
   EXPECT_EQ(scene->info.credits, "me");
   EXPECT_EQ(scene->exposure, 3.0);
+  EXPECT_EQ(scene->tone, ToneCurve::kLinear);
   EXPECT_EQ(scene->info.start_eye, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(scene->sky.zenith.x(), 1.0f);
   EXPECT_TRUE(scene->eye_lamp.isZero()) << "it has its own light";

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/tone.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/image/colour.h"
+
+namespace cyclorama {
+namespace {
+
+/// The least positive float, as its bits, whose code is at least `code`. Floats above 0 are in the order of their bits.
+std::uint32_t least_bits(ToneCurve curve, int code) {
+  std::uint32_t dark = 0;
+  std::uint32_t bright = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity());
+  while (bright - dark > 1) {
+    const std::uint32_t middle = dark + (bright - dark) / 2;
+    const bool reached = linear_to_srgb8(tone_mapped(std::bit_cast<float>(middle), curve)) >= code;
+    (reached ? bright : dark) = middle;
+  }
+  return bright;
+}
+
+}  // namespace
+
+ToneTable::ToneTable(ToneCurve curve) {
+  std::array<std::uint32_t, 256> least{};
+  for (int code = 1; code < 256; ++code) {
+    least[static_cast<std::size_t>(code)] = least_bits(curve, code);
+    least_[static_cast<std::size_t>(code)] = std::bit_cast<float>(least[static_cast<std::size_t>(code)]);
+  }
+  least_[256] = std::numeric_limits<float>::quiet_NaN();  // No light is above it.
+  std::size_t code = 0;
+  for (std::size_t i = 0; i < first_.size(); ++i) {
+    while (code < 255 && (i << kShift) >= least[code + 1]) ++code;
+    first_[i] = static_cast<std::uint8_t>(code);
+  }
+}
+
+const ToneTable& tone_table(ToneCurve curve) {
+  static const ToneTable shoulder(ToneCurve::kShoulder);
+  static const ToneTable linear(ToneCurve::kLinear);
+  static const ToneTable filmic(ToneCurve::kFilmic);
+  return curve == ToneCurve::kLinear ? linear : curve == ToneCurve::kFilmic ? filmic : shoulder;
+}
+
+RgbImage developed(const RadianceImage& exposed, ToneCurve curve) {
+  const ToneTable& table = tone_table(curve);
+  RgbImage codes(exposed.width(), exposed.height());
+  std::transform(exposed.data().begin(), exposed.data().end(), codes.data().begin(),
+                 [&](float light) { return table.code(light); });
+  return codes;
+}
+
+}  // namespace cyclorama

@@ -35,12 +35,16 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(Scene& scene, int thread
   if (triangles == 0) {
     return Error(ErrorCode::kInvalidArgument, "the scene has no triangles, so there is nothing to render");
   }
+  std::size_t for_mips = 0;
+  for (const Texture& texture : scene.model.textures) for_mips += mip_bytes(texture);
   if (const std::optional<std::size_t> available = available_memory()) {
-    TRY(check_bvh_memory(triangles, scene.model.instances.size(), *available));
-    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(*available));
+    const std::size_t left = *available - std::min(for_mips, *available);
+    TRY(check_bvh_memory(triangles, scene.model.instances.size(), left));
+    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(left));
   }
   TRY(accelerator->open_device(threads));
   TRY(accelerator->add_meshes(scene, ret_traced));
+  ret_traced->textures.build(threads);
   TRY(accelerator->commit(progress));
   return accelerator;
 }
@@ -165,7 +169,9 @@ Status Accelerator::add_meshes(Scene& scene, TraceScene* ret_traced) {
   // Reserved, because the tables point at each other. A material that blends only on some meshes is there twice.
   ret_traced->materials.reserve(model.materials.size() + model.meshes.size());
   ret_traced->meshes.reserve(model.meshes.size());
-  for (const Material& material : model.materials) ret_traced->materials.push_back(trace_material(model, material));
+  for (const Material& material : model.materials) {
+    ret_traced->materials.push_back(trace_material(model, material, &ret_traced->textures));
+  }
   for (std::size_t i = 0; i < model.meshes.size(); ++i) add_mesh(model, model.meshes[i], uses[i], ret_traced);
   for (Instance& instance : model.instances) add_instance(model, instance, origin, ret_traced);
   ret_traced->top = top_;

@@ -62,13 +62,15 @@ void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
   view.camera.rays(batch.paths, lots.place_u.data(), lots.place_v.data(),
                    {eyes.origin[0].data(), eyes.origin[1].data(), eyes.origin[2].data(), eyes.direction[0].data(),
                     eyes.direction[1].data(), eyes.direction[2].data(), eyes.cone.data(), eyes.exists.data()});
+  // Each of the pixel's samples stands for its share, so that many samples see the textures as sharp as they are.
+  const float share = 1.0f / std::sqrt(static_cast<float>(sequence_length(view.quality)));
   RayStage& stage = batch.current();
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
     if (eyes.exists[i] == 0) continue;
     PathRay& ray = stage.state[static_cast<std::size_t>(stage.rays.count())];
     ray = PathRay{};
     ray.path = static_cast<std::uint16_t>(i);
-    ray.cone_spread = eyes.cone[i];
+    ray.cone_spread = share * eyes.cone[i];
     stage.rays.add(view.eye + Vec3(eyes.origin[0][i], eyes.origin[1][i], eyes.origin[2][i]),
                    {eyes.direction[0][i], eyes.direction[1][i], eyes.direction[2][i]}, kFar,
                    batch.path[i].index_reversed);

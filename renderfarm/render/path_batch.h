@@ -25,7 +25,7 @@ struct PathRay {
   float density = 0.0f;  ///< Per solid angle, of its direction; 0 where only this way could be taken (eye, mirror).
   Vec3 from_normal =
       Vec3::Zero();                ///< Where it starts; with `density`, for weighing against lights that were aimed at.
-  float cone_width = 0.0f;         ///< Of the pixel's cone at its start, metres.
+  float cone_width = 0.0f;         ///< Of the sample's cone at its start, metres.
   Vec3 absorption = Vec3::Zero();  ///< Per metre, of what it runs through.
   float cone_spread = 0.0f;        ///< Radians.
   std::uint16_t path = 0;

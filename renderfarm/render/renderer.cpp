@@ -213,5 +213,6 @@ RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& 
 const Scene& Renderer::scene() const { return state_->scene; }
 double Renderer::build_seconds() const { return state_->build_seconds; }
 std::size_t Renderer::bvh_bytes() const { return state_->accelerator->bytes(); }
+std::size_t Renderer::mip_bytes() const { return state_->traced.textures.bytes(); }
 
 }  // namespace cyclorama

@@ -68,6 +68,7 @@ class Renderer {
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] double build_seconds() const;
   [[nodiscard]] std::size_t bvh_bytes() const;
+  [[nodiscard]] std::size_t mip_bytes() const;  ///< Of the textures' smaller levels.
 
  private:
   struct State;

@@ -17,20 +17,22 @@ struct Shading {
 };
 
 template <SceneNeeds kNeeds>
-Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3& wo, float /*cone_width*/) {
+Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3& wo, float cone_width) {
   const SurfaceMaterial& material = *hit.mesh->material;
   const Material& source = *material.source;
-  const Eigen::Vector4f base = base_colour_at(hit, point.colour, kNeeds.textures);
+  const Footprint footprint{cone_width, point.facing.dot(wo)};
+  const Eigen::Vector4f base = base_colour_at(hit, point.colour, kNeeds.textures, footprint);
   const Vec3 colour = base.head<3>().cwiseMax(0.0f);
 
   Shading shading;
   shading.normal = point.normal;
   shading.emission = source.emissive;
-  if constexpr (kNeeds.normal_maps) shading.normal = mapped_normal(hit, point);
+  if constexpr (kNeeds.normal_maps) shading.normal = mapped_normal(hit, point, footprint);
   if constexpr (kNeeds.textures) {
     if (material.emissive != nullptr) {
       const Vec2 uv = texcoord_at(hit, source.emissive_texture);
-      shading.emission = shading.emission.cwiseProduct(lookup(*material.emissive, uv, Coding::kSrgb).head<3>());
+      const float lod = lod_of(hit, source.emissive_texture, *material.emissive, footprint);
+      shading.emission = shading.emission.cwiseProduct(lookup(*material.emissive, uv, Coding::kSrgb, lod).head<3>());
     }
   }
   shading.bsdf = make_matte(colour);
@@ -41,7 +43,8 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3
       if constexpr (kNeeds.textures) {
         if (material.metallic_roughness != nullptr) {
           const Vec2 uv = texcoord_at(hit, source.metallic_roughness_texture);
-          const Eigen::Vector4f texel = lookup(*material.metallic_roughness, uv, Coding::kLinear);
+          const float lod = lod_of(hit, source.metallic_roughness_texture, *material.metallic_roughness, footprint);
+          const Eigen::Vector4f texel = lookup(*material.metallic_roughness, uv, Coding::kLinear, lod);
           roughness *= texel.y();
           metallic *= texel.z();
         }

@@ -134,11 +134,32 @@ Vec2 texcoord_at(const TriangleHit& hit, const TextureUse& use) {
   return use.transform.leftCols<2>() * at + use.transform.col(2);
 }
 
-Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point) {
+float lod_of(const TriangleHit& hit, const TextureUse& use, const MipTexture& texture, const Footprint& footprint) {
+  const std::array<float, 2>* const uv = hit.mesh->texcoords[static_cast<std::size_t>(use.texcoord)];
+  if (uv == nullptr || texture.levels().empty() || !(footprint.width > 0.0f)) return 0.0f;
+  const Vec2 uv0 = to_vec2(uv[hit.corners[0]]);
+  const Vec2 d1 = to_vec2(uv[hit.corners[1]]) - uv0;
+  const Vec2 d2 = to_vec2(uv[hit.corners[2]]) - uv0;
+  const MipTexture::Level& full = texture.levels().front();
+  const float texels = std::abs((d1.x() * d2.y() - d1.y() * d2.x()) * use.transform.leftCols<2>().determinant()) *
+                       (static_cast<float>(full.width) * static_cast<float>(full.height));
+  Vec3 e1 = corner(hit, 1) - corner(hit, 0);
+  Vec3 e2 = corner(hit, 2) - corner(hit, 0);
+  if (!hit.placement->baked) {
+    e1 = hit.placement->linear * e1;
+    e2 = hit.placement->linear * e2;
+  }
+  // Both areas doubled. Per axis, a texel has the square root of their ratio; logarithms make that one half.
+  const float across = footprint.width / footprint.cosine;
+  return 0.5f * std::log2(texels / e1.cross(e2).norm() * (across * across));
+}
+
+Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point, const Footprint& footprint) {
   const SurfaceMaterial& material = *hit.mesh->material;
   if (material.normal == nullptr) return point.normal;
+  const TextureUse& use = material.source->normal_texture;
   const Eigen::Vector4f texel =
-      lookup(*material.normal, texcoord_at(hit, material.source->normal_texture), Coding::kLinear);
+      lookup(*material.normal, texcoord_at(hit, use), Coding::kLinear, lod_of(hit, use, *material.normal, footprint));
   const float scale = material.source->normal_scale;
   const Vec3 bump((2.0f * texel.x() - 1.0f) * scale, (2.0f * texel.y() - 1.0f) * scale, 2.0f * texel.z() - 1.0f);
 
@@ -169,12 +190,14 @@ Eigen::Vector4f vertex_colour_at(const TriangleHit& hit) {
   return sum;
 }
 
-Eigen::Vector4f base_colour_at(const TriangleHit& hit, const Eigen::Vector4f& vertex_colour, bool textured) {
+Eigen::Vector4f base_colour_at(const TriangleHit& hit, const Eigen::Vector4f& vertex_colour, bool textured,
+                               const Footprint& footprint) {
   const SurfaceMaterial& material = *hit.mesh->material;
   Eigen::Vector4f colour = material.source->base_colour.cwiseProduct(vertex_colour);
   if (textured && material.base_colour != nullptr) {
-    const Vec2 uv = texcoord_at(hit, material.source->base_colour_texture);
-    colour = colour.cwiseProduct(lookup(*material.base_colour, uv, Coding::kSrgb));
+    const TextureUse& use = material.source->base_colour_texture;
+    const float lod = lod_of(hit, use, *material.base_colour, footprint);
+    colour = colour.cwiseProduct(lookup(*material.base_colour, texcoord_at(hit, use), Coding::kSrgb, lod));
   }
   return colour;
 }

@@ -29,16 +29,29 @@ struct SurfacePoint {
 /// `direction` is the ray's. The normal is the interpolated one; normal maps come after. Never NaN.
 [[nodiscard]] SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction);
 
+/// How much of a surface one sample stands for: a ray with a width. Source: Akenine-Möller et al., "Improved Shader and
+/// Texture Level of Detail Using Ray Cones", JCGT 10(1), 2021.
+struct Footprint {
+  float width = 0.0f;   ///< Of the cone across the ray, where it hits. Zero: level 0 of every texture.
+  float cosine = 1.0f;  ///< Between the ray and the triangle's normal; its size counts.
+};
+
+/// The level of `texture` whose texels are as large as `footprint` on the triangle, seen along its longer side: for
+/// lookup(). Depends on the scene's scale as little as on its units; not above 0 where the texture has no extent, the
+/// coarsest (infinite) where the triangle has none.
+[[nodiscard]] float lod_of(const TriangleHit& hit, const TextureUse& use, const MipTexture& texture,
+                           const Footprint& footprint);
+
 /// The texture coordinates that `use` asks for, its transform applied; zero where the mesh has none.
 [[nodiscard]] Vec2 texcoord_at(const TriangleHit& hit, const TextureUse& use);
 
 /// The shading normal bent by the material's normal map, on the same side as before; `point.normal` where the mesh
 /// gives the map no direction.
-[[nodiscard]] Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point);
+[[nodiscard]] Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point, const Footprint& footprint);
 
 /// The colour without lighting: factor, texture if `textured`, vertex colour. Alpha is the fourth.
 [[nodiscard]] Eigen::Vector4f base_colour_at(const TriangleHit& hit, const Eigen::Vector4f& vertex_colour,
-                                             bool textured);
+                                             bool textured, const Footprint& footprint);
 
 /// Only its alpha, for rays that look for holes.
 [[nodiscard]] float alpha_at(const TriangleHit& hit);

@@ -12,64 +12,48 @@ namespace {
 /// Beyond this, float has no digits left for the place inside one repeat.
 constexpr float kLargestCoordinate = 1e6f;
 
-int wrapped(int texel, int count, WrapMode mode) {
-  switch (mode) {
-    case WrapMode::kClamp:
-      return std::clamp(texel, 0, count - 1);
-    case WrapMode::kRepeat: {
-      const int rest = texel % count;
-      return rest < 0 ? rest + count : rest;
-    }
-    case WrapMode::kMirror: {
-      const int period = 2 * count;
-      const int rest = ((texel % period) + period) % period;
-      return rest < count ? rest : period - 1 - rest;
-    }
-  }
-  return 0;
+/// std::floor() without its call; below kLargestCoordinate.
+float floor_of(float value) {
+  const auto towards_zero = static_cast<float>(static_cast<int>(value));
+  return towards_zero - static_cast<float>(towards_zero > value);  // Without a branch: signs come at random.
 }
 
-/// The coordinate brought near [0, 1], so that it fits an int after scaling.
+/// The coordinate brought into [0, 1], or [0, 2] where it mirrors.
 float reduced(float coordinate, WrapMode mode) {
   if (!(std::abs(coordinate) < kLargestCoordinate)) return 0.0f;
   switch (mode) {
     case WrapMode::kClamp:
       return std::clamp(coordinate, 0.0f, 1.0f);
     case WrapMode::kRepeat:
-      return coordinate - std::floor(coordinate);
+      return coordinate - floor_of(coordinate);
     case WrapMode::kMirror:
-      return coordinate - 2.0f * std::floor(0.5f * coordinate);
+      return coordinate - 2.0f * floor_of(0.5f * coordinate);
   }
   return 0.0f;
 }
 
-/// The texels around a place, and how much each weighs.
-struct Footprint {
-  std::array<const std::uint8_t*, 4> texels;
-  std::array<float, 4> weights;
+/// A texel's number brought inside. Precondition: it comes from a reduced() place, so that one step suffices.
+int wrapped(int texel, int count, WrapMode mode) {
+  if (mode == WrapMode::kRepeat) return texel + (texel < 0 ? count : 0) - (texel >= count ? count : 0);
+  if (mode == WrapMode::kMirror && texel >= count) texel = 2 * count - 1 - texel;
+  return std::min(std::max(texel, 0), count - 1);
+}
+
+/// The two texels around a place along one axis, and how far it is from the first to the second.
+struct Pair {
+  int first;
+  int second;
+  float between;
 };
 
-Footprint footprint_of(const Texture& texture, const Vec2& uv) {
-  const int width = texture.pixels.width();
-  const int height = texture.pixels.height();
-  const float x = reduced(uv.x(), texture.wrap_u) * static_cast<float>(width);
-  const float y = reduced(uv.y(), texture.wrap_v) * static_cast<float>(height);
-  if (texture.nearest) {
-    const int column = wrapped(static_cast<int>(std::floor(x)), width, texture.wrap_u);
-    const int row = wrapped(static_cast<int>(std::floor(y)), height, texture.wrap_v);
-    const std::uint8_t* const texel = texture.pixels.at(column, row);
-    return {{texel, texel, texel, texel}, {1.0f, 0.0f, 0.0f, 0.0f}};
-  }
-  const float left = std::floor(x - 0.5f);
-  const float top = std::floor(y - 0.5f);
-  const float fx = x - 0.5f - left;
-  const float fy = y - 0.5f - top;
-  const int x0 = wrapped(static_cast<int>(left), width, texture.wrap_u);
-  const int x1 = wrapped(static_cast<int>(left) + 1, width, texture.wrap_u);
-  const int y0 = wrapped(static_cast<int>(top), height, texture.wrap_v);
-  const int y1 = wrapped(static_cast<int>(top) + 1, height, texture.wrap_v);
-  return {{texture.pixels.at(x0, y0), texture.pixels.at(x1, y0), texture.pixels.at(x0, y1), texture.pixels.at(x1, y1)},
-          {(1.0f - fx) * (1.0f - fy), fx * (1.0f - fy), (1.0f - fx) * fy, fx * fy}};
+Pair pair_at(float reduced_place, int count, WrapMode mode) {
+  const float place = reduced_place * static_cast<float>(count) - 0.5f;
+  const int first = static_cast<int>(place + 1.0f) - 1;  // Rounded down: it is above -1.
+  return {wrapped(first, count, mode), wrapped(first + 1, count, mode), place - static_cast<float>(first)};
+}
+
+int nearest_at(float reduced_place, int count, WrapMode mode) {
+  return wrapped(static_cast<int>(reduced_place * static_cast<float>(count)), count, mode);
 }
 
 std::array<float, 256> make_table(float (*decode)(float)) {
@@ -78,38 +62,52 @@ std::array<float, 256> make_table(float (*decode)(float)) {
   return table;
 }
 
+const std::array<float, 256> kSrgb = make_table(srgb_to_linear);
+const std::array<float, 256> kLinear = make_table([](float code) { return code; });
+
+Eigen::Vector4f decoded(const std::uint8_t* texel, const std::array<float, 256>& colour) {
+  return {colour[texel[0]], colour[texel[1]], colour[texel[2]], kLinear[texel[3]]};
+}
+
+/// One level at a reduced place.
+Eigen::Vector4f filtered(const MipTexture& texture, std::size_t index, float u, float v,
+                         const std::array<float, 256>& colour) {
+  const MipTexture::Level& level = texture.levels()[index];
+  if (texture.nearest()) {
+    return decoded(
+        level.at(nearest_at(u, level.width, texture.wrap_u()), nearest_at(v, level.height, texture.wrap_v())), colour);
+  }
+  const Pair x = pair_at(u, level.width, texture.wrap_u());
+  const Pair y = pair_at(v, level.height, texture.wrap_v());
+  const Eigen::Vector4f upper = decoded(level.at(x.first, y.first), colour) * (1.0f - x.between) +
+                                decoded(level.at(x.second, y.first), colour) * x.between;
+  const Eigen::Vector4f lower = decoded(level.at(x.first, y.second), colour) * (1.0f - x.between) +
+                                decoded(level.at(x.second, y.second), colour) * x.between;
+  return upper * (1.0f - y.between) + lower * y.between;
+}
+
 }  // namespace
 
-const std::array<float, 256>& srgb_table() {
-  static const std::array<float, 256> table = make_table(srgb_to_linear);
-  return table;
+const std::array<float, 256>& srgb_table() { return kSrgb; }
+const std::array<float, 256>& linear_table() { return kLinear; }
+
+Eigen::Vector4f lookup(const MipTexture& texture, const Vec2& uv, Coding coding, float lod) {
+  if (texture.levels().empty()) return Eigen::Vector4f::Ones();
+  const std::array<float, 256>& colour = coding == Coding::kSrgb ? kSrgb : kLinear;
+  const float u = reduced(uv.x(), texture.wrap_u());
+  const float v = reduced(uv.y(), texture.wrap_v());
+  if (!(lod > 0.0f)) return filtered(texture, 0, u, v, colour);
+  const int last = static_cast<int>(texture.levels().size()) - 1;
+  const float level = std::min(lod, static_cast<float>(last));
+  if (texture.nearest()) return filtered(texture, static_cast<std::size_t>(level + 0.5f), u, v, colour);
+  const int fine = std::min(static_cast<int>(level), last - 1);
+  if (fine < 0) return filtered(texture, 0, u, v, colour);
+  const float between = level - static_cast<float>(fine);
+  return filtered(texture, static_cast<std::size_t>(fine), u, v, colour) * (1.0f - between) +
+         filtered(texture, static_cast<std::size_t>(fine) + 1, u, v, colour) * between;
 }
 
-const std::array<float, 256>& linear_table() {
-  static const std::array<float, 256> table = make_table([](float code) { return code; });
-  return table;
-}
-
-Eigen::Vector4f lookup(const Texture& texture, const Vec2& uv, Coding coding) {
-  if (texture.pixels.empty()) return Eigen::Vector4f::Ones();
-  const Footprint at = footprint_of(texture, uv);
-  const std::array<float, 256>& colour = coding == Coding::kSrgb ? srgb_table() : linear_table();
-  const std::array<float, 256>& alpha = linear_table();
-  Eigen::Vector4f sum = Eigen::Vector4f::Zero();
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::uint8_t* const t = at.texels[i];
-    sum += at.weights[i] * Eigen::Vector4f(colour[t[0]], colour[t[1]], colour[t[2]], alpha[t[3]]);
-  }
-  return sum;
-}
-
-float lookup_alpha(const Texture& texture, const Vec2& uv) {
-  if (texture.pixels.empty()) return 1.0f;
-  const Footprint at = footprint_of(texture, uv);
-  float sum = 0.0f;
-  for (std::size_t i = 0; i < 4; ++i) sum += at.weights[i] * linear_table()[at.texels[i][3]];
-  return sum;
-}
+float lookup_alpha(const MipTexture& texture, const Vec2& uv) { return lookup(texture, uv, Coding::kLinear, 0.0f).w(); }
 
 bool has_transparency(const Texture& texture) {
   const std::span<const std::uint8_t> values = texture.pixels.data();

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "renderfarm/render/mip_texture.h"
 #include "renderfarm/render/vectors.h"
-#include "renderfarm/scene/model.h"
 
 namespace cyclorama {
 
@@ -17,12 +17,15 @@ namespace cyclorama {
 /// How a texture's RGB is coded; alpha is always linear.
 enum class Coding { kSrgb, kLinear };
 
-/// The texture at uv, filtered bilinearly in linear light: (r, g, b, a). (0, 0) is the upper left corner of the first
-/// texel, (1, 1) the lower right one of the last. Coordinates that are not finite read as 0. Reentrant.
-[[nodiscard]] Eigen::Vector4f lookup(const Texture& texture, const Vec2& uv, Coding coding);
+/// The texture at uv in linear light: (r, g, b, a). (0, 0) is the upper left corner of the first texel, (1, 1) the
+/// lower right one of the last. `lod` is the base-2 logarithm of the side, in texels of level 0, of the area to be
+/// averaged: at 0 and below, and where it is NaN, level 0 is filtered bilinearly; above, the two levels around it, and
+/// between them linearly. Textures that ask for the nearest texel get it, of the nearest level. Coordinates that are
+/// not finite read as 0; a texture without pixels is 1. Reentrant.
+[[nodiscard]] Eigen::Vector4f lookup(const MipTexture& texture, const Vec2& uv, Coding coding, float lod);
 
-/// Only the alpha of the same.
-[[nodiscard]] float lookup_alpha(const Texture& texture, const Vec2& uv);
+/// Only the alpha of the same, at level 0.
+[[nodiscard]] float lookup_alpha(const MipTexture& texture, const Vec2& uv);
 
 /// Whether any texel is not opaque.
 [[nodiscard]] bool has_transparency(const Texture& texture);

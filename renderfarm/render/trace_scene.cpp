@@ -6,10 +6,6 @@
 namespace cyclorama {
 namespace {
 
-const Texture* texture_of(const Model& model, const TextureUse& use) {
-  return use.texture >= 0 ? &model.textures[static_cast<std::size_t>(use.texture)] : nullptr;
-}
-
 template <typename T>
 const T* data_or_null(const std::vector<T>& values) {
   return values.empty() ? nullptr : values.data();
@@ -17,13 +13,15 @@ const T* data_or_null(const std::vector<T>& values) {
 
 }  // namespace
 
-SurfaceMaterial trace_material(const Model& model, const Material& source) {
+SurfaceMaterial trace_material(const Model& model, const Material& source, MipTextures* textures) {
+  const bool sees_through = source.alpha_mode != AlphaMode::kOpaque;
+  const TextureContent base = sees_through ? TextureContent::kColourWithAlpha : TextureContent::kColour;
   SurfaceMaterial material;
   material.source = &source;
-  material.base_colour = texture_of(model, source.base_colour_texture);
-  material.metallic_roughness = texture_of(model, source.metallic_roughness_texture);
-  material.normal = texture_of(model, source.normal_texture);
-  material.emissive = texture_of(model, source.emissive_texture);
+  material.base_colour = textures->request(model, source.base_colour_texture, base);
+  material.metallic_roughness = textures->request(model, source.metallic_roughness_texture, TextureContent::kData);
+  material.normal = textures->request(model, source.normal_texture, TextureContent::kData);
+  material.emissive = textures->request(model, source.emissive_texture, TextureContent::kColour);
   material.glossy = surface_level_of(source) != SurfaceLevel::kMatte;
   material.cut_out = source.alpha_mode == AlphaMode::kMask;
   return material;

@@ -8,6 +8,7 @@
 
 #include "renderfarm/render/embree.h"
 #include "renderfarm/render/lamps.h"
+#include "renderfarm/render/mip_texture.h"
 #include "renderfarm/render/vectors.h"
 #include "renderfarm/scene/scene.h"
 
@@ -16,10 +17,10 @@ namespace cyclorama {
 /// A material with its textures found.
 struct SurfaceMaterial {
   const Material* source = nullptr;
-  const Texture* base_colour = nullptr;  ///< Null is none; so are the others.
-  const Texture* metallic_roughness = nullptr;
-  const Texture* normal = nullptr;
-  const Texture* emissive = nullptr;
+  const MipTexture* base_colour = nullptr;  ///< Null is none; so are the others.
+  const MipTexture* metallic_roughness = nullptr;
+  const MipTexture* normal = nullptr;
+  const MipTexture* emissive = nullptr;
   bool glossy = false;   ///< Has a specular lobe.
   bool blends = false;   ///< Lets light through in part.
   bool cut_out = false;  ///< Has holes.
@@ -48,6 +49,7 @@ struct Placement {
 /// Owned and kept alive by the Renderer. Read-only while rays are traced.
 struct TraceScene {
   RTCScene top = nullptr;
+  MipTextures textures;
   std::vector<SurfaceMaterial> materials;
   std::vector<SurfaceMesh> meshes;
   std::vector<Placement> placements;
@@ -57,8 +59,8 @@ struct TraceScene {
   Vec3 eye_lamp = Vec3::Zero();
 };
 
-/// The same as importers have it, with its textures found. Borrows `model`.
-[[nodiscard]] SurfaceMaterial trace_material(const Model& model, const Material& source);
+/// The same as importers have it, with its textures found; they are there once `textures` is built. Borrows all three.
+[[nodiscard]] SurfaceMaterial trace_material(const Model& model, const Material& source, MipTextures* textures);
 /// Without its material. Borrows the arrays of `mesh`.
 [[nodiscard]] SurfaceMesh trace_mesh(const Mesh& mesh);
 /// An instance of a mesh that is not baked.

@@ -18,7 +18,10 @@ Texture ramp(bool vertical, WrapMode wrap) {
   texture.wrap_v = wrap;
   return texture;
 }
-float red(const Texture& texture, float u, float v = 0.5f) { return lookup(texture, {u, v}, Coding::kLinear).x(); }
+MipTexture mips(const Texture& texture) { return {texture, TextureContent::kData}; }
+float red(const Texture& texture, float u, float v = 0.5f, float lod = 0.0f) {
+  return lookup(mips(texture), {u, v}, Coding::kLinear, lod).x();
+}
 
 TEST(TextureLookup, a_texels_centre_is_the_texel) {
   const Texture texture = ramp(false, WrapMode::kClamp);
@@ -74,13 +77,13 @@ TEST(TextureLookup, filters_in_linear_light_and_leaves_alpha_linear) {
   texture.pixels = RgbaImage(2, 1);
   for (int c = 0; c < 4; ++c) texture.pixels.at(1, 0)[c] = 255;
   texture.wrap_u = WrapMode::kClamp;
-  const Eigen::Vector4f middle = lookup(texture, {0.5f, 0.5f}, Coding::kSrgb);
+  const Eigen::Vector4f middle = lookup(mips(texture), {0.5f, 0.5f}, Coding::kSrgb, 0.0f);
   EXPECT_NEAR(middle.x(), 0.5f, 1e-6f);
   EXPECT_NEAR(middle.w(), 0.5f, 1e-6f);
-  EXPECT_NEAR(lookup_alpha(texture, {0.5f, 0.5f}), 0.5f, 1e-6f);
+  EXPECT_NEAR(lookup_alpha(mips(texture), {0.5f, 0.5f}), 0.5f, 1e-6f);
   texture.pixels = RgbaImage(1, 1, 128);
-  EXPECT_NEAR(lookup(texture, {0.5f, 0.5f}, Coding::kSrgb).x(), 0.2158605f, 1e-5f);
-  EXPECT_NEAR(lookup(texture, {0.5f, 0.5f}, Coding::kSrgb).w(), 128.0f / 255.0f, 1e-6f);
+  EXPECT_NEAR(lookup(mips(texture), {0.5f, 0.5f}, Coding::kSrgb, 0.0f).x(), 0.2158605f, 1e-5f);
+  EXPECT_NEAR(lookup(mips(texture), {0.5f, 0.5f}, Coding::kSrgb, 0.0f).w(), 128.0f / 255.0f, 1e-6f);
 }
 
 TEST(TextureLookup, coordinates_beyond_all_sense_give_a_colour) {
@@ -90,11 +93,14 @@ TEST(TextureLookup, coordinates_beyond_all_sense_give_a_colour) {
       texture.nearest = nearest;
       for (const float u : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                             -std::numeric_limits<float>::infinity(), 3e38f, -3e38f, 1e-45f, 999999.9f, -1e-9f}) {
-        EXPECT_TRUE(lookup(texture, {u, u}, Coding::kSrgb).allFinite()) << u;
+        for (const float lod : {0.0f, 0.7f, 2.0f, 9.0f, std::numeric_limits<float>::quiet_NaN()}) {
+          const float value = red(texture, u, u, lod);
+          EXPECT_TRUE(value >= 0.0f && value <= 1.0f) << u << " at level " << lod;
+        }
       }
     }
   }
-  EXPECT_TRUE(lookup(Texture{}, {0.5f, 0.5f}, Coding::kSrgb).isOnes());
+  EXPECT_TRUE(lookup(mips(Texture{}), {0.5f, 0.5f}, Coding::kSrgb, 3.0f).isOnes());
 }
 
 TEST(TextureLookup, knows_whether_anything_is_transparent) {

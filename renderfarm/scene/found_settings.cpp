@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "renderfarm/scene/environment_file.h"
 #include "renderfarm/scene/ground.h"
 #include "renderfarm/scene/space_grid.h"
 
@@ -238,7 +239,8 @@ void add_light(const FoundSettings& found, Scene* scene) {
 double find_exposure(const FoundSettings& found, const Scene& scene) {
   constexpr double kMiddle = 0.25;  // Radiance of a surface that reflects half of what it gets.
   constexpr int kSamples = 256;
-  if (scene.model.lights.empty()) return 1.0;
+  Eigen::Vector3d from_all_around = Eigen::Vector3d::Zero();
+  if (scene.environment) from_all_around = std::numbers::pi * mean_radiance(*scene.environment).cast<double>();
   std::vector<double> levels;
   for (int i = 0; i < kSamples; ++i) {
     // On a spiral around the eye, at the distances where walls and things are.
@@ -246,7 +248,7 @@ double find_exposure(const FoundSettings& found, const Scene& scene) {
     const double distance = found.view_m * std::sqrt((i + 0.5) / kSamples);
     const double height = (i % 5 - 2) * 0.2 * std::min(found.view_m, 3.0);
     const Eigen::Vector3d p = found.eye + distance * ahead(angle) + height * Eigen::Vector3d::UnitY();
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Vector3d sum = from_all_around;
     for (const Light& light : scene.model.lights) sum += 0.5 * irradiance(light, p);  // Half of what faces it squarely.
     levels.push_back(sum.dot(Eigen::Vector3d(0.2126, 0.7152, 0.0722)));
   }

@@ -41,7 +41,8 @@ struct FoundSettings {
 void add_light(const FoundSettings& found, Scene* scene);
 
 /// The exposure at which what the lamps fall on around the eye is of middle brightness: files mean anything from one
-/// candela to a hundred thousand by the same light. 1 where no lamp reaches. Shadows are not looked at.
+/// candela to a hundred thousand by the same light. The environment counts as if all of it were seen. 1 where neither
+/// gives light. Shadows are not looked at.
 [[nodiscard]] double find_exposure(const FoundSettings& found, const Scene& scene);
 
 }  // namespace cyclorama

@@ -12,6 +12,7 @@
 
 #include "common/base/file.h"
 #include "renderfarm/scene/assemble.h"
+#include "renderfarm/scene/environment_file.h"
 #include "renderfarm/scene/found_settings.h"
 #include "renderfarm/scene/scene_package.h"
 #include "renderfarm/scene/text_lines.h"
@@ -72,7 +73,8 @@ bool has_light(const Scene& scene) {
 void light(const ScenePackage& package, const FoundSettings& found, Scene* scene) {
   constexpr float kShadow = 0.04f;  // Of white: what no lamp reaches directly is not black in the world.
   scene->tone = package.tone;
-  const bool package_says = package.sky || package.ambient || package.eye_lamp || !package.lamps.empty();
+  const bool package_says =
+      package.sky || package.environment || package.ambient || package.eye_lamp || !package.lamps.empty();
   if (!package_says && !has_light(*scene)) {
     add_light(found, scene);
     scene->exposure = package.exposure.value_or(1.0);
@@ -97,9 +99,11 @@ void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoi
 }
 
 /// What the package leaves open is found from the geometry.
-Result<Scene> furnish(ScenePackage package, Model model, const std::filesystem::path& path) {
+Result<Scene> furnish(ScenePackage package, Model model, std::optional<EnvironmentMap> environment,
+                      const std::filesystem::path& path) {
   Scene scene;
   scene.model = std::move(model);
+  scene.environment = std::move(environment);
   scene.bounds = bounds_of(scene.model);
   if (scene.bounds.isEmpty()) {
     return Error(ErrorCode::kBadData, fmt::format("'{}' holds no triangles: there is nothing to show", path.string()));
@@ -139,7 +143,13 @@ Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits
     done += 1.0;
     if (progress) progress(0.9 * done / static_cast<double>(package.geometry.size()));
   }
-  return furnish(std::move(package), std::move(model), path);
+  std::optional<EnvironmentMap> environment;
+  if (package.environment) {
+    const PackageEnvironment& from = *package.environment;
+    TRY_ASSIGN(RadianceImage pixels, read_environment(from.file, limits, &model.notes));
+    environment = EnvironmentMap{std::move(pixels), from.rotation_rad, from.strength};
+  }
+  return furnish(std::move(package), std::move(model), std::move(environment), path);
 }
 
 /// glTF is in metres by its standard and others state no unit; files of both kinds come in millimetres. No site that a
@@ -162,7 +172,7 @@ Result<Scene> load_file(const std::filesystem::path& path, const ImportLimits& l
   add_part(std::move(file), unit_m, {T_part_file(unit_m, false)}, &model);
   ScenePackage package;
   package.title = path.stem().string();
-  return furnish(std::move(package), std::move(model), path);
+  return furnish(std::move(package), std::move(model), std::nullopt, path);
 }
 
 }  // namespace
@@ -209,6 +219,7 @@ std::size_t Scene::memory_bytes() const {
              bytes_of(mesh.colours);
   }
   for (const Texture& texture : model.textures) bytes += texture.pixels.data().size();
+  if (environment) bytes += environment->pixels.data().size_bytes();
   return bytes;
 }
 

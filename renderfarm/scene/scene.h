@@ -5,10 +5,12 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/result.h"
+#include "renderfarm/scene/environment_map.h"
 #include "renderfarm/scene/model.h"
 
 namespace cyclorama {
@@ -46,6 +48,7 @@ struct Scene {
   SceneInfo info;
   Model model;
   Sky sky;
+  std::optional<EnvironmentMap> environment;          ///< Takes the place of the sky.
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();  ///< Radiance added to what surfaces receive, unshadowed.
   /// A lamp that the visitor carries at the eye, candela; zero is none. Scenes without any light get one.
   Eigen::Vector3f eye_lamp = Eigen::Vector3f::Zero();

@@ -40,7 +40,7 @@ std::optional<double> number_if_given(ConfigTable* table, const char* key, Range
   return table->number(key, range);
 }
 
-/// A geometry file must lie inside the package: a package from elsewhere must not read other files of this machine.
+/// A file must lie inside the package: a package from elsewhere must not read other files of this machine.
 std::filesystem::path file_inside(ConfigTable* table, const std::filesystem::path& folder) {
   const std::string file = table->text("file");
   std::error_code error;
@@ -139,6 +139,17 @@ ToneCurve read_tone(ConfigTable table) {
   return curve == "linear" ? ToneCurve::kLinear : curve == "filmic" ? ToneCurve::kFilmic : ToneCurve::kShoulder;
 }
 
+std::optional<PackageEnvironment> environment_if_given(ConfigTable* root, const std::filesystem::path& folder) {
+  if (!root->has("environment")) return std::nullopt;
+  ConfigTable table = root->table("environment");
+  if (root->has("sky")) table.refuse("file", "takes the place of [sky]; remove one of them");
+  PackageEnvironment environment;
+  environment.file = file_inside(&table, folder);
+  environment.strength = static_cast<float>(table.number("strength", kLight, 1.0));
+  environment.rotation_rad = static_cast<float>(table.number("rotation_deg", kAngle, 0.0) * kDegree);
+  return environment;
+}
+
 void read_visitor(ConfigTable table, ScenePackage* package) {
   package->eye_height_m = number_if_given(&table, "eye_height_m", {0.01, 100.0});
   package->walking_scale = number_if_given(&table, "walking_scale", {1e-4, 1e4});
@@ -177,6 +188,7 @@ Result<ScenePackage> parse_scene_package(std::string_view text, std::string name
     package.start_heading_rad = *heading * kDegree;
   read_visitor(root.table("visitor"), &package);
   package.sky = read_sky(&root);
+  package.environment = environment_if_given(&root, folder);
   ConfigTable light = root.table("light");
   package.ambient = colour_if_given(&light, "ambient");
   package.eye_lamp = colour_if_given(&light, "eye_lamp_cd");

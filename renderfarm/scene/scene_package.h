@@ -23,6 +23,13 @@ struct PackageGeometry {
   std::vector<Eigen::Affine3d> T_scene_part;  ///< At least one. Part: the file's model in metres, y up.
 };
 
+/// A picture of the light from all around.
+struct PackageEnvironment {
+  std::filesystem::path file;
+  float strength = 1.0f;
+  float rotation_rad = 0.0f;  ///< To the right.
+};
+
 /// What is absent is found from the geometry. Scene frame, metres.
 struct ScenePackage {
   std::string title;
@@ -35,6 +42,7 @@ struct ScenePackage {
   std::optional<double> walking_scale;
   std::vector<Eigen::Vector2d> walkable;
   std::optional<Sky> sky;
+  std::optional<PackageEnvironment> environment;  ///< Not beside a sky.
   std::optional<Eigen::Vector3f> ambient;
   std::optional<Eigen::Vector3f> eye_lamp;
   std::vector<Light> lamps;

@@ -161,5 +161,27 @@ TEST_F(ScenePackageTest, mistakes_name_their_line) {
   EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[9,0],[9,9]]\n"), HasSubstr("give [start] eye_m"));
 }
 
+TEST_F(ScenePackageTest, an_environment_is_a_file_of_the_package_with_strength_and_rotation) {
+  std::ofstream(folder_ / "in" / "x.hdr") << "hdr";
+  const auto package = parse(kLeast + "[environment]\nfile = 'in/x.hdr'\nstrength = 2.5\nrotation_deg = -90\n");
+  ASSERT_TRUE(package.has_value()) << package.error().message();
+  ASSERT_TRUE(package->environment.has_value());
+  EXPECT_EQ(package->environment->file.filename(), "x.hdr");
+  EXPECT_EQ(package->environment->strength, 2.5f);
+  EXPECT_NEAR(package->environment->rotation_rad, -0.5 * std::numbers::pi, 1e-6);
+  const auto plain = parse(kLeast + "[environment]\nfile = 'in/x.hdr'\n");
+  ASSERT_TRUE(plain.has_value() && plain->environment);
+  EXPECT_EQ(plain->environment->strength, 1.0f);
+  EXPECT_EQ(plain->environment->rotation_rad, 0.0f);
+}
+
+TEST_F(ScenePackageTest, an_environment_from_elsewhere_of_no_file_or_beside_a_sky_is_refused) {
+  EXPECT_THAT(complaint(kLeast + "[environment]\nfile = '/etc/passwd'\n"), HasSubstr("inside the package"));
+  EXPECT_THAT(complaint(kLeast + "[environment]\nfile = 'none.hdr'\n"), HasSubstr("not a file of the package"));
+  EXPECT_THAT(complaint(kLeast + "[environment]\nstrength = 2\n"), HasSubstr("file"));
+  EXPECT_THAT(complaint(kLeast + "[environment]\nfile = 'a.ply'\nstrength = -1\n"), HasSubstr("strength"));
+  EXPECT_THAT(complaint(kLeast + "[environment]\nfile = 'a.ply'\n[sky]\nzenith = [1, 1, 1]\n"), HasSubstr("[sky]"));
+}
+
 }  // namespace
 }  // namespace cyclorama

@@ -69,6 +69,7 @@ LampAim aim_from_inside(const Lamp& lamp, const Vec3& to_centre, const Vec2& u) 
 std::vector<Lamp> make_lamps(const std::vector<Light>& lights, const Eigen::Vector3d& origin) {
   std::vector<Lamp> lamps;
   for (const Light& light : lights) {
+    if (is_flat(light.kind)) continue;
     const Lamp lamp = make_lamp(light, origin);
     if (lamp.power > 0.0f && std::isfinite(lamp.power) && is_finite(lamp.position)) lamps.push_back(lamp);
   }

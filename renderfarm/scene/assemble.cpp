@@ -22,7 +22,9 @@ Light placed(Light light, const Eigen::Affine3d& T_whole_file, double unit_m) {
   light.position = T_whole_file * light.position;
   light.direction = (T_whole_file.linear() * light.direction).normalized();
   if (light.kind == LightKind::kDirectional) return light;
-  light.intensity *= static_cast<float>(unit_m * unit_m);
+  if (!is_flat(light.kind)) light.intensity *= static_cast<float>(unit_m * unit_m);  // Radiance has no length in it.
+  light.across = (T_whole_file.linear() * light.across).normalized();
+  light.size_m *= scale;
   light.radius_m *= scale;
   light.range_m *= scale;
   return light;
@@ -90,7 +92,8 @@ void free_lamps(Model* model) {
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) box.extend(instance.T_model_mesh * corner_of(mesh, i));
     if (box.isEmpty() || box.sizes().maxCoeff() > kLargestGlobeM) continue;
     for (Light& light : model->lights) {
-      if (light.kind == LightKind::kDirectional || !box.contains(light.position)) continue;
+      const bool is_bulb = light.kind == LightKind::kPoint || light.kind == LightKind::kSpot;
+      if (!is_bulb || !box.contains(light.position)) continue;
       double farthest = 0.0;
       for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         farthest = std::max(farthest, (instance.T_model_mesh * corner_of(mesh, i) - light.position).norm());

@@ -180,6 +180,10 @@ Eigen::Vector3d irradiance(const Light& light, const Eigen::Vector3d& p) {
   const double distance2 = std::max(away.squaredNorm(), 1e-4);
   if (light.range_m > 0.0 && distance2 > light.range_m * light.range_m) return Eigen::Vector3d::Zero();
   const double cosine = away.normalized().dot(light.direction);
+  if (is_flat(light.kind)) {
+    const double area = area_of(light);
+    return intensity * (std::max(0.0, cosine) * area / (distance2 + area / std::numbers::pi));
+  }
   if (light.kind == LightKind::kSpot && cosine < std::cos(light.outer_cone_rad)) return Eigen::Vector3d::Zero();
   return intensity / distance2;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -102,21 +103,36 @@ struct Instance {
   Eigen::Affine3d T_model_mesh = Eigen::Affine3d::Identity();
 };
 
-enum class LightKind : std::uint8_t { kPoint, kSpot, kDirectional };
+/// A sphere is a point light with a radius.
+enum class LightKind : std::uint8_t { kPoint, kSpot, kDirectional, kRectangle, kDisk };
 
-/// KHR_lights_punctual, with a size for soft shadows.
+/// KHR_lights_punctual with a size for soft shadows, and flat lights. A rectangle or disk has its middle at `position`
+/// and shines alike from every place, in every direction on the side to which `direction` points; its back is black.
 struct Light {
   std::string name;
   LightKind kind = LightKind::kPoint;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d direction = -Eigen::Vector3d::UnitY();  ///< Where it shines; unit length. Spot and directional.
-  /// Linear colour times candela (point, spot) or lux (directional).
+  Eigen::Vector3d direction = -Eigen::Vector3d::UnitY();  ///< Where it shines; unit length. All but points.
+  Eigen::Vector3d across = Eigen::Vector3d::UnitX();      ///< Rectangle: along its width; unit length, not `direction`.
+  /// Linear colour times candela (point, spot), lux (directional), or nits: the radiance (rectangle, disk).
   Eigen::Vector3f intensity = Eigen::Vector3f::Ones();
-  double radius_m = 0.0;        ///< Of the shining sphere; for directional lights, tangent of its angular radius.
+  Eigen::Vector2d size_m = Eigen::Vector2d::Zero();  ///< Rectangle: width and height.
+  /// Of the shining sphere or disk; for directional lights, tangent of its angular radius.
+  double radius_m = 0.0;
   double range_m = 0.0;         ///< Fades to nothing there; 0 is without end.
   double inner_cone_rad = 0.0;  ///< Spot: full intensity inside, none outside the outer cone.
   double outer_cone_rad = 0.7853981633974483;
+  /// Whether rays meet it: the eye and mirrors see it, and it casts shadows. Not directional, nor of radius 0.
+  bool visible = false;
 };
+
+/// Rectangle and disk.
+[[nodiscard]] inline bool is_flat(LightKind kind) { return kind == LightKind::kRectangle || kind == LightKind::kDisk; }
+/// Square metres of a rectangle or disk; 0 for others.
+[[nodiscard]] inline double area_of(const Light& light) {
+  if (light.kind == LightKind::kRectangle) return light.size_m.prod();
+  return light.kind == LightKind::kDisk ? std::numbers::pi * light.radius_m * light.radius_m : 0.0;
+}
 
 /// A camera that the file placed; scenes offer them as tour stops.
 struct Viewpoint {

@@ -18,6 +18,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr Range kMetres{-1e6, 1e6};
 constexpr Range kAngle{-360.0, 360.0};
 constexpr Range kLight{0.0, 1e9};
+constexpr Range kLampSize{1e-6, 1e4};
 constexpr Range kUnit{1e-6, 1e6};
 constexpr Range kScale{1e-6, 1e6};
 constexpr std::size_t kMostCorners = 1024;  // As many as the visitor's navigation accepts.
@@ -98,10 +99,57 @@ void read_cone(ConfigTable* table, Light* light) {
   }
 }
 
+void read_direction(ConfigTable* table, Light* light) {
+  const Eigen::Vector3d direction =
+      vector_of(table->numbers("direction", 3, kMetres, std::vector<double>{0.0, -1.0, 0.0}));
+  if (direction.norm() > 1e-9) {
+    light->direction = direction.normalized();
+  } else {
+    table->refuse("direction", "has no length; give a vector that points where the lamp shines");
+  }
+}
+
+/// The width of a rectangle is level, as a picture's on a wall; then it is turned about where it shines.
+Eigen::Vector3d across_of(const Eigen::Vector3d& direction, double rotation_rad) {
+  Eigen::Vector3d level = direction.cross(Eigen::Vector3d::UnitY());
+  level = level.norm() > 1e-9 ? level.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+  return Eigen::AngleAxisd(rotation_rad, direction) * level;
+}
+
+/// Needs the lamp's size.
+Eigen::Vector3f read_radiance(ConfigTable* table, const Light& light) {
+  if (table->has("luminance_nits") && table->has("flux_lm")) {
+    table->refuse("flux_lm", "says again what luminance_nits says; keep one of them");
+  }
+  if (!table->has("flux_lm")) return colour_of(table->numbers("luminance_nits", 3, kLight));
+  const double lumen_per_nit = std::numbers::pi * area_of(light);
+  const Eigen::Vector3d flux = vector_of(table->numbers("flux_lm", 3, kLight));
+  return lumen_per_nit > 0.0 ? Eigen::Vector3f((flux / lumen_per_nit).cast<float>()) : Eigen::Vector3f::Zero().eval();
+}
+
+void read_flat_lamp(ConfigTable* table, Light* light) {
+  light->position = vector_of(table->numbers("position_m", 3, kMetres));
+  read_direction(table, light);
+  if (light->kind == LightKind::kRectangle) {
+    const std::vector<double> size = table->numbers("size_m", 2, kLampSize);
+    light->size_m = {size[0], size[1]};
+    light->across = across_of(light->direction, table->number("rotation_deg", kAngle, 0.0) * kDegree);
+  } else {
+    light->radius_m = table->number("radius_m", kLampSize);
+  }
+  light->intensity = read_radiance(table, *light);
+  light->visible = table->flag("visible", true);
+}
+
 Light read_lamp(ConfigTable table) {
   Light light;
   light.name = table.text("name", "");
-  const std::string kind = table.choice("kind", {"point", "spot", "directional"});
+  const std::string kind = table.choice("kind", {"point", "spot", "directional", "rectangle", "disk"});
+  if (kind == "rectangle" || kind == "disk") {
+    light.kind = kind == "disk" ? LightKind::kDisk : LightKind::kRectangle;
+    read_flat_lamp(&table, &light);
+    return light;
+  }
   if (kind == "directional") {
     light.kind = LightKind::kDirectional;
     light.intensity = colour_of(table.numbers("intensity_lux", 3, kLight));
@@ -112,16 +160,12 @@ Light read_lamp(ConfigTable table) {
     light.intensity = colour_of(table.numbers("intensity_cd", 3, kLight));
     light.radius_m = table.number("radius_m", {0.0, 1000.0}, 0.0);
     light.range_m = table.number("range_m", {0.0, 1e6}, 0.0);
-  }
-  if (light.kind != LightKind::kPoint) {
-    const Eigen::Vector3d direction =
-        vector_of(table.numbers("direction", 3, kMetres, std::vector<double>{0.0, -1.0, 0.0}));
-    if (direction.norm() > 1e-9) {
-      light.direction = direction.normalized();
-    } else {
-      table.refuse("direction", "has no length; give a vector that points where the lamp shines");
+    light.visible = table.flag("visible", false);
+    if (light.visible && !(light.radius_m > 0.0)) {
+      table.refuse("visible", "cannot be seen without a size; give radius_m as well");
     }
   }
+  if (light.kind != LightKind::kPoint) read_direction(&table, &light);
   if (light.kind == LightKind::kSpot) read_cone(&table, &light);
   return light;
 }

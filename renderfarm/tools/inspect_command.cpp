@@ -18,13 +18,29 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 std::string text_of(const Eigen::Vector3d& v) { return fmt::format("({:.2f}, {:.2f}, {:.2f})", v.x(), v.y(), v.z()); }
 std::string text_of(const Eigen::Vector3f& v) { return fmt::format("({:.3g}, {:.3g}, {:.3g})", v.x(), v.y(), v.z()); }
 
+const char* name_of(LightKind kind) {
+  switch (kind) {
+    case LightKind::kPoint:
+      return "point";
+    case LightKind::kSpot:
+      return "spot";
+    case LightKind::kDirectional:
+      return "directional";
+    case LightKind::kRectangle:
+      return "rectangle";
+    case LightKind::kDisk:
+      return "disk";
+  }
+  return "";
+}
+
 void print_light(const Scene& scene) {
   for (const Light& light : scene.model.lights) {
-    const char* const kind = light.kind == LightKind::kPoint  ? "point"
-                             : light.kind == LightKind::kSpot ? "spot"
-                                                              : "directional";
-    fmt::print("  {} light '{}' at {}, intensity {}, radius {:.3f}\n", kind, printable(light.name),
-               text_of(light.position), text_of(light.intensity), light.radius_m);
+    const std::string size = light.kind == LightKind::kRectangle
+                                 ? fmt::format("size {:.3f} x {:.3f}", light.size_m.x(), light.size_m.y())
+                                 : fmt::format("radius {:.3f}", light.radius_m);
+    fmt::print("  {} light '{}' at {}, intensity {}, {}\n", name_of(light.kind), printable(light.name),
+               text_of(light.position), text_of(light.intensity), size);
   }
   fmt::print("sky         zenith {}, horizon {}, ground {}\n", text_of(scene.sky.zenith), text_of(scene.sky.horizon),
              text_of(scene.sky.ground));

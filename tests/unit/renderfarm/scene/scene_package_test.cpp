@@ -107,6 +107,64 @@ heading_deg = -90
   EXPECT_NEAR(package->stops[0].heading_rad, -0.5 * std::numbers::pi, 1e-12);
 }
 
+TEST_F(ScenePackageTest, flat_lamps_are_read) {
+  const auto package = parse(kLeast + R"(
+[[lamp]]
+kind = "rectangle"
+position_m = [0, 3, 0]
+size_m = [2, 1]
+flux_lm = [6.283185307179586, 0, 0]
+[[lamp]]
+kind = "rectangle"
+position_m = [0, 1, 5]
+direction = [0, 0, -3]
+rotation_deg = 90
+size_m = [1, 1]
+luminance_nits = [3, 4, 5]
+visible = false
+[[lamp]]
+kind = "disk"
+position_m = [0, 3, 0]
+radius_m = 0.5
+luminance_nits = [3, 4, 5]
+[[lamp]]
+kind = "point"
+position_m = [0, 3, 0]
+radius_m = 0.5
+intensity_cd = [3, 4, 5]
+visible = true
+)");
+  ASSERT_TRUE(package.has_value()) << package.error().message();
+  ASSERT_EQ(package->lamps.size(), 4u);
+  const Light& ceiling = package->lamps[0];
+  EXPECT_EQ(ceiling.kind, LightKind::kRectangle);
+  EXPECT_EQ(ceiling.direction, Eigen::Vector3d(0, -1, 0));
+  EXPECT_EQ(ceiling.across, Eigen::Vector3d(1, 0, 0));
+  EXPECT_EQ(ceiling.size_m, Eigen::Vector2d(2, 1));
+  EXPECT_NEAR(ceiling.intensity.x(), 1.0f, 1e-6f) << "lumens over pi and square metres";
+  EXPECT_TRUE(ceiling.visible);
+  const Light& wall = package->lamps[1];
+  EXPECT_LT((wall.across - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12) << "+x, turned clockwise for who looks along -z";
+  EXPECT_FALSE(wall.visible);
+  EXPECT_EQ(package->lamps[2].kind, LightKind::kDisk);
+  EXPECT_EQ(package->lamps[2].radius_m, 0.5);
+  EXPECT_TRUE(package->lamps[3].visible);
+}
+
+TEST_F(ScenePackageTest, mistakes_in_flat_lamps_name_their_remedy) {
+  const std::string lamp = kLeast + "[[lamp]]\nposition_m = [0,0,0]\n";
+  EXPECT_THAT(complaint(lamp + "kind = 'rectangle'\nluminance_nits = [1,1,1]\n"), HasSubstr("size_m: is missing"));
+  EXPECT_THAT(complaint(lamp + "kind = 'disk'\nluminance_nits = [1,1,1]\n"), HasSubstr("radius_m: is missing"));
+  EXPECT_THAT(complaint(lamp + "kind = 'disk'\nradius_m = 1\n"), HasSubstr("luminance_nits: is missing"));
+  EXPECT_THAT(complaint(lamp + "kind = 'disk'\nradius_m = 1\nflux_lm = [1,1,1]\nluminance_nits = [1,1,1]\n"),
+              HasSubstr("keep one of them"));
+  EXPECT_THAT(complaint(lamp + "kind = 'disk'\nradius_m = 0\nluminance_nits = [1,1,1]\n"), HasSubstr("radius_m"));
+  EXPECT_THAT(complaint(lamp + "kind = 'disk'\nradius_m = 1\nluminance_nits = [1,1,1]\nsize_m = [1,1]\n"),
+              HasSubstr("lamp[0].size_m"));
+  EXPECT_THAT(complaint(lamp + "kind = 'point'\nintensity_cd = [1,1,1]\nvisible = true\n"),
+              HasSubstr("give radius_m as well"));
+}
+
 TEST_F(ScenePackageTest, rotations_are_applied_about_x_then_y_then_z) {
   const auto package = parse(kLeast + "rotation_deg = [90, 90, 0]\nscale = 2\nposition_m = [1, 0, 0]\n");
   ASSERT_TRUE(package.has_value());

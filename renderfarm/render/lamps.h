@@ -4,25 +4,9 @@
 
 #include <vector>
 
-#include "renderfarm/render/vectors.h"
-#include "renderfarm/scene/model.h"
+#include "renderfarm/render/lights/lamp.h"
 
 namespace cyclorama {
-
-/// A lamp in the render frame.
-struct Lamp {
-  LightKind kind = LightKind::kPoint;
-  Vec3 position = Vec3::Zero();
-  Vec3 axis = Vec3(0.0f, -1.0f, 0.0f);  ///< Where it shines.
-  Vec3 intensity = Vec3::Zero();        ///< Candela; lux for directional lamps.
-  float power = 0.0f;                   ///< Luminance of the intensity.
-  float radius = 0.0f;                  ///< Point and spot, metres.
-  float inverse_range = 0.0f;           ///< 0 is without end.
-  float cos_outer = -1.0f;              ///< Spot.
-  float inverse_cone = 1.0f;            ///< Spot: 1 / (cos inner - cos outer).
-  float one_minus_cos_disc = 0.0f;      ///< Directional: of the angular radius.
-  float sin_disc = 0.0f;                ///< Directional: of the angular radius.
-};
 
 /// One aim at a lamp.
 struct LampAim {

@@ -31,6 +31,7 @@ SurfaceMesh trace_mesh(const Mesh& mesh) {
   SurfaceMesh traced;
   traced.positions = mesh.positions.data();
   traced.triangles = mesh.triangles.data();
+  traced.triangle_count = mesh.triangles.size();
   traced.normals = data_or_null(mesh.normals);
   traced.texcoords = {data_or_null(mesh.texcoords[0]), data_or_null(mesh.texcoords[1])};
   traced.tangents = data_or_null(mesh.tangents);

@@ -30,6 +30,7 @@ struct SurfaceMaterial {
 struct SurfaceMesh {
   const std::array<float, 3>* positions = nullptr;
   const std::array<std::uint32_t, 3>* triangles = nullptr;
+  std::size_t triangle_count = 0;
   const std::array<float, 3>* normals = nullptr;
   std::array<const std::array<float, 2>*, 2> texcoords = {nullptr, nullptr};
   const std::array<float, 4>* tangents = nullptr;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Points, spots, spheres and suns: KHR_lights_punctual with a size.
+#pragma once
+
+#include "renderfarm/render/lights/light_sample.h"
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama {
+
+/// A lamp in the render frame.
+struct Lamp {
+  LightKind kind = LightKind::kPoint;
+  Vec3 position = Vec3::Zero();
+  Vec3 axis = Vec3(0.0f, -1.0f, 0.0f);  ///< Where it shines.
+  Vec3 intensity = Vec3::Zero();        ///< Candela; lux for directional lamps.
+  float power = 0.0f;                   ///< Luminance of the intensity.
+  float radius = 0.0f;                  ///< Point and spot, metres.
+  float inverse_range = 0.0f;           ///< 0 is without end.
+  float cos_outer = -1.0f;              ///< Spot.
+  float inverse_cone = 1.0f;            ///< Spot: 1 / (cos inner - cos outer).
+  float one_minus_cos_disc = 0.0f;      ///< Directional: of the angular radius.
+  float sin_disc = 0.0f;                ///< Directional: of the angular radius.
+  bool visible = false;                 ///< Rays meet it.
+};
+
+/// Nearer to a lamp without a size, its light would grow without bound.
+inline constexpr float kLeastLampDistance = 1e-3f;
+
+/// `light` is a point, spot or directional one; rebased to `origin`.
+[[nodiscard]] Lamp make_lamp(const Light& light, const Eigen::Vector3d& origin);
+/// Whether it gives any light, and that in numbers.
+[[nodiscard]] bool is_lit(const Lamp& lamp);
+
+/// Aims at a place on the lamp chosen by `u`, uniformly in solid angle as seen from `p`; at a directional one within
+/// its disc. Inside of a sphere its surface shines from all around.
+[[nodiscard]] LightSample sample_lamp(const Lamp& lamp, const Vec3& p, const Vec2& u);
+/// That of sample_lamp() for a ray that met the lamp.
+[[nodiscard]] float lamp_density(const Lamp& lamp, const Vec3& p);
+/// Of its sphere, seen from `p`.
+[[nodiscard]] Vec3 lamp_radiance(const Lamp& lamp, const Vec3& p);
+
+/// KHR_lights_punctual's fading towards the range, without the 1/d^2.
+[[nodiscard]] inline float fading(const Lamp& lamp, float distance) {
+  const float part = distance * lamp.inverse_range;
+  const float part2 = part * part;
+  return std::clamp(1.0f - part2 * part2, 0.0f, 1.0f);
+}
+
+[[nodiscard]] inline float spot_factor(const Lamp& lamp, const Vec3& to_lamp) {
+  if (lamp.kind != LightKind::kSpot) return 1.0f;
+  const float inside = std::clamp((-lamp.axis.dot(to_lamp) - lamp.cos_outer) * lamp.inverse_cone, 0.0f, 1.0f);
+  return inside * inside;
+}
+
+}  // namespace cyclorama

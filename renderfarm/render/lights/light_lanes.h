@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/render/lights/light_bounds.h"
+
+namespace cyclorama {
+
+/// Four lights side by side, looked at together: about what each gives to one place. A value.
+class LightLanes {
+ public:
+  using Four = Eigen::Array4f;
+
+  LightLanes();  ///< Dark.
+  /// `lane` in [0, 4).
+  void set(std::size_t lane, const LightBounds& light);
+  /// Irradiance (luminance) of each, at most about; zero only where it cannot shine. A zero `n` is a surface that is
+  /// lit from both sides.
+  [[nodiscard]] Four estimate(const Vec3& p, const Vec3& n) const;
+
+ private:
+  Four x_, y_, z_, radius_;        ///< A sphere around the light.
+  Four axis_x_, axis_y_, axis_z_;  ///< Zero: shines all around.
+  Four cos_edge_;                  ///< Shines up to here; -1: all around.
+  Four slope_;                     ///< 1 / (1 - cos_edge)
+  Four power_;
+  Four inverse_range_;
+};
+
+inline LightLanes::Four LightLanes::estimate(const Vec3& p, const Vec3& n) const {
+  constexpr float kLeastDistance2 = 1e-6f;  // Nearer to a light without a size, it would grow without bound.
+  const Four dx = x_ - p.x();
+  const Four dy = y_ - p.y();
+  const Four dz = z_ - p.z();
+  const Four distance2 = dx * dx + dy * dy + dz * dz;
+  const Four least2 = (radius_ * radius_).max(kLeastDistance2);
+  const Four distance = distance2.max(1e-30f).sqrt();
+  const Four inverse = 1.0f / distance;
+  // The light is seen within an angle b of its centre; cos(a - b) is at most cos a + sin b.
+  const Four sin_b = radius_ * inverse;
+  const float both_sides = n.isZero(0.0f) ? 1.0f : 0.0f;
+  const Four cosine = (dx * n.x() + dy * n.y() + dz * n.z()) * inverse;
+  const Four received = (cosine + sin_b + both_sides).max(0.0f).min(1.0f);
+  const Four towards = (dx * axis_x_ + dy * axis_y_ + dz * axis_z_) * -inverse;
+  const Four emitted = ((towards + sin_b - cos_edge_) * slope_).max(0.0f).min(1.0f);
+  const Four part = (distance - radius_).max(0.0f) * inverse_range_;
+  const Four part2 = part * part;
+  const Four fade = (1.0f - part2 * part2).max(0.0f);
+  return power_ * received * emitted * fade / distance2.max(least2);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+
+namespace cyclorama {
+
+/// A triangle as seen from the origin, when it is large enough to be sampled by its solid angle. Double, because the
+/// solid angle is a difference.
+class SphericalTriangle {
+ public:
+  /// Nothing if it is so small or so thin that sampling by area is as good, or so large that the origin is nearly on
+  /// it.
+  [[nodiscard]] static std::optional<SphericalTriangle> see(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                                            const Eigen::Vector3d& c);
+  [[nodiscard]] double solid_angle() const { return solid_angle_; }
+  /// A direction, uniform in solid angle. Source: Arvo, "Stratified Sampling of Spherical Triangles", 1995.
+  [[nodiscard]] Eigen::Vector3d sample(double u, double v) const;
+
+ private:
+  Eigen::Vector3d a_, b_, c_;  ///< Of unit length.
+  double cos_alpha_ = 1.0;     ///< Of the angle at a.
+  double sin_alpha_ = 0.0;
+  double solid_angle_ = 0.0;
+};
+
+}  // namespace cyclorama

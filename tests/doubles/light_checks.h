@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What light gives to a place: by sampling it, and by closed form.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "renderfarm/render/lights/light_sample.h"
+#include "renderfarm/render/sampler.h"
+
+namespace cyclorama {
+
+/// Mean over many aims of light times cosine. `sample(choice, u, &LightSample)`; the red channel counts.
+template <typename Sample>
+[[nodiscard]] double sampled_irradiance(const Sample& sample, const Vec3& n, int samples = 1 << 14) {
+  double sum = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    const SampleSequence sequence(1, 0, 0, i, samples);
+    LightSample aim;
+    if (!sample(sequence.pair(1).x(), sequence.pair(0), &aim)) continue;
+    EXPECT_NEAR(aim.direction.norm(), 1.0f, 1e-4f);
+    EXPECT_TRUE(is_finite(aim.radiance_over_density));
+    EXPECT_GE(aim.distance, 0.0f);
+    sum += static_cast<double>(aim.radiance_over_density.x() * std::max(0.0f, n.dot(aim.direction)));
+  }
+  return sum / samples;
+}
+
+/// Of a polygon of radiance 1 that shines alike in all directions and lies above the horizon. Source: Lambert, 1760.
+[[nodiscard]] inline double polygon_irradiance(const std::vector<Eigen::Vector3d>& corners, const Eigen::Vector3d& n) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector3d& a = corners[i];
+    const Eigen::Vector3d& b = corners[(i + 1) % corners.size()];
+    const Eigen::Vector3d edge = a.cross(b);
+    if (!(edge.norm() > 0.0)) continue;
+    sum += std::atan2(edge.norm(), a.dot(b)) * edge.normalized().dot(n);
+  }
+  return 0.5 * std::abs(sum);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/lights/environment_light.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/doubles/light_checks.h"
+#include "tests/doubles/statistics.h"
+
+namespace cyclorama {
+namespace {
+
+std::shared_ptr<EnvironmentMap> map_of(int width, int height, float value) {
+  auto map = std::make_shared<EnvironmentMap>();
+  map->pixels = RadianceImage(width, height, value);
+  return map;
+}
+
+std::shared_ptr<EnvironmentMap> noisy_map(int width, int height) {
+  auto map = map_of(width, height, 0.0f);
+  std::mt19937 random(1);
+  for (float& value : map->pixels.data()) {
+    value = static_cast<float>(random() % 4 == 0 ? random() % 1000 : 0) * 0.01f;
+  }
+  map->rotation_rad = 0.7f;
+  map->strength = 3.0f;
+  return map;
+}
+
+void expect_right_density(const EnvironmentLight& light, const char* name) {
+  const auto sample = [&](const Vec2& u, float) -> std::optional<Vec3> {
+    LightSample aim;
+    if (!light.sample(u, &aim)) return std::nullopt;
+    EXPECT_NEAR(light.density(aim.direction) / aim.density, 1.0f, 0.02f) << name;
+    return aim.direction;
+  };
+  const SamplerCheck check = check_sampler(
+      sample, [&](const Vec3& d) { return light.density(d); }, 1 << 14, 3, 6);
+  EXPECT_GT(check.chi_square.p_value, 0.002) << name;
+  EXPECT_NEAR(check.integral, 1.0, 0.02) << name;
+}
+
+TEST(EnvironmentLight, aims_are_distributed_as_its_density_says) {
+  const Sky sky{Eigen::Vector3f(0.4f, 0.5f, 0.8f), Eigen::Vector3f::Constant(0.2f), Eigen::Vector3f::Constant(0.05f)};
+  expect_right_density(EnvironmentLight(sky, nullptr), "sky");
+  expect_right_density(EnvironmentLight({}, map_of(7, 5, 1.0f)), "even map");
+  expect_right_density(EnvironmentLight({}, noisy_map(9, 6)), "noisy map");
+  expect_right_density(EnvironmentLight({}, map_of(1, 1, 1.0f)), "one texel");
+}
+
+TEST(EnvironmentLight, every_constant_map_lights_a_surface_with_pi) {
+  for (const int height : {1, 2, 16, 33}) {
+    const EnvironmentLight light({}, map_of(2 * height, height, 1.0f));
+    for (const Vec3& n : {Vec3(0, 1, 0), Vec3(0, 0, -1), Vec3(0.6f, -0.8f, 0)}) {
+      const auto sample = [&](float, const Vec2& u, LightSample* aim) { return light.sample(u, aim); };
+      EXPECT_NEAR(sampled_irradiance(sample, n), std::numbers::pi, 0.03) << height;
+      EXPECT_GT(light.estimate(n), 1.0f) << height;
+      if (height >= 16) {
+        EXPECT_NEAR(light.estimate(n), std::numbers::pi, 0.4) << height;
+      }
+    }
+  }
+}
+
+TEST(EnvironmentLight, looks_where_its_texels_are) {
+  auto map = map_of(8, 4, 0.0f);
+  const auto paint = [&](int x, int y, float value) { map->pixels.at(x, y)[0] = value; };
+  for (int y = 1; y < 3; ++y) {
+    paint(3, y, 2.0f);  // Ahead, -z.
+    paint(4, y, 2.0f);
+    paint(5, y, 3.0f);  // To the right, +x.
+    paint(6, y, 3.0f);
+  }
+  EnvironmentLight light({}, map);
+  EXPECT_NEAR(light.radiance(-Vec3::UnitZ()).x(), 2.0f, 1e-5f);
+  EXPECT_NEAR(light.radiance(Vec3::UnitX()).x(), 3.0f, 1e-5f);
+  EXPECT_NEAR(light.radiance(Vec3::UnitZ()).x(), 0.0f, 1e-5f);
+  map->rotation_rad = 0.5f * kPi;  // What was ahead is to the right.
+  light = EnvironmentLight({}, map);
+  EXPECT_NEAR(light.radiance(Vec3::UnitX()).x(), 2.0f, 1e-5f);
+}
+
+TEST(EnvironmentLight, a_sun_of_one_texel_is_found_without_noise) {
+  auto map = map_of(64, 32, 0.01f);
+  for (int i = 0; i < 3; ++i) map->pixels.at(20, 8)[i] = 1e6f;
+  const EnvironmentLight light({}, map);
+  for (int i = 0; i < 256; ++i) {
+    LightSample aim;
+    ASSERT_TRUE(light.sample(SampleSequence(3, 0, 0, i, 256).pair(0), &aim));
+    // Light over density is the whole sphere's light wherever one aims, but for the change of the sine in a texel.
+    EXPECT_NEAR(aim.radiance_over_density.x() / light.estimate(Vec3::Zero()), 1.0f, 0.15f);
+  }
+}
+
+TEST(EnvironmentLight, black_does_not_shine) {
+  EXPECT_FALSE(EnvironmentLight({}, nullptr).shines());
+  EXPECT_FALSE(EnvironmentLight({}, map_of(4, 2, 0.0f)).shines());
+  EXPECT_EQ(EnvironmentLight({}, map_of(4, 2, 0.0f)).density(Vec3::UnitY()), 0.0f);
+}
+
+TEST(EnvironmentLight, poles_give_numbers) {
+  const EnvironmentLight light({}, noisy_map(16, 8));
+  for (const Vec3& direction : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1e-20f, 1, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1)}) {
+    EXPECT_TRUE(std::isfinite(light.density(direction)));
+    EXPECT_TRUE(is_finite(light.radiance(direction)));
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

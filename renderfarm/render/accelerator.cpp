@@ -45,6 +45,7 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(Scene& scene, int thread
   TRY(accelerator->open_device(threads));
   TRY(accelerator->add_meshes(scene, ret_traced));
   ret_traced->textures.build(threads);
+  TRY(accelerator->add_lights(scene, ret_traced));
   TRY(accelerator->commit(progress));
   return accelerator;
 }
@@ -176,6 +177,14 @@ Status Accelerator::add_meshes(Scene& scene, TraceScene* ret_traced) {
   for (Instance& instance : model.instances) add_instance(model, instance, origin, ret_traced);
   ret_traced->top = top_;
   return check("adding the scene's meshes");
+}
+
+Status Accelerator::add_lights(const Scene& scene, TraceScene* ret_traced) {
+  ret_traced->lights =
+      LightSet(scene.model.lights, render_origin(scene), ret_traced->placements, scene.sky, scene.environment);
+  ret_traced->lamps =
+      attach_lamps(ret_traced->lights, static_cast<unsigned>(ret_traced->placements.size()), device_, top_);
+  return check("adding the scene's lamps");
 }
 
 Status Accelerator::commit(const std::function<void(double)>& progress) {

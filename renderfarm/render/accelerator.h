@@ -38,6 +38,7 @@ class Accelerator {
   void add_mesh(const Model& model, Mesh& mesh, int uses, TraceScene* ret_traced);
   /// Bakes what is used once.
   void add_instance(Model& model, Instance& instance, const Eigen::Vector3d& origin, TraceScene* ret_traced);
+  Status add_lights(const Scene& scene, TraceScene* ret_traced);
   RTCGeometry make_triangles(const Mesh& mesh, SurfaceMesh* traced);
   Status commit(const std::function<void(double)>& progress);
   static bool count_memory(void* self, ssize_t bytes, bool post);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How a surface scatters light: glTF 2.0's model (appendix B) with specular, ior, clearcoat, transmission and volume, in
-/// three levels of which a kernel is compiled with the least that its scene needs.
+/// How a surface scatters light: glTF 2.0's model (appendix B) with specular, ior, clearcoat, transmission and volume,
+/// in three levels of which a kernel is compiled with the least that its scene needs.
 ///
 ///     const Bsdf bsdf = make_bsdf(material, texels, inside, kLevel);
 ///     const Scattering<kLevel> scattering(bsdf, normal, wo);

@@ -95,8 +95,6 @@ Result<std::unique_ptr<Renderer>> Renderer::build(Scene scene, int threads,
   state->shade = shade_stage_for(needs_of(held));
   TraceScene& traced = state->traced;
   TRY_ASSIGN(state->accelerator, Accelerator::build(held, threads, progress, &traced));
-  traced.lamps = make_lamps(held.model.lights, state->origin);
-  traced.sky = held.sky;
   traced.ambient = held.ambient;
   traced.eye_lamp = held.eye_lamp;
   state->build_seconds = to_seconds(clock.now() - start);

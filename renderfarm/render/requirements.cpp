@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "renderfarm/render/lamps.h"
 #include "renderfarm/render/sky.h"
 #include "renderfarm/render/texture_lookup.h"
 
@@ -54,18 +53,26 @@ SceneNeeds needs_of(const Scene& scene) {
     const Material& material = model.materials[static_cast<std::size_t>(mesh.material)];
     needs.normal_maps |= material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
     for (TextureUse Material::*const at : texture_places()) needs.textures |= (material.*at).texture >= 0;
-    needs.gloss |= surface_level_of(material) != SurfaceLevel::kMatte;
+    needs.surface = std::max(needs.surface, surface_level_of(material));
+    needs.lights |= material.emissive.maxCoeff() > 0.0f;
   }
-  needs.lights = !make_lamps(model.lights, Eigen::Vector3d::Zero()).empty();
-  needs.environment = shines(scene.sky);
+  needs.lights |= std::any_of(model.lights.begin(), model.lights.end(),
+                              [](const Light& light) { return light.intensity.maxCoeff() > 0.0f; });
+  needs.environment = scene.environment != nullptr || shines(scene.sky);
   return needs;
+}
+
+SceneNeeds operator|(const SceneNeeds& a, const SceneNeeds& b) {
+  return {a.textures || b.textures, a.normal_maps || b.normal_maps, std::max(a.surface, b.surface),
+          a.lights || b.lights, a.environment || b.environment};
 }
 
 std::string describe(const SceneNeeds& needs) {
   std::vector<std::string> names;
   if (needs.textures) names.emplace_back("textures");
   if (needs.normal_maps) names.emplace_back("normal maps");
-  if (needs.gloss) names.emplace_back("gloss");
+  if (needs.surface == SurfaceLevel::kGlossy) names.emplace_back("glossy surfaces");
+  if (needs.surface == SurfaceLevel::kLayered) names.emplace_back("layered surfaces");
   if (needs.lights) names.emplace_back("lights");
   if (needs.environment) names.emplace_back("environment");
   return names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", "));

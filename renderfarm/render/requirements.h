@@ -13,10 +13,10 @@ namespace cyclorama {
 
 struct SceneNeeds {
   bool textures = false;
-  bool normal_maps = false;  ///< Only with textures.
-  bool gloss = false;        ///< Any material that is not matte.
-  bool lights = false;       ///< Anything that is aimed at.
-  bool environment = false;  ///< Light from where no triangle is.
+  bool normal_maps = false;                     ///< Only with textures.
+  SurfaceLevel surface = SurfaceLevel::kMatte;  ///< The highest of any material.
+  bool lights = false;                          ///< Anything that is aimed at.
+  bool environment = false;                     ///< Light from where no triangle is.
 
   friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
 };
@@ -25,7 +25,10 @@ struct SceneNeeds {
 /// Reentrant.
 [[nodiscard]] SceneNeeds needs_of(const Scene& scene);
 
-/// "textures, gloss, lights"; "nothing" when all are false.
+/// Both together.
+[[nodiscard]] SceneNeeds operator|(const SceneNeeds& a, const SceneNeeds& b);
+
+/// "textures, glossy surfaces, lights"; "nothing" for the least.
 [[nodiscard]] std::string describe(const SceneNeeds& needs);
 
 // What one material needs.

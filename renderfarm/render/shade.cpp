@@ -38,6 +38,7 @@ void trace_shadows(const TraceScene& scene, PathBatch& batch) {
 }
 
 ShadeStage shade_stage_for(const SceneNeeds& needs) {
+  if (needs.surface == SurfaceLevel::kLayered) return layered_stage(needs);
   if (needs.normal_maps) return normal_mapped_stage(needs);
   if (needs.textures) return textured_stage(needs);
   return plain_stage(needs);

@@ -13,7 +13,6 @@
 #include "renderfarm/render/sample_batch.h"
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/shading.h"
-#include "renderfarm/render/sky.h"
 
 namespace cyclorama {
 
@@ -32,6 +31,14 @@ void draw_lots(PathBatch& batch);
 /// Traces what waits in batch.shadow_rays and gives the light that arrives to its path.
 void trace_shadows(const TraceScene& scene, PathBatch& batch);
 
+/// Of two ways to find the same light, how much the one with `density` counts; 0 is the only way there is.
+/// The power heuristic.
+[[nodiscard]] inline float share_of(float density, float other) {
+  if (density == 0.0f) return 1.0f;
+  const float ratio = other / density;
+  return 1.0f / (1.0f + ratio * ratio);
+}
+
 /// The stage for the rays of one batch.
 template <SceneNeeds kNeeds>
 class Shade {
@@ -40,10 +47,14 @@ class Shade {
       : scene_(scene), view_(view), batch_(batch), film_(film), rays_(batch.current().rays) {}
 
   void run() {
-    for (int i = 0; i < rays_.count(); ++i) {
+    const int count = rays_.count();
+    for (int i = 0; i < count; ++i) {
+      // Memory is the slowest part of it: what later rays hit is asked for now.
+      if (i + kAhead < count) prefetch_triangle(i + kAhead);
+      if (i + kAhead / 2 < count) prefetch_vertices(i + kAhead / 2);
       PathRay& ray = batch_.current().state[static_cast<std::size_t>(i)];
       if (rays_.has_hit(i)) {
-        at_surface(i, ray);
+        at_hit(i, ray);
       } else {
         at_nothing(i, ray);
       }
@@ -52,39 +63,116 @@ class Shade {
   }
 
  private:
-  [[nodiscard]] Path& path_of(const PathRay& ray) { return batch_.path[ray.path]; }
+  static constexpr int kAhead = 16;
+  static constexpr bool kAims = kNeeds.lights || kNeeds.environment;
+  using Scatter = Scattering<kNeeds.surface>;
 
+  /// Null where the ray hit nothing, or a lamp.
+  [[nodiscard]] const SurfaceMesh* mesh_at(int i, const RTCHit& hit) const {
+    if (!rays_.has_hit(i) || is_lamp(hit)) return nullptr;
+    return scene_.placements[top_of(hit)].mesh;
+  }
+  void prefetch_triangle(int i) const {
+    const RTCHit hit = rays_.hit(i);
+    if (const SurfaceMesh* const mesh = mesh_at(i, hit)) __builtin_prefetch(&mesh->triangles[hit.primID]);
+  }
+  void prefetch_vertices(int i) const {
+    const RTCHit hit = rays_.hit(i);
+    const SurfaceMesh* const mesh = mesh_at(i, hit);
+    if (mesh == nullptr) return;
+    for (const std::uint32_t corner : mesh->triangles[hit.primID]) {
+      __builtin_prefetch(&mesh->positions[corner]);
+      if (mesh->normals != nullptr) __builtin_prefetch(&mesh->normals[corner]);
+      if (mesh->colours != nullptr) __builtin_prefetch(&mesh->colours[corner]);
+      if constexpr (kNeeds.textures) {
+        if (mesh->texcoords[0] != nullptr) __builtin_prefetch(&mesh->texcoords[0][corner]);
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_lamp(const RTCHit& hit) const {
+    if constexpr (!kNeeds.lights) return false;
+    return hit.instID[0] == RTC_INVALID_GEOMETRY_ID && scene_.lamps.holds(hit.geomID);
+  }
+
+  [[nodiscard]] Path& path_of(const PathRay& ray) { return batch_.path[ray.path]; }
+  [[nodiscard]] std::size_t pixel_of(const PathRay& ray) { return static_cast<std::size_t>(path_of(ray).pixel); }
+
+  /// Light that the ray met.
   void found(const PathRay& ray, const Vec3& light) {
     Path& path = path_of(ray);
-    (ray.scatterings < 2 ? path.direct : path.indirect) += light;
+    (ray.scatterings < 2 ? path.direct : path.indirect) += ray.throughput.cwiseProduct(light);
   }
 
   void at_nothing(int i, const PathRay& ray) {
     if constexpr (kNeeds.environment) {
-      found(ray, ray.throughput.cwiseProduct(sky_radiance(scene_.sky, rays_.direction(i))));
+      const Vec3 direction = rays_.direction(i);
+      const Vec3 light = scene_.lights.environment(direction);
+      if (!light.isZero(0.0f)) {
+        const float aimed =
+            ray.density > 0.0f ? scene_.lights.environment_density(rays_.origin(i), ray.from_normal, direction) : 0.0f;
+        found(ray, light * share_of(ray.density, aims_from_start_of(ray) * aimed));
+      }
     }
     if (view_.features && ray.surfaces == 0) film_.albedo[pixel_of(ray)] += Vec3::Ones();
   }
 
-  [[nodiscard]] std::size_t pixel_of(const PathRay& ray) { return static_cast<std::size_t>(path_of(ray).pixel); }
+  void at_hit(int i, PathRay& ray) {
+    const RTCHit hit = rays_.hit(i);
+    if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
+      if (!ray.absorption.isZero(0.0f)) {
+        ray.throughput = ray.throughput.cwiseProduct((-rays_.distance(i) * ray.absorption).array().exp().matrix());
+      }
+    }
+    if (is_lamp(hit)) return at_lamp(i, ray, scene_.lamps.light_of(hit.geomID, hit.primID));
+    at_surface(i, ray, hit);
+  }
 
-  void at_surface(int i, PathRay& ray) {
+  /// How many lights were aimed at from the surface where the ray starts.
+  [[nodiscard]] float aims_from_start_of(const PathRay& ray) const {
+    return ray.surfaces == 1 ? static_cast<float>(view_.quality.light_samples) : 1.0f;
+  }
+
+  /// How much light that the ray met counts, when it might have been aimed at as well.
+  [[nodiscard]] float share_of_met(int i, const PathRay& ray, LightIndex light) const {
+    if (ray.density == 0.0f || light == kNoLight) return 1.0f;
+    const float aimed =
+        scene_.lights.density(rays_.origin(i), ray.from_normal, light, rays_.direction(i), rays_.distance(i));
+    return share_of(ray.density, aims_from_start_of(ray) * aimed);
+  }
+
+  void at_lamp(int i, const PathRay& ray, LightIndex light) {
+    const Vec3 radiance = scene_.lights.radiance(light, rays_.origin(i), rays_.direction(i));
+    if (!radiance.isZero(0.0f)) found(ray, radiance * share_of_met(i, ray, light));
+    if (!view_.features || ray.surfaces > 0) return;
+    film_.albedo[pixel_of(ray)] += Vec3::Ones();
+    film_.distance[pixel_of(ray)] += rays_.distance(i);
+  }
+
+  void at_surface(int i, PathRay& ray, const RTCHit& hit) {
     const Vec3 direction = rays_.direction(i);
     const Vec3 wo = -direction;
-    const TriangleHit hit = triangle_at(scene_, rays_.hit(i));
-    const SurfacePoint point = surface_at(hit, direction);
-    const float cone_width = ray.cone_width + ray.cone_spread * rays_.distance(i);
-    const Shading shading = shading_at<kNeeds>(hit, point, wo, cone_width);
-    if (!shading.emission.isZero(0.0f)) found(ray, ray.throughput.cwiseProduct(shading.emission));
+    const TriangleHit triangle = triangle_at(scene_, hit);
+    const SurfacePoint point = surface_at(triangle, direction);
+    const Footprint footprint{ray.cone_width + ray.cone_spread * rays_.distance(i), std::abs(point.facing.dot(wo))};
+    const Shading shading = shading_at<kNeeds>(triangle, point, wo, footprint);
+    if (!shading.emission.isZero(0.0f)) {
+      float share = 1.0f;
+      if constexpr (kNeeds.lights) share = share_of_met(i, ray, scene_.lights.of_triangle(top_of(hit), hit.primID));
+      found(ray, shading.emission * share);
+    }
     if (ray.only_light) return;
 
-    const Scattering<kNeeds.gloss ? SurfaceLevel::kGlossy : SurfaceLevel::kMatte> scattering(shading.bsdf,
-                                                                                             shading.normal, wo);
+    const Scatter scattering(shading.bsdf, shading.normal, wo);
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
     shine_ambient(ray, scattering);
-    if constexpr (kNeeds.lights) aim_at_lights(i, ray, point, shading.normal, scattering);
     shine_eye_lamp(i, ray, point, scattering, wo);
-    go_on(i, ray, point, scattering, cone_width);
+    // Light from behind counts where the surface lets it through, or a coat turns the normal.
+    const Vec3 side = shading.one_sided ? shading.normal : Vec3(Vec3::Zero());
+    const bool last = ray.scatterings >= view_.quality.bounces;
+    const bool goes_on = !last || shading.sharp;
+    if constexpr (kAims) aim_at_lights(i, ray, point, side, scattering, goes_on);
+    if (goes_on) go_on(i, ray, point, shading, side, scattering, footprint.width, last);
   }
 
   void keep_features(int i, const PathRay& ray, const Shading& shading, const Vec3& albedo) {
@@ -94,20 +182,18 @@ class Shade {
     film_.distance[pixel] += rays_.distance(i);
   }
 
-  /// Light that was reflected once more than the ray was.
+  /// Light that was reflected once more than the ray was; `light` has the throughput in it.
   void reflected(const PathRay& ray, const Vec3& light) {
     Path& path = path_of(ray);
     (ray.scatterings == 0 ? path.direct : path.indirect) += light;
   }
 
-  template <typename Scatter>
   void shine_ambient(const PathRay& ray, const Scatter& scattering) {
     if (scene_.ambient.isZero(0.0f)) return;
     reflected(ray, ray.throughput.cwiseProduct(scene_.ambient).cwiseProduct(scattering.albedo()));
   }
 
   /// Seen from the eye its shadows lie behind what casts them, so no ray is needed there.
-  template <typename Scatter>
   void shine_eye_lamp(int i, const PathRay& ray, const SurfacePoint& point, const Scatter& scattering, const Vec3& wo) {
     constexpr float kLeastDistance2 = 0.05f * 0.05f;  // The lamp is held beside the eye, not in it.
     if (scene_.eye_lamp.isZero(0.0f)) return;
@@ -120,13 +206,12 @@ class Shade {
     if (point.facing.dot(direction) > 0.0f) shadow(i, ray, point, direction, std::sqrt(distance2), light);
   }
 
-  template <typename Scatter>
-  void aim_at_lights(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& normal,
-                     const Scatter& scattering) {
+  void aim_at_lights(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& side, const Scatter& scattering,
+                     bool goes_on) {
     const auto slot = static_cast<std::size_t>(i);
     if (ray.surfaces > 0 || view_.quality.light_samples == 1) {
-      return aim_at_light(i, ray, point, normal, scattering, batch_.lots.light[slot],
-                          {batch_.lots.place_u[slot], batch_.lots.place_v[slot]}, 1.0f);
+      return aim_at_light(i, ray, point, side, scattering, batch_.lots.light[slot],
+                          {batch_.lots.place_u[slot], batch_.lots.place_v[slot]}, goes_on, 1.0f);
     }
     const auto parts = static_cast<std::uint32_t>(view_.quality.light_samples);
     const auto bits = static_cast<int>(std::bit_width(parts - 1));
@@ -134,20 +219,22 @@ class Shade {
       const std::uint32_t index = split_index_reversed(batch_.index_reversed[slot], bits, part);
       const SobolPoint light = sobol_point(index, batch_.seed[slot], kFirstSurface + kLight);
       const SobolPoint place = sobol_point(index, batch_.seed[slot], kFirstSurface + kLightPlace);
-      aim_at_light(i, ray, point, normal, scattering, light.u, {place.u, place.v}, 1.0f / static_cast<float>(parts));
+      aim_at_light(i, ray, point, side, scattering, light.u, {place.u, place.v}, goes_on, static_cast<float>(parts));
     }
   }
 
-  template <typename Scatter>
-  void aim_at_light(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& normal, const Scatter& scattering,
-                    float choice, const Vec2& place, float share) {
-    float probability = 1.0f;
-    const int chosen = choose_lamp(scene_.lamps, point.position, normal, choice, &probability);
-    if (chosen < 0) return;
-    const LampAim at = aim(scene_.lamps[static_cast<std::size_t>(chosen)], point.position, place);
-    if (!(point.facing.dot(at.direction) > 0.0f)) return;
-    const Vec3 light = scattering.evaluate(at.direction).cwiseProduct(at.light) * (share / probability);
-    shadow(i, ray, point, at.direction, at.distance, ray.throughput.cwiseProduct(light));
+  /// One of `parts` aims.
+  void aim_at_light(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& side, const Scatter& scattering,
+                    float choice, const Vec2& place, bool goes_on, float parts) {
+    LightSample aim;
+    const Vec3 start = start_off_surface(point, point.facing);
+    if (!scene_.lights.sample(start, side, choice, place, &aim)) return;
+    const bool above = point.facing.dot(aim.direction) > 0.0f;
+    if (!above && !side.isZero(0.0f)) return;
+    Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_density);
+    if (light.isZero(0.0f)) return;
+    if (goes_on && aim.density > 0.0f) light *= share_of(parts * aim.density, scattering.density(aim.direction));
+    shadow(i, ray, point, aim.direction, aim.distance, ray.throughput.cwiseProduct(light) / parts);
   }
 
   void shadow(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& direction, float distance,
@@ -160,21 +247,32 @@ class Shade {
                            batch_.index_reversed[static_cast<std::size_t>(i)]);
   }
 
-  template <typename Scatter>
-  void go_on(int i, const PathRay& ray, const SurfacePoint& point, const Scatter& scattering, float cone_width) {
+  void go_on(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& side,
+             const Scatter& scattering, float cone_width, bool last) {
     const auto slot = static_cast<std::size_t>(i);
-    const bool last = ray.scatterings >= view_.quality.bounces;
-    if (last && !kNeeds.environment) return;
-    const ScatterSample scattered =
+    if (ray.surfaces >= view_.quality.bounces + kMostPassages) return;
+    const ScatterSample sample =
         scattering.sample({batch_.lots.scatter_u[slot], batch_.lots.scatter_v[slot]}, batch_.lots.lobe[slot]);
-    if (scattered.weight.isZero(0.0f) || !(point.facing.dot(scattered.wi) > 0.0f)) return;
+    if (sample.weight.isZero(0.0f)) return;
+    // Where shading normal and triangle disagree, light must not come through the triangle.
+    if ((point.facing.dot(sample.wi) > 0.0f) == sample.through) return;
 
     PathRay next = ray;
-    next.throughput = ray.throughput.cwiseProduct(scattered.weight);
-    ++next.scatterings;
-    ++next.surfaces;
-    next.only_light = last;
+    next.throughput = ray.throughput.cwiseProduct(sample.weight);
+    next.density = sample.density;
+    next.from_normal = side;
     next.cone_width = cone_width;
+    ++next.surfaces;
+    const bool mirror = sample.density == 0.0f;
+    if (!mirror && !sample.through) {
+      ++next.scatterings;
+      next.only_light = last;
+    }
+    if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
+      if (sample.through && !shading.bsdf.thin) {
+        next.absorption = shading.bsdf.inside ? Vec3(Vec3::Zero()) : shading.absorption;
+      }
+    }
     if (next.scatterings > kCertainScatterings) {
       const float chance = std::min(0.95f, next.throughput.maxCoeff());
       if (!(batch_.lots.through[slot] < chance)) return;
@@ -182,8 +280,8 @@ class Shade {
     }
     RayStage& stage = batch_.next();
     stage.state[static_cast<std::size_t>(stage.rays.count())] = next;
-    stage.rays.add(start_off_surface(point, point.facing), scattered.wi, std::numeric_limits<float>::infinity(),
-                   batch_.index_reversed[slot]);
+    stage.rays.add(start_off_surface(point, sample.through ? Vec3(-point.facing) : point.facing), sample.wi,
+                   std::numeric_limits<float>::infinity(), batch_.index_reversed[slot]);
   }
 
   const TraceScene& scene_;

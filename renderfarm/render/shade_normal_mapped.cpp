@@ -3,6 +3,6 @@
 
 namespace cyclorama {
 
-ShadeStage normal_mapped_stage(const SceneNeeds& needs) { return stage_with<true, true>(needs); }
+ShadeStage normal_mapped_stage(const SceneNeeds& needs) { return opaque_stage_with<true, true>(needs); }
 
 }  // namespace cyclorama

@@ -3,6 +3,6 @@
 
 namespace cyclorama {
 
-ShadeStage plain_stage(const SceneNeeds& needs) { return stage_with<false, false>(needs); }
+ShadeStage plain_stage(const SceneNeeds& needs) { return opaque_stage_with<false, false>(needs); }
 
 }  // namespace cyclorama

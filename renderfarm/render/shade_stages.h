@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The shading stages that exist. Included by the shade_*.cpp files, one of which each instantiates some of them, so
-/// that they compile side by side.
+/// The shading stages that exist. Included by the shade_*.cpp files, each of which instantiates some of them, so that
+/// they compile side by side.
+///
+/// Matte and glossy surfaces: one for each combination of textures, normal maps, lights and environment. Layered ones
+/// (glass, lacquer) are rare and dear in themselves: there only the textures are told apart.
 #pragma once
 
 #include <utility>
@@ -9,20 +12,24 @@
 
 namespace cyclorama {
 
-/// The stage among those whose textures and normal maps are given.
+/// The opaque stage among those whose textures and normal maps are given.
 template <bool kTextures, bool kNormalMaps>
-[[nodiscard]] ShadeStage stage_with(const SceneNeeds& needs) {
+[[nodiscard]] ShadeStage opaque_stage_with(const SceneNeeds& needs) {
   constexpr auto kMake = []<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
     return std::array<ShadeStage, sizeof...(kIndex)>{
-        &shade<SceneNeeds{kTextures, kNormalMaps, (kIndex & 1) != 0, (kIndex & 2) != 0, (kIndex & 4) != 0}>...};
+        &shade<SceneNeeds{kTextures, kNormalMaps, (kIndex & 1) != 0 ? SurfaceLevel::kGlossy : SurfaceLevel::kMatte,
+                          (kIndex & 2) != 0, (kIndex & 4) != 0}>...};
   };
   constexpr std::array<ShadeStage, 8> kStages = kMake(std::make_index_sequence<8>());
-  return kStages[static_cast<std::size_t>((needs.gloss ? 1 : 0) | (needs.lights ? 2 : 0) |
+  return kStages[static_cast<std::size_t>((needs.surface == SurfaceLevel::kGlossy ? 1 : 0) | (needs.lights ? 2 : 0) |
                                           (needs.environment ? 4 : 0))];
 }
 
+// Opaque surfaces.
 [[nodiscard]] ShadeStage plain_stage(const SceneNeeds& needs);
 [[nodiscard]] ShadeStage textured_stage(const SceneNeeds& needs);
 [[nodiscard]] ShadeStage normal_mapped_stage(const SceneNeeds& needs);
+// All surfaces.
+[[nodiscard]] ShadeStage layered_stage(const SceneNeeds& needs);
 
 }  // namespace cyclorama

@@ -3,6 +3,6 @@
 
 namespace cyclorama {
 
-ShadeStage textured_stage(const SceneNeeds& needs) { return stage_with<true, false>(needs); }
+ShadeStage textured_stage(const SceneNeeds& needs) { return opaque_stage_with<true, false>(needs); }
 
 }  // namespace cyclorama

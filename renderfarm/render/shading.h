@@ -14,43 +14,84 @@ struct Shading {
   Bsdf bsdf;
   Vec3 normal = Vec3::UnitY();
   Vec3 emission = Vec3::Zero();
+  Vec3 absorption = Vec3::Zero();  ///< Per metre, of the body behind it.
+  /// Its own reflection finds lights better than aiming at them does: mirrors, clear glass, highlights.
+  bool sharp = false;
+  /// Light from behind the normal changes nothing.
+  bool one_sided = true;
 };
 
+/// Looks textures of one point up.
+class TexelReader {
+ public:
+  TexelReader(const TriangleHit& hit, const Footprint& footprint) : hit_(hit), footprint_(footprint) {}
+  [[nodiscard]] Eigen::Vector4f at(const MipTexture* texture, const TextureUse& use, Coding coding) const {
+    if (texture == nullptr) return Eigen::Vector4f::Ones();
+    return lookup(*texture, texcoord_at(hit_, use), coding, lod_of(hit_, use, *texture, footprint_));
+  }
+
+ private:
+  const TriangleHit& hit_;
+  const Footprint& footprint_;
+};
+
+/// Precondition: `texels` holds ones.
+template <SurfaceLevel kLevel>
+void read_texels(const SurfaceMaterial& material, const TexelReader& reader, SurfaceTexels* texels) {
+  const Material& source = *material.source;
+  const Eigen::Vector4f base = reader.at(material.base_colour, source.base_colour_texture, Coding::kSrgb);
+  texels->base_colour = texels->base_colour.cwiseProduct(base.head<3>());
+  if constexpr (kLevel != SurfaceLevel::kMatte) {
+    const Eigen::Vector4f rough =
+        reader.at(material.metallic_roughness, source.metallic_roughness_texture, Coding::kLinear);
+    texels->roughness = rough.y();
+    texels->metallic = rough.z();
+    texels->specular = reader.at(material.specular, source.specular_texture, Coding::kLinear).w();
+    texels->specular_colour =
+        reader.at(material.specular_colour, source.specular_colour_texture, Coding::kSrgb).head<3>();
+  }
+  if constexpr (kLevel == SurfaceLevel::kLayered) {
+    texels->clearcoat = reader.at(material.clearcoat, source.clearcoat_texture, Coding::kLinear).x();
+    texels->clearcoat_roughness =
+        reader.at(material.clearcoat_roughness, source.clearcoat_roughness_texture, Coding::kLinear).y();
+    texels->transmission = reader.at(material.transmission, source.transmission_texture, Coding::kLinear).x();
+  }
+}
+
 template <SceneNeeds kNeeds>
-Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3& wo, float cone_width) {
+Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3& wo, const Footprint& footprint) {
+  /// Broader highlights are found as well by aiming.
+  constexpr float kSharpAlpha = 0.3f;
   const SurfaceMaterial& material = *hit.mesh->material;
   const Material& source = *material.source;
-  const Footprint footprint{cone_width, point.facing.dot(wo)};
-  const Eigen::Vector4f base = base_colour_at(hit, point.colour, kNeeds.textures, footprint);
-  const Vec3 colour = base.head<3>().cwiseMax(0.0f);
-
+  SurfaceTexels texels;
+  texels.base_colour = point.colour.head<3>();
   Shading shading;
   shading.normal = point.normal;
   shading.emission = source.emissive;
-  if constexpr (kNeeds.normal_maps) shading.normal = mapped_normal(hit, point, footprint);
   if constexpr (kNeeds.textures) {
-    if (material.emissive != nullptr) {
-      const Vec2 uv = texcoord_at(hit, source.emissive_texture);
-      const float lod = lod_of(hit, source.emissive_texture, *material.emissive, footprint);
-      shading.emission = shading.emission.cwiseProduct(lookup(*material.emissive, uv, Coding::kSrgb, lod).head<3>());
-    }
+    const TexelReader reader(hit, footprint);
+    read_texels<kNeeds.surface>(material, reader, &texels);
+    const Eigen::Vector4f glow = reader.at(material.emissive, source.emissive_texture, Coding::kSrgb);
+    shading.emission = shading.emission.cwiseProduct(glow.head<3>());
   }
-  shading.bsdf = make_matte(colour);
-  if constexpr (kNeeds.gloss) {
-    if (material.glossy) {
-      float metallic = source.metallic;
-      float roughness = source.roughness;
-      if constexpr (kNeeds.textures) {
-        if (material.metallic_roughness != nullptr) {
-          const Vec2 uv = texcoord_at(hit, source.metallic_roughness_texture);
-          const float lod = lod_of(hit, source.metallic_roughness_texture, *material.metallic_roughness, footprint);
-          const Eigen::Vector4f texel = lookup(*material.metallic_roughness, uv, Coding::kLinear, lod);
-          roughness *= texel.y();
-          metallic *= texel.z();
-        }
-      }
-      shading.normal = reflecting_normal(shading.normal, point.facing, wo);
-      shading.bsdf = make_glossy(colour, std::clamp(metallic, 0.0f, 1.0f), roughness);
+  if constexpr (kNeeds.normal_maps) shading.normal = mapped_normal(hit, point, footprint);
+  if constexpr (kNeeds.surface == SurfaceLevel::kMatte) {
+    shading.bsdf = make_bsdf(source, texels, false, SurfaceLevel::kMatte);
+  } else {
+    const bool matte = material.level == SurfaceLevel::kMatte;
+    shading.bsdf = make_bsdf(source, texels, !point.front, matte ? SurfaceLevel::kMatte : kNeeds.surface);
+    if (matte) return shading;
+    shading.normal = reflecting_normal(shading.normal, point.facing, wo);
+    shading.sharp = shading.bsdf.alpha < kSharpAlpha;
+  }
+  if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
+    const bool layered = shading.bsdf.coat > 0.0f || shading.bsdf.transmission > 0.0f;
+    shading.sharp |= layered;
+    shading.one_sided = !layered;
+    shading.absorption = material.absorption;
+    if (kNeeds.normal_maps && shading.bsdf.coat > 0.0f) {
+      shading.bsdf.coat_normal = coat_normal(hit, point, footprint);
     }
   }
   return shading;

@@ -66,21 +66,41 @@ Vec3 own_normal(const TriangleHit& hit) {
   return (corner(hit, 1) - corner(hit, 0)).cross(corner(hit, 2) - corner(hit, 0));
 }
 
-TangentPlane tangent_plane(const TriangleHit& hit) {
-  if (hit.mesh->tangents == nullptr) {
-    return plane_of_texcoords(hit, hit.mesh->material->source->normal_texture.texcoord);
-  }
+TangentPlane tangent_plane(const TriangleHit& hit, int set) {
+  if (hit.mesh->tangents == nullptr) return plane_of_texcoords(hit, set);
   const Vec3 x = interpolated3(hit.mesh->tangents, hit);
   const float handedness = std::copysign(1.0f, hit.mesh->tangents[hit.corners[0]][3]);
   return {x, own_normal(hit).cross(x) * handedness};
 }
 
+/// The point's normal as a normal map bends it. `map` may be null.
+Vec3 bent_normal(const TriangleHit& hit, const SurfacePoint& point, const MipTexture* map, const TextureUse& use,
+                 float scale, const Footprint& footprint) {
+  if (map == nullptr) return point.normal;
+  const Eigen::Vector4f texel = lookup(*map, texcoord_at(hit, use), Coding::kLinear, lod_of(hit, use, *map, footprint));
+  const Vec3 bump((2.0f * texel.x() - 1.0f) * scale, (2.0f * texel.y() - 1.0f) * scale, 2.0f * texel.z() - 1.0f);
+
+  const TangentPlane local = tangent_plane(hit, use.texcoord);
+  const Placement& placement = *hit.placement;
+  const Vec3 x = placement.baked ? local.x : Vec3(placement.linear * local.x);
+  const Vec3 y = placement.baked ? local.y : Vec3(placement.linear * local.y);
+  const Vec3& n = point.normal;
+  const Vec3 unit_x = normalized_or(x - n * n.dot(x), Vec3::Zero());
+  const Vec3 across = n.cross(unit_x);
+  const Vec3 unit_y = across.dot(y) < 0.0f ? Vec3(-across) : across;
+  if (unit_x.isZero(0.0f) || y.isZero(0.0f)) return n;
+  // Seen from behind, n was turned to the viewer, and the whole bump turns with it.
+  const Vec3 own = own_normal(hit);
+  const float side = n.dot(placement.baked ? own : Vec3(placement.normal_matrix * own)) < 0.0f ? -1.0f : 1.0f;
+  const Vec3 bent = normalized_or((bump.x() * unit_x + bump.y() * unit_y) * side + bump.z() * n, n);
+  return bent.dot(point.facing) > 0.0f ? bent : n;
+}
+
 }  // namespace
 
 TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit) {
-  const unsigned top = hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? hit.instID[0] : hit.geomID;
   TriangleHit at;
-  at.placement = &scene.placements[top];
+  at.placement = &scene.placements[top_of(hit)];
   at.mesh = at.placement->mesh;
   at.corners = at.mesh->triangles[hit.primID];
   at.weights = Vec3(std::max(0.0f, 1.0f - hit.u - hit.v), hit.u, hit.v);
@@ -113,7 +133,8 @@ SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction) {
     face = placement.normal_matrix * normalized_or(local_face, -direction);
   }
   point.facing = normalized_or(face, -direction);
-  if (point.facing.dot(direction) > 0.0f) point.facing = -point.facing;
+  point.front = !(point.facing.dot(direction) > 0.0f);
+  if (!point.front) point.facing = -point.facing;
 
   point.normal = point.facing;
   if (hit.mesh->normals != nullptr) {
@@ -156,27 +177,14 @@ float lod_of(const TriangleHit& hit, const TextureUse& use, const MipTexture& te
 
 Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point, const Footprint& footprint) {
   const SurfaceMaterial& material = *hit.mesh->material;
-  if (material.normal == nullptr) return point.normal;
-  const TextureUse& use = material.source->normal_texture;
-  const Eigen::Vector4f texel =
-      lookup(*material.normal, texcoord_at(hit, use), Coding::kLinear, lod_of(hit, use, *material.normal, footprint));
-  const float scale = material.source->normal_scale;
-  const Vec3 bump((2.0f * texel.x() - 1.0f) * scale, (2.0f * texel.y() - 1.0f) * scale, 2.0f * texel.z() - 1.0f);
+  return bent_normal(hit, point, material.normal, material.source->normal_texture, material.source->normal_scale,
+                     footprint);
+}
 
-  const TangentPlane local = tangent_plane(hit);
-  const Placement& placement = *hit.placement;
-  const Vec3 x = placement.baked ? local.x : Vec3(placement.linear * local.x);
-  const Vec3 y = placement.baked ? local.y : Vec3(placement.linear * local.y);
-  const Vec3& n = point.normal;
-  const Vec3 unit_x = normalized_or(x - n * n.dot(x), Vec3::Zero());
-  const Vec3 across = n.cross(unit_x);
-  const Vec3 unit_y = across.dot(y) < 0.0f ? Vec3(-across) : across;
-  if (unit_x.isZero(0.0f) || y.isZero(0.0f)) return n;
-  // Seen from behind, n was turned to the viewer, and the whole bump turns with it.
-  const Vec3 own = own_normal(hit);
-  const float side = n.dot(placement.baked ? own : Vec3(placement.normal_matrix * own)) < 0.0f ? -1.0f : 1.0f;
-  const Vec3 bent = normalized_or((bump.x() * unit_x + bump.y() * unit_y) * side + bump.z() * n, n);
-  return bent.dot(point.facing) > 0.0f ? bent : n;
+Vec3 coat_normal(const TriangleHit& hit, const SurfacePoint& point, const Footprint& footprint) {
+  const SurfaceMaterial& material = *hit.mesh->material;
+  return bent_normal(hit, point, material.clearcoat_normal, material.source->clearcoat_normal_texture,
+                     material.source->clearcoat_normal_scale, footprint);
 }
 
 Eigen::Vector4f vertex_colour_at(const TriangleHit& hit) {
@@ -188,18 +196,6 @@ Eigen::Vector4f vertex_colour_at(const TriangleHit& hit) {
     sum += hit.weights[i] * Eigen::Vector4f(linear[c[0]], linear[c[1]], linear[c[2]], linear_table()[c[3]]);
   }
   return sum;
-}
-
-Eigen::Vector4f base_colour_at(const TriangleHit& hit, const Eigen::Vector4f& vertex_colour, bool textured,
-                               const Footprint& footprint) {
-  const SurfaceMaterial& material = *hit.mesh->material;
-  Eigen::Vector4f colour = material.source->base_colour.cwiseProduct(vertex_colour);
-  if (textured && material.base_colour != nullptr) {
-    const TextureUse& use = material.source->base_colour_texture;
-    const float lod = lod_of(hit, use, *material.base_colour, footprint);
-    colour = colour.cwiseProduct(lookup(*material.base_colour, texcoord_at(hit, use), Coding::kSrgb, lod));
-  }
-  return colour;
 }
 
 float alpha_at(const TriangleHit& hit) {

@@ -2,7 +2,6 @@
 /// From a hit to a place on a surface: where it is, how sure that is, which way it faces, what it is made of.
 #pragma once
 
-#include "renderfarm/render/bsdf.h"
 #include "renderfarm/render/trace_scene.h"
 
 namespace cyclorama {
@@ -22,7 +21,13 @@ struct SurfacePoint {
   Vec3 facing = Vec3::UnitY();                       ///< The triangle's normal, on the viewer's side. Unit length.
   Vec3 normal = Vec3::UnitY();                       ///< The shading normal, on the same side. Unit length.
   Eigen::Vector4f colour = Eigen::Vector4f::Ones();  ///< Of the vertices, linear.
+  bool front = true;                                 ///< The viewer is on the side that the triangle's winding faces.
 };
+
+/// Number of the placement that was hit: its instance, or the baked mesh itself.
+[[nodiscard]] inline unsigned top_of(const RTCHit& hit) {
+  return hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? hit.instID[0] : hit.geomID;
+}
 
 [[nodiscard]] TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit);
 
@@ -49,9 +54,8 @@ struct Footprint {
 /// gives the map no direction.
 [[nodiscard]] Vec3 mapped_normal(const TriangleHit& hit, const SurfacePoint& point, const Footprint& footprint);
 
-/// The colour without lighting: factor, texture if `textured`, vertex colour. Alpha is the fourth.
-[[nodiscard]] Eigen::Vector4f base_colour_at(const TriangleHit& hit, const Eigen::Vector4f& vertex_colour,
-                                             bool textured, const Footprint& footprint);
+/// The same for the clear coat, which has a map of its own, or none.
+[[nodiscard]] Vec3 coat_normal(const TriangleHit& hit, const SurfacePoint& point, const Footprint& footprint);
 
 /// Only its alpha, for rays that look for holes.
 [[nodiscard]] float alpha_at(const TriangleHit& hit);

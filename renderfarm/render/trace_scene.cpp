@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/trace_scene.h"
 
+#include "renderfarm/render/bsdf/bsdf.h"
 #include "renderfarm/render/requirements.h"
 
 namespace cyclorama {
@@ -22,7 +23,14 @@ SurfaceMaterial trace_material(const Model& model, const Material& source, MipTe
   material.metallic_roughness = textures->request(model, source.metallic_roughness_texture, TextureContent::kData);
   material.normal = textures->request(model, source.normal_texture, TextureContent::kData);
   material.emissive = textures->request(model, source.emissive_texture, TextureContent::kColour);
-  material.glossy = surface_level_of(source) != SurfaceLevel::kMatte;
+  material.specular = textures->request(model, source.specular_texture, TextureContent::kData);
+  material.specular_colour = textures->request(model, source.specular_colour_texture, TextureContent::kColour);
+  material.clearcoat = textures->request(model, source.clearcoat_texture, TextureContent::kData);
+  material.clearcoat_roughness = textures->request(model, source.clearcoat_roughness_texture, TextureContent::kData);
+  material.clearcoat_normal = textures->request(model, source.clearcoat_normal_texture, TextureContent::kData);
+  material.transmission = textures->request(model, source.transmission_texture, TextureContent::kData);
+  material.absorption = absorption_of(source);
+  material.level = surface_level_of(source);
   material.cut_out = source.alpha_mode == AlphaMode::kMask;
   return material;
 }

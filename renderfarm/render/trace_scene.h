@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "renderfarm/render/embree.h"
-#include "renderfarm/render/lamps.h"
+#include "renderfarm/render/lights/light_geometry.h"
+#include "renderfarm/render/lights/light_set.h"
 #include "renderfarm/render/mip_texture.h"
+#include "renderfarm/render/surface_level.h"
 #include "renderfarm/render/vectors.h"
 #include "renderfarm/scene/scene.h"
 
@@ -21,7 +23,14 @@ struct SurfaceMaterial {
   const MipTexture* metallic_roughness = nullptr;
   const MipTexture* normal = nullptr;
   const MipTexture* emissive = nullptr;
-  bool glossy = false;   ///< Has a specular lobe.
+  const MipTexture* specular = nullptr;
+  const MipTexture* specular_colour = nullptr;
+  const MipTexture* clearcoat = nullptr;
+  const MipTexture* clearcoat_roughness = nullptr;
+  const MipTexture* clearcoat_normal = nullptr;
+  const MipTexture* transmission = nullptr;
+  Vec3 absorption = Vec3::Zero();  ///< Per metre, of a body of glass.
+  SurfaceLevel level = SurfaceLevel::kMatte;
   bool blends = false;   ///< Lets light through in part.
   bool cut_out = false;  ///< Has holes.
 };
@@ -54,8 +63,8 @@ struct TraceScene {
   std::vector<SurfaceMaterial> materials;
   std::vector<SurfaceMesh> meshes;
   std::vector<Placement> placements;
-  std::vector<Lamp> lamps;
-  Sky sky;
+  LightSet lights;
+  LampGeometries lamps;  ///< Those of the lights that rays meet.
   Vec3 ambient = Vec3::Zero();
   Vec3 eye_lamp = Vec3::Zero();
 };

@@ -99,7 +99,7 @@ void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoi
 }
 
 /// What the package leaves open is found from the geometry.
-Result<Scene> furnish(ScenePackage package, Model model, std::optional<EnvironmentMap> environment,
+Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const EnvironmentMap> environment,
                       const std::filesystem::path& path) {
   Scene scene;
   scene.model = std::move(model);
@@ -143,11 +143,12 @@ Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits
     done += 1.0;
     if (progress) progress(0.9 * done / static_cast<double>(package.geometry.size()));
   }
-  std::optional<EnvironmentMap> environment;
+  std::shared_ptr<const EnvironmentMap> environment;
   if (package.environment) {
     const PackageEnvironment& from = *package.environment;
     TRY_ASSIGN(RadianceImage pixels, read_environment(from.file, limits, &model.notes));
-    environment = EnvironmentMap{std::move(pixels), from.rotation_rad, from.strength};
+    environment =
+        std::make_shared<const EnvironmentMap>(EnvironmentMap{std::move(pixels), from.rotation_rad, from.strength});
   }
   return furnish(std::move(package), std::move(model), std::move(environment), path);
 }
@@ -172,7 +173,7 @@ Result<Scene> load_file(const std::filesystem::path& path, const ImportLimits& l
   add_part(std::move(file), unit_m, {T_part_file(unit_m, false)}, &model);
   ScenePackage package;
   package.title = path.stem().string();
-  return furnish(std::move(package), std::move(model), std::nullopt, path);
+  return furnish(std::move(package), std::move(model), nullptr, path);
 }
 
 }  // namespace

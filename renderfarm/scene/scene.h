@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -48,7 +48,7 @@ struct Scene {
   SceneInfo info;
   Model model;
   Sky sky;
-  std::optional<EnvironmentMap> environment;          ///< Takes the place of the sky.
+  std::shared_ptr<const EnvironmentMap> environment;  ///< Takes the place of the sky. May be null.
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();  ///< Radiance added to what surfaces receive, unshadowed.
   /// A lamp that the visitor carries at the eye, candela; zero is none. Scenes without any light get one.
   Eigen::Vector3f eye_lamp = Eigen::Vector3f::Zero();

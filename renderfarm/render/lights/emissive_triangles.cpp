@@ -39,7 +39,7 @@ Vec3 emitted_radiance(const TriangleHit& hit) {
   const Material& source = *material.source;
   if (material.emissive == nullptr) return source.emissive;
   const Vec2 uv = texcoord_at(hit, source.emissive_texture);
-  return source.emissive.cwiseProduct(lookup(*material.emissive, uv, Coding::kSrgb).head<3>());
+  return source.emissive.cwiseProduct(lookup(*material.emissive, uv, Coding::kSrgb, 0.0f).head<3>());
 }
 
 EmissiveTriangles::EmissiveTriangles(const std::vector<Placement>& placements)

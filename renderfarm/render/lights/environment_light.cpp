@@ -189,8 +189,9 @@ Vec3 EnvironmentLight::radiance(const Vec3& direction) const {
   return map_ != nullptr ? map_radiance(place_of(direction)) : sky_radiance(sky_, direction);
 }
 
-float EnvironmentLight::density(const Vec3& direction) const {
+float EnvironmentLight::density(const Vec3& n, const Vec3& direction) const {
   if (!shines_) return 0.0f;
+  if (map_ == nullptr && !n.isZero(0.0f)) return std::max(0.0f, n.dot(direction)) / kPi;
   if (map_ == nullptr) return luminance(sky_radiance(sky_, direction)) / total_;
   return map_density(place_of(direction), std::sqrt(direction.x() * direction.x() + direction.z() * direction.z()));
 }
@@ -206,8 +207,17 @@ float EnvironmentLight::estimate(const Vec3& n) const {
   return sum;
 }
 
-bool EnvironmentLight::sample(const Vec2& u, LightSample* ret_sample) const {
-  return map_ != nullptr ? sample_map(u, ret_sample) : sample_sky(u, ret_sample);
+bool EnvironmentLight::sample(const Vec3& n, const Vec2& u, LightSample* ret_sample) const {
+  if (map_ != nullptr) return sample_map(u, ret_sample);
+  return n.isZero(0.0f) ? sample_sky(u, ret_sample) : sample_sky_over(n, u, ret_sample);
+}
+
+bool EnvironmentLight::sample_sky_over(const Vec3& n, const Vec2& u, LightSample* ret_sample) const {
+  const Vec3 direction = from_frame_of(n, cosine_hemisphere(u));
+  const float density = n.dot(direction) / kPi;
+  if (!(density > 0.0f)) return false;
+  *ret_sample = {direction, kEndless, sky_radiance(sky_, direction) / density, density};
+  return true;
 }
 
 bool EnvironmentLight::sample_sky(const Vec2& u, LightSample* ret_sample) const {

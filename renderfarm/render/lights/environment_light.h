@@ -17,7 +17,8 @@ namespace cyclorama {
 /// The map is cut into cells whose corners are texel centres, so that in each radiance is bilinear in (u, v). A cell is
 /// chosen by what it gives, going down a pyramid of sums (Clarberg et al., "Wavelet Importance Sampling", 2005), which
 /// keeps neighbouring samples neighbours; in it a place is chosen in proportion to the bilinear luminance. So the
-/// density is nowhere zero where there is light. The gradient sky's density is exactly in proportion to its luminance.
+/// density is nowhere zero where there is light. The gradient sky is smooth: its density is that of a surface's
+/// cosine, which leaves matte surfaces in the open without noise, and in proportion to its luminance for both sides.
 class EnvironmentLight {
  public:
   EnvironmentLight() = default;  ///< Dark.
@@ -26,10 +27,11 @@ class EnvironmentLight {
 
   [[nodiscard]] bool shines() const { return shines_; }
   [[nodiscard]] Vec3 radiance(const Vec3& direction) const;
-  /// Precondition: shines(). False where `u` meets nothing but black.
-  [[nodiscard]] bool sample(const Vec2& u, LightSample* ret_sample) const;
+  /// For a surface with normal `n`; zero for both sides. Precondition: shines(). False where `u` meets nothing but
+  /// black.
+  [[nodiscard]] bool sample(const Vec3& n, const Vec2& u, LightSample* ret_sample) const;
   /// Per steradian; that of sample().
-  [[nodiscard]] float density(const Vec3& direction) const;
+  [[nodiscard]] float density(const Vec3& n, const Vec3& direction) const;
   /// About the irradiance (luminance) on an unshadowed surface with normal `n`; for a zero one, from all around. Above
   /// zero wherever light comes from that side.
   [[nodiscard]] float estimate(const Vec3& n) const;
@@ -63,6 +65,7 @@ class EnvironmentLight {
   [[nodiscard]] Vec3 map_radiance(const Place& place) const;
   [[nodiscard]] float map_density(const Place& place, float sine) const;
   [[nodiscard]] bool sample_sky(const Vec2& u, LightSample* ret_sample) const;
+  [[nodiscard]] bool sample_sky_over(const Vec3& n, const Vec2& u, LightSample* ret_sample) const;
   [[nodiscard]] bool sample_map(const Vec2& u, LightSample* ret_sample) const;
 
   bool shines_ = false;

@@ -126,7 +126,7 @@ bool LightSet::sample(const Vec3& p, const Vec3& n, float choice, const Vec2& u,
     divide(share.suns, ret_sample);
     return true;
   }
-  if (!(share.environment > 0.0f) || !environment_.sample(u, ret_sample)) return false;
+  if (!(share.environment > 0.0f) || !environment_.sample(n, u, ret_sample)) return false;
   divide(share.environment, ret_sample);
   return true;
 }
@@ -197,7 +197,7 @@ float LightSet::environment_density(const Vec3& p, const Vec3& n, const Vec3& di
   } else {
     finite = tree_.estimate(p, n);
   }
-  return environment_.density(direction) * shares(finite, n).environment;
+  return environment_.density(n, direction) * shares(finite, n).environment;
 }
 
 LightIndex LightSet::of_triangle(unsigned placement, unsigned primitive) const {

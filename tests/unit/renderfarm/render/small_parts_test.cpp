@@ -67,12 +67,12 @@ TEST(SceneNeeds, are_those_of_what_is_used) {
   EXPECT_EQ(describe(needs_of(scene)), "environment");
   scene.model.lights.push_back(point_light({0, 1, 0}, 1.0f));
   scene.model.materials[0].roughness = 0.5f;
-  EXPECT_EQ(describe(needs_of(scene)), "gloss, lights, environment");
+  EXPECT_EQ(describe(needs_of(scene)), "glossy surfaces, lights, environment");
   scene.model.materials.emplace_back();
   scene.model.materials.back().normal_texture.texture = 0;  // Nothing has this material.
   EXPECT_FALSE(needs_of(scene).normal_maps);
   scene.model.meshes[0].material = 1;
-  EXPECT_EQ(describe(needs_of(scene)), "textures, normal maps, gloss, lights, environment");
+  EXPECT_EQ(describe(needs_of(scene)), "textures, normal maps, glossy surfaces, lights, environment");
   scene.model.instances.clear();
   EXPECT_FALSE(needs_of(scene).textures);
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 
+#include "renderfarm/render/shading.h"
 #include "renderfarm/render/surface.h"
 #include "renderfarm/render/texture_lookup.h"
 #include "tests/doubles/simple_scenes.h"
@@ -121,7 +122,9 @@ struct Floor {
     TriangleHit hit{&mesh, &placement, mesh.triangles[first ? 0 : 1], Vec3::Zero()};
     hit.weights = first ? Vec3(1.0f - at.x(), at.z(), at.x() - at.z()) : Vec3(1.0f - at.z(), at.z() - at.x(), at.x());
     const Footprint footprint{share * kPx * distance, -direction.y()};
-    return base_colour_at(hit, Eigen::Vector4f::Ones(), true, footprint).x();
+    return TexelReader(hit, footprint)
+        .at(material.base_colour, material.source->base_colour_texture, Coding::kSrgb)
+        .x();
   }
   static constexpr float kSide = 400.0f;
   Scene scene;

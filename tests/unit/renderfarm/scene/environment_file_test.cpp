@@ -95,7 +95,7 @@ TEST_F(EnvironmentFileTest, a_scene_lit_by_nothing_else_is_exposed_by_its_mean) 
     written(RadianceImage(16, 8, light));
     const auto scene = package("");
     ASSERT_TRUE(scene.has_value()) << scene.error().message();
-    ASSERT_TRUE(scene->environment.has_value());
+    ASSERT_NE(scene->environment, nullptr);
     EXPECT_EQ(scene->environment->strength, 2.0f);
     EXPECT_NEAR(scene->environment->rotation_rad, std::numbers::pi, 1e-6);
     // What reflects half of it becomes of middle brightness, and no lamp was added.

@@ -28,15 +28,15 @@ std::shared_ptr<EnvironmentMap> noisy_map(int width, int height) {
   return map;
 }
 
-void expect_right_density(const EnvironmentLight& light, const char* name) {
+void expect_right_density(const EnvironmentLight& light, const char* name, const Vec3& n = Vec3::Zero()) {
   const auto sample = [&](const Vec2& u, float) -> std::optional<Vec3> {
     LightSample aim;
-    if (!light.sample(u, &aim)) return std::nullopt;
-    EXPECT_NEAR(light.density(aim.direction) / aim.density, 1.0f, 0.02f) << name;
+    if (!light.sample(n, u, &aim)) return std::nullopt;
+    EXPECT_NEAR(light.density(n, aim.direction) / aim.density, 1.0f, 0.02f) << name;
     return aim.direction;
   };
   const SamplerCheck check = check_sampler(
-      sample, [&](const Vec3& d) { return light.density(d); }, 1 << 14, 3, 6);
+      sample, [&](const Vec3& d) { return light.density(n, d); }, 1 << 14, 3, 6);
   EXPECT_GT(check.chi_square.p_value, 0.002) << name;
   EXPECT_NEAR(check.integral, 1.0, 0.02) << name;
 }
@@ -44,6 +44,7 @@ void expect_right_density(const EnvironmentLight& light, const char* name) {
 TEST(EnvironmentLight, aims_are_distributed_as_its_density_says) {
   const Sky sky{Eigen::Vector3f(0.4f, 0.5f, 0.8f), Eigen::Vector3f::Constant(0.2f), Eigen::Vector3f::Constant(0.05f)};
   expect_right_density(EnvironmentLight(sky, nullptr), "sky");
+  expect_right_density(EnvironmentLight(sky, nullptr), "sky over a slope", Vec3(0.6f, 0.48f, -0.64f));
   expect_right_density(EnvironmentLight({}, map_of(7, 5, 1.0f)), "even map");
   expect_right_density(EnvironmentLight({}, noisy_map(9, 6)), "noisy map");
   expect_right_density(EnvironmentLight({}, map_of(1, 1, 1.0f)), "one texel");
@@ -53,7 +54,7 @@ TEST(EnvironmentLight, every_constant_map_lights_a_surface_with_pi) {
   for (const int height : {1, 2, 16, 33}) {
     const EnvironmentLight light({}, map_of(2 * height, height, 1.0f));
     for (const Vec3& n : {Vec3(0, 1, 0), Vec3(0, 0, -1), Vec3(0.6f, -0.8f, 0)}) {
-      const auto sample = [&](float, const Vec2& u, LightSample* aim) { return light.sample(u, aim); };
+      const auto sample = [&](float, const Vec2& u, LightSample* aim) { return light.sample(n, u, aim); };
       EXPECT_NEAR(sampled_irradiance(sample, n), std::numbers::pi, 0.03) << height;
       EXPECT_GT(light.estimate(n), 1.0f) << height;
       if (height >= 16) {
@@ -87,7 +88,7 @@ TEST(EnvironmentLight, a_sun_of_one_texel_is_found_without_noise) {
   const EnvironmentLight light({}, map);
   for (int i = 0; i < 256; ++i) {
     LightSample aim;
-    ASSERT_TRUE(light.sample(SampleSequence(3, 0, 0, i, 256).pair(0), &aim));
+    ASSERT_TRUE(light.sample(Vec3::Zero(), SampleSequence(3, 0, 0, i, 256).pair(0), &aim));
     // Light over density is the whole sphere's light wherever one aims, but for the change of the sine in a texel.
     EXPECT_NEAR(aim.radiance_over_density.x() / light.estimate(Vec3::Zero()), 1.0f, 0.15f);
   }
@@ -96,13 +97,13 @@ TEST(EnvironmentLight, a_sun_of_one_texel_is_found_without_noise) {
 TEST(EnvironmentLight, black_does_not_shine) {
   EXPECT_FALSE(EnvironmentLight({}, nullptr).shines());
   EXPECT_FALSE(EnvironmentLight({}, map_of(4, 2, 0.0f)).shines());
-  EXPECT_EQ(EnvironmentLight({}, map_of(4, 2, 0.0f)).density(Vec3::UnitY()), 0.0f);
+  EXPECT_EQ(EnvironmentLight({}, map_of(4, 2, 0.0f)).density(Vec3::Zero(), Vec3::UnitY()), 0.0f);
 }
 
 TEST(EnvironmentLight, poles_give_numbers) {
   const EnvironmentLight light({}, noisy_map(16, 8));
   for (const Vec3& direction : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1e-20f, 1, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1)}) {
-    EXPECT_TRUE(std::isfinite(light.density(direction)));
+    EXPECT_TRUE(std::isfinite(light.density(Vec3::Zero(), direction)));
     EXPECT_TRUE(is_finite(light.radiance(direction)));
   }
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "renderfarm/render/lights/light_geometry.h"
+#include "renderfarm/render/ray_queue.h"
 #include "renderfarm/render/surface.h"
 #include "tests/doubles/light_checks.h"
 #include "tests/doubles/simple_scenes.h"
@@ -31,7 +32,8 @@ class Glowing {
     model_.materials.push_back(matte_material(Eigen::Vector3f::Zero()));
     model_.materials[0].emissive.setConstant(radiance);
     model_.meshes.push_back(std::move(mesh));
-    materials_.push_back(trace_material(model_, model_.materials[0]));
+    materials_.push_back(trace_material(model_, model_.materials[0], &textures_));
+    textures_.build(1);
     meshes_.push_back(trace_mesh(model_.meshes[0]));
     meshes_[0].material = materials_.data();
     placements_.push_back(place(meshes_[0], T));
@@ -44,6 +46,7 @@ class Glowing {
 
  private:
   Model model_;
+  MipTextures textures_;
   std::vector<SurfaceMaterial> materials_;
   std::vector<SurfaceMesh> meshes_;
   std::vector<Placement> placements_;
@@ -151,12 +154,13 @@ class Traced {
   Traced(const Traced&) = delete;
   Traced& operator=(const Traced&) = delete;
   LightIndex meet(const Vec3& p, const Vec3& direction, float* ret_distance) const {
-    RTCRayHit ray;
-    ray.ray = make_ray(p.data(), direction.data(), kEndless, 0);
-    trace_nearest(top_, &ray, Coherence::kIncoherent);
-    if (!lamps_.holds(ray.hit.geomID)) return kNoLight;
-    *ret_distance = ray.ray.tfar;
-    return lamps_.light_of(ray.hit.geomID, ray.hit.primID);
+    const auto rays = std::make_unique<RayQueue<RTCRayHit16>>();
+    rays->add(p, direction, kEndless, 0);
+    trace_nearest(top_, Coherence::kIncoherent, *rays);
+    const RTCHit hit = rays->hit(0);
+    if (!lamps_.holds(hit.geomID)) return kNoLight;
+    *ret_distance = rays->distance(0);
+    return lamps_.light_of(hit.geomID, hit.primID);
   }
 
  private:

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <exception>
 #include <string>
+#include <string_view>
 
 #include "common/base/text.h"
 #include "common/image/radiance_file.h"
@@ -28,6 +29,27 @@ constexpr int kMostChannels = 32;
 constexpr std::uint64_t kMostTilePx = std::uint64_t{4096} * 4096;
 
 Error bad(std::string_view what) { return Error(ErrorCode::kBadData, fmt::format("OpenEXR: {}", what)); }
+
+/// The library takes memory for an attribute before it looks whether the file has as much. The header is a list of
+/// name, type (both end with a zero), length and value, and ends with an empty name.
+Status check_attributes(std::string_view text) {
+  std::size_t at = kPrologueBytes;
+  const auto broken = [&] { return bad(fmt::format("byte {}: the header is cut short; copy the picture again", at)); };
+  while (at < text.size() && text[at] != '\0') {
+    for (int word = 0; word < 2; ++word) {
+      const std::size_t end = text.find('\0', at);
+      if (end == std::string_view::npos) return broken();
+      at = end + 1;
+    }
+    std::uint32_t length = 0;
+    if (text.size() - at < sizeof(length)) return broken();
+    std::memcpy(&length, text.data() + at, sizeof(length));  // Little-endian, as every machine that we run on.
+    at += sizeof(length);
+    if (length > text.size() - at) return broken();
+    at += length;
+  }
+  return at < text.size() ? Status(Done{}) : broken();
+}
 
 /// What the library would take memory for when it opens the file.
 Status check_size(const Imf::Header& header, std::size_t limit_px) {
@@ -91,10 +113,11 @@ Result<RadianceImage> decode(std::span<const std::byte> bytes, std::size_t limit
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (bytes.size() < kPrologueBytes || !Imf::isImfMagic(text.data())) return bad("this is no OpenEXR picture");
   std::int32_t version = 0;
-  std::memcpy(&version, text.data() + 4, sizeof(version));  // Little-endian, as every machine that we run on.
+  std::memcpy(&version, text.data() + 4, sizeof(version));
   if (Imf::isMultiPart(version) || Imf::isNonImage(version)) {
     return bad("it holds several parts or deep pixels; save one flat picture");
   }
+  TRY(check_attributes(text));
   Imf::StdISStream stream;
   stream.str(text);
   {

@@ -122,6 +122,15 @@ TEST(OpenExr, cut_short_or_too_large_it_is_refused) {
   EXPECT_TRUE(decode_openexr(bytes_of(file), kWidth * kHeight).has_value());
 }
 
+TEST(OpenExr, an_attribute_longer_than_the_file_is_refused_before_memory_is_taken_for_it) {
+  std::string file = write({});
+  const std::size_t length = file.find("compression") + 2 * sizeof("compression");
+  file[length + 3] = 0x7f;
+  const auto image = decode_openexr(bytes_of(file), kLimitPx);
+  ASSERT_FALSE(image.has_value());
+  EXPECT_NE(image.error().message().find("byte"), std::string::npos) << image.error().message();
+}
+
 TEST(OpenExr, photographs_are_read_by_content_and_damaged_files_refused_in_one_sentence) {
   CYCLORAMA_SHARED_DATA(courtyard, "hdri/courtyard.exr");
   const auto image = read_radiance(courtyard, kLimitPx);

@@ -3,11 +3,8 @@
 
 #include "renderfarm/quality/code_error.h"
 #include "renderfarm/quality/flip.h"
-#include "renderfarm/render/tone.h"
 
 namespace cyclorama {
-
-RgbImage shown(const RadianceImage& exposed) { return developed(exposed, ToneCurve::kShoulder); }
 
 Result<ShownError> shown_error(const RgbImage& picture, const RgbImage& reference) {
   ShownError error;

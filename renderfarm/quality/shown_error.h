@@ -7,9 +7,6 @@
 
 namespace cyclorama {
 
-/// Code values of exposed light, as Renderer::render() makes them.
-[[nodiscard]] RgbImage shown(const RadianceImage& exposed);
-
 struct ShownError {
   double psnr_db = 0.0;  ///< Infinite for equal pictures.
   double ssim = 0.0;

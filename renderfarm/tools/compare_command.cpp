@@ -11,6 +11,7 @@
 #include "common/image/pfm.h"
 #include "renderfarm/quality/comparable.h"
 #include "renderfarm/quality/light_error.h"
+#include "renderfarm/render/tone.h"
 
 namespace cyclorama {
 namespace {
@@ -38,7 +39,7 @@ Result<Picture> decode(std::span<const std::byte> bytes) {
   }
   TRY_ASSIGN(picture.light, decode_pfm(bytes, kPhotoLimitPx));
   TRY(check_finite(*picture.light));
-  picture.codes = shown(*picture.light);
+  picture.codes = developed(*picture.light, ToneCurve::kShoulder);
   return picture;
 }
 

@@ -19,8 +19,8 @@ struct Comparison {
   ShownError shown;
 };
 
-/// PFM, PNG or JPEG, told by the first bytes; light is tone mapped before it is compared as shown.
-/// Errors as the readers' and shown_error()'s; kBadData also where light is not finite.
+/// PFM, PNG or JPEG, told by the first bytes; light is tone mapped with the standard curve before it is compared as
+/// shown. Errors as the readers' and shown_error()'s; kBadData also where light is not finite.
 Result<Comparison> compare_files(const std::filesystem::path& picture, const std::filesystem::path& reference);
 
 /// `cyclorama-render compare PICTURE REFERENCE`: the errors between two pictures.

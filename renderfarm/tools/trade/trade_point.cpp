@@ -21,7 +21,8 @@ struct Axis {
   double (*value)(const TradePoint&);
 };
 
-Plot panel(const std::vector<TradePoint>& points, const Front& front, const Axis& x, const Axis& y) {
+/// `is_time`: along x; the front is a line there alone.
+Plot panel(const std::vector<TradePoint>& points, const Front& front, const Axis& x, const Axis& y, bool is_time) {
   // Okabe and Ito's colours, told apart by the colour-blind too.
   static constexpr struct {
     const char* knob;
@@ -30,24 +31,20 @@ Plot panel(const std::vector<TradePoint>& points, const Front& front, const Axis
                 {"denoiser", "#cc79a7"}, {"light samples", "#e69f00"}, {"firefly limit", "#8c510a"},
                 {"adaptive", "#56b4e9"}, {"jpeg", "#888888"}};
   Plot plot{x.label, y.label, {}};
-  PlotSeries together{"together", "#c8c8c8", {}, false, 2.0};
-  PlotSeries best{"front", "#000000", {}, true, 3.0};
-  for (const TradePoint& point : points) {
-    if (point.planned.knob == "together") together.points.push_back({x.value(point), y.value(point)});
-    if (is_on(front, point)) best.points.push_back({x.value(point), y.value(point)});
-  }
-  plot.series.push_back(std::move(together));
-  for (const auto& [knob, colour] : kKnobs) {
-    PlotSeries series{knob, colour, {}, false, 3.5};
+  const auto add = [&](PlotSeries series, const auto& is_part) {
     for (const TradePoint& point : points) {
-      if (point.planned.knob == knob || point.planned.knob == "base") {
-        series.points.push_back({x.value(point), y.value(point)});
-      }
+      if (is_part(point)) series.points.push_back({x.value(point), y.value(point)});
     }
+    std::ranges::sort(series.points);
     plot.series.push_back(std::move(series));
+  };
+  add({"together", "#c8c8c8", {}, false, 2.0},
+      [](const TradePoint& point) { return point.planned.knob == "together"; });
+  add({"front", "#000000", {}, is_time, 5.0}, [&](const TradePoint& point) { return is_on(front, point); });
+  for (const auto& [knob, colour] : kKnobs) {
+    add({knob, colour, {}, true, 3.0},
+        [&](const TradePoint& point) { return point.planned.knob == knob || point.planned.knob == "base"; });
   }
-  std::ranges::sort(best.points);
-  plot.series.push_back(std::move(best));
   return plot;
 }
 
@@ -92,8 +89,8 @@ std::string trade_svg(const std::vector<TradePoint>& points, const Front& front,
   const Axis bytes{"bytes of a picture", [](const TradePoint& point) { return static_cast<double>(point.bytes); }};
   const Axis flip{"FLIP of what is shown", [](const TradePoint& point) { return point.shown.flip; }};
   const Axis relmse{"relMSE of the light", [](const TradePoint& point) { return point.relmse; }};
-  return plot_svg(
-      title, {panel(points, front, cpu, flip), panel(points, front, cpu, relmse), panel(points, front, bytes, flip)});
+  return plot_svg(title, {panel(points, front, cpu, flip, true), panel(points, front, cpu, relmse, true),
+                          panel(points, front, bytes, flip, false)});
 }
 
 }  // namespace cyclorama

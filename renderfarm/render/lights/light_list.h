@@ -13,8 +13,13 @@ namespace cyclorama {
 /// A value; queries are thread-safe.
 class LightList {
  public:
-  /// From here on the tree is faster: measured.
-  static constexpr std::size_t kMost = 32;
+  /// Among more the tree is better. Measured with points in a box of 20 m (ns for the choice; variance of the estimate
+  /// that the choice alone adds, relative to its square; a shadow ray costs some 200 ns):
+  ///
+  ///     lights      16      32      64      128     256
+  ///     list        61      109     187     352     673       0
+  ///     tree        53      75      81      105     132       0.2 - 1.0
+  static constexpr std::size_t kMost = 64;
 
   /// What each light gives to one place at most about (irradiance, luminance), and their sum.
   struct Estimates {

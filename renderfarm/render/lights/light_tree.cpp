@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kBins = 12;
 /// Of more lights than this only the longest axis is tried.
-constexpr std::size_t kManyLights = 1024;
+constexpr std::size_t kManyLights = 128;
 /// Deeper, where positions run over many powers of ten, halves have equal numbers.
 constexpr int kDeepest = 64;
 /// Two lights nearer than this to a place are told apart no more by their distance.
@@ -50,9 +50,9 @@ Heap heap_of(const LightBounds& light) {
 }  // namespace
 
 struct LightTree::Item {
-  const LightBounds* bounds = nullptr;
+  LightBounds bounds;  ///< Its own: what is looked at together lies together.
   std::uint32_t light = 0;
-  [[nodiscard]] Vec3 place() const { return bounds->centre(); }
+  [[nodiscard]] Vec3 place() const { return bounds.centre(); }
 };
 
 namespace {
@@ -72,7 +72,7 @@ template <typename Item>
 Split best_split(std::span<const Item> items, const Vec3& low, const Vec3& size, int axis) {
   std::array<Heap, kBins> bins;
   for (const Item& item : items) {
-    bins[bin_of(item.place()[axis], low[axis], 1.0f / size[axis])].add(heap_of(*item.bounds));
+    bins[bin_of(item.place()[axis], low[axis], 1.0f / size[axis])].add(heap_of(item.bounds));
   }
   std::array<float, kBins> cost_above{};
   Heap above;
@@ -99,7 +99,7 @@ LightTree::LightTree(std::span<const LightBounds> lights) {
   std::vector<Item> items;
   items.reserve(lights.size());
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    if (lights[i].power > 0.0f) items.push_back({&lights[i], static_cast<std::uint32_t>(i)});
+    if (lights[i].power > 0.0f) items.push_back({lights[i], static_cast<std::uint32_t>(i)});
   }
   if (items.empty()) return;
   places_.assign(lights.size(), kNowhere);
@@ -130,8 +130,8 @@ LightBounds LightTree::add_group(std::span<const Item> items, std::uint32_t node
   group.node = node;
   group.lights.fill(kNowhere);
   for (std::size_t i = 0; i < items.size(); ++i) {
-    bounds.extend(*items[i].bounds);
-    group.lanes[i / 4].set(i % 4, *items[i].bounds);
+    bounds.extend(items[i].bounds);
+    group.lanes[i / 4].set(i % 4, items[i].bounds);
     group.lights[i] = items[i].light;
     places_[items[i].light] = static_cast<std::uint32_t>(groups_.size() * kGroup + i);
   }

@@ -212,7 +212,7 @@ Result<Model> PlyMesh::finish() && {
   Material material;
   material.name = "scan";
   material.metallic = 0.0f;
-  material.roughness = 0.9f;  // A file without a material is a scan: stone, clay, plaster, and often open at the back.
+  material.roughness = 1.0f;  // A file without a material is a scan: matte, and often open at the back.
   material.double_sided = true;
   if (has_alpha_) material.alpha_mode = AlphaMode::kBlend;
   model.materials.push_back(std::move(material));

@@ -57,6 +57,16 @@ TEST(PlyImport, a_square_in_ascii_becomes_two_triangles) {
   EXPECT_TRUE(model->meshes[0].normals.empty());
 }
 
+TEST(PlyImport, a_file_without_a_material_is_matte_on_both_sides) {
+  const auto model = import_text(ascii(kVertices + kFaces, kSquare + "4 0 1 2 3\n"));
+  ASSERT_TRUE(model.has_value()) << model.error().message();
+  ASSERT_EQ(model->materials.size(), 1u);
+  const Material& material = model->materials[0];
+  EXPECT_EQ(material.roughness, 1.0f);
+  EXPECT_EQ(material.metallic, 0.0f);
+  EXPECT_TRUE(material.double_sided);
+}
+
 TEST(PlyImport, both_byte_orders_and_any_types_give_the_same) {
   for (const bool big : {false, true}) {
     std::string bytes =

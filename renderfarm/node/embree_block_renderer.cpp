@@ -65,7 +65,8 @@ class EmbreeBlockRenderer final : public BlockRenderer {
   }
 
   [[nodiscard]] std::uint64_t memory_bytes() const override {
-    return renderer_->scene().memory_bytes() + renderer_->mip_bytes() + renderer_->bvh_bytes();
+    return renderer_->scene().memory_bytes() + renderer_->mip_bytes() + renderer_->record_bytes() +
+           renderer_->bvh_bytes();
   }
 
  private:

@@ -175,6 +175,9 @@ Status Accelerator::add_meshes(Scene& scene, TraceScene* ret_traced) {
   }
   for (std::size_t i = 0; i < model.meshes.size(); ++i) add_mesh(model, model.meshes[i], uses[i], ret_traced);
   for (Instance& instance : model.instances) add_instance(model, instance, origin, ret_traced);
+  for (std::size_t i = 0; i < model.meshes.size(); ++i) {
+    if (uses[i] > 0) ret_traced->meshes[i].records = make_triangle_records(model.meshes[i]);
+  }
   ret_traced->top = top_;
   return check("adding the scene's meshes");
 }

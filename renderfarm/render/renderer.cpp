@@ -211,6 +211,11 @@ RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& 
 const Scene& Renderer::scene() const { return state_->scene; }
 double Renderer::build_seconds() const { return state_->build_seconds; }
 std::size_t Renderer::bvh_bytes() const { return state_->accelerator->bytes(); }
+std::size_t Renderer::record_bytes() const {
+  std::size_t bytes = 0;
+  for (const SurfaceMesh& mesh : state_->traced.meshes) bytes += mesh.records.size() * sizeof(TriangleRecord);
+  return bytes;
+}
 std::size_t Renderer::mip_bytes() const { return state_->traced.textures.bytes(); }
 
 }  // namespace cyclorama

@@ -68,7 +68,8 @@ class Renderer {
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] double build_seconds() const;
   [[nodiscard]] std::size_t bvh_bytes() const;
-  [[nodiscard]] std::size_t mip_bytes() const;  ///< Of the textures' smaller levels.
+  [[nodiscard]] std::size_t mip_bytes() const;     ///< Of the textures' smaller levels.
+  [[nodiscard]] std::size_t record_bytes() const;  ///< Of what shading reads of the triangles.
 
  private:
   struct State;

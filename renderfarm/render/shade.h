@@ -50,8 +50,10 @@ class Shade {
     const int count = rays_.count();
     for (int i = 0; i < count; ++i) {
       // Memory is the slowest part of it: what later rays hit is asked for now.
-      if (i + kAhead < count) prefetch_triangle(i + kAhead);
-      if (i + kAhead / 2 < count) prefetch_vertices(i + kAhead / 2);
+      if (i + kAhead < count) prefetch(i + kAhead);
+      if constexpr (kNeeds.textures) {
+        if (i + kAhead / 2 < count) prefetch_texcoords(i + kAhead / 2);
+      }
       PathRay& ray = batch_.current().state[static_cast<std::size_t>(i)];
       if (rays_.has_hit(i)) {
         at_hit(i, ray);
@@ -72,22 +74,19 @@ class Shade {
     if (!rays_.has_hit(i) || is_lamp(hit)) return nullptr;
     return scene_.placements[top_of(hit)].mesh;
   }
-  void prefetch_triangle(int i) const {
-    const RTCHit hit = rays_.hit(i);
-    if (const SurfaceMesh* const mesh = mesh_at(i, hit)) __builtin_prefetch(&mesh->triangles[hit.primID]);
-  }
-  void prefetch_vertices(int i) const {
+  // Inline by force: gcc takes a function that only prefetches for one without effect, and drops its call.
+  [[gnu::always_inline]] void prefetch(int i) const {
     const RTCHit hit = rays_.hit(i);
     const SurfaceMesh* const mesh = mesh_at(i, hit);
     if (mesh == nullptr) return;
-    for (const std::uint32_t corner : mesh->triangles[hit.primID]) {
-      __builtin_prefetch(&mesh->positions[corner]);
-      if (mesh->normals != nullptr) __builtin_prefetch(&mesh->normals[corner]);
-      if (mesh->colours != nullptr) __builtin_prefetch(&mesh->colours[corner]);
-      if constexpr (kNeeds.textures) {
-        if (mesh->texcoords[0] != nullptr) __builtin_prefetch(&mesh->texcoords[0][corner]);
-      }
-    }
+    __builtin_prefetch(&mesh->records[hit.primID]);
+    if constexpr (kNeeds.textures) __builtin_prefetch(&mesh->triangles[hit.primID]);
+  }
+  [[gnu::always_inline]] void prefetch_texcoords(int i) const {
+    const RTCHit hit = rays_.hit(i);
+    const SurfaceMesh* const mesh = mesh_at(i, hit);
+    if (mesh == nullptr || mesh->texcoords[0] == nullptr) return;
+    for (const std::uint32_t corner : mesh->triangles[hit.primID]) __builtin_prefetch(&mesh->texcoords[0][corner]);
   }
 
   [[nodiscard]] bool is_lamp(const RTCHit& hit) const {

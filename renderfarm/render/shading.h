@@ -65,7 +65,7 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3
   const SurfaceMaterial& material = *hit.mesh->material;
   const Material& source = *material.source;
   SurfaceTexels texels;
-  texels.base_colour = point.colour.head<3>();
+  texels.base_colour = point.colour;
   Shading shading;
   shading.normal = point.normal;
   shading.emission = source.emissive;

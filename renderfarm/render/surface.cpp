@@ -60,10 +60,27 @@ TangentPlane plane_of_texcoords(const TriangleHit& hit, int set) {
   return {(e1 * d2.y() - e2 * d1.y()) * sign, (e1 * d2.x() - e2 * d1.x()) * sign};
 }
 
+/// Interpolated between the corners. Mesh frame; not unit length, may be zero.
+Vec3 smooth_normal(const TriangleHit& hit) {
+  return hit.weights[0] * hit.record->normal(0) + hit.weights[1] * hit.record->normal(1) +
+         hit.weights[2] * hit.record->normal(2);
+}
+
 /// The normal as the mesh means it, whatever side is looked at. Mesh frame; not unit length, may be zero.
 Vec3 own_normal(const TriangleHit& hit) {
-  if (hit.mesh->normals != nullptr) return interpolated3(hit.mesh->normals, hit);
+  if (hit.mesh->normals != nullptr) return smooth_normal(hit);
   return (corner(hit, 1) - corner(hit, 0)).cross(corner(hit, 2) - corner(hit, 0));
+}
+
+/// Linear.
+Vec3 vertex_colour(const TriangleHit& hit) {
+  const std::array<float, 256>& linear = srgb_table();
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::array<std::uint8_t, 3>& c = hit.record->colours[i];
+    sum += hit.weights[static_cast<Eigen::Index>(i)] * Vec3(linear[c[0]], linear[c[1]], linear[c[2]]);
+  }
+  return sum;
 }
 
 TangentPlane tangent_plane(const TriangleHit& hit, int set) {
@@ -102,16 +119,17 @@ TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit) {
   TriangleHit at;
   at.placement = &scene.placements[top_of(hit)];
   at.mesh = at.placement->mesh;
-  at.corners = at.mesh->triangles[hit.primID];
+  at.record = &at.mesh->records[hit.primID];
+  if (at.mesh->texcoords[0] != nullptr) at.corners = at.mesh->triangles[hit.primID];
   at.weights = Vec3(std::max(0.0f, 1.0f - hit.u - hit.v), hit.u, hit.v);
   return at;
 }
 
 SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction) {
   const Placement& placement = *hit.placement;
-  const Vec3 p0 = corner(hit, 0);
-  const Vec3 p1 = corner(hit, 1);
-  const Vec3 p2 = corner(hit, 2);
+  const Vec3 p0 = hit.record->corner(0);
+  const Vec3 p1 = hit.record->corner(1);
+  const Vec3 p2 = hit.record->corner(2);
   const Vec3& w = hit.weights;
 
   SurfacePoint point;
@@ -138,12 +156,12 @@ SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction) {
 
   point.normal = point.facing;
   if (hit.mesh->normals != nullptr) {
-    const Vec3 smooth = interpolated3(hit.mesh->normals, hit);
+    const Vec3 smooth = smooth_normal(hit);
     point.normal = normalized_or(placement.baked ? smooth : Vec3(placement.normal_matrix * smooth), point.facing);
     // Scans wind their triangles as they like, and a normal may disagree with its triangle: the viewer's side counts.
     if (point.normal.dot(point.facing) < 0.0f) point.normal = -point.normal;
   }
-  point.colour = vertex_colour_at(hit);
+  if (hit.mesh->colours != nullptr) point.colour = vertex_colour(hit);
   return point;
 }
 
@@ -187,21 +205,16 @@ Vec3 coat_normal(const TriangleHit& hit, const SurfacePoint& point, const Footpr
                      material.source->clearcoat_normal_scale, footprint);
 }
 
-Eigen::Vector4f vertex_colour_at(const TriangleHit& hit) {
-  if (hit.mesh->colours == nullptr) return Eigen::Vector4f::Ones();
-  const std::array<float, 256>& linear = srgb_table();
-  Eigen::Vector4f sum = Eigen::Vector4f::Zero();
-  for (int i = 0; i < 3; ++i) {
-    const std::array<std::uint8_t, 4>& c = hit.mesh->colours[hit.corners[static_cast<std::size_t>(i)]];
-    sum += hit.weights[i] * Eigen::Vector4f(linear[c[0]], linear[c[1]], linear[c[2]], linear_table()[c[3]]);
-  }
-  return sum;
-}
-
 float alpha_at(const TriangleHit& hit) {
   const SurfaceMaterial& material = *hit.mesh->material;
   float alpha = material.source->base_colour.w();
-  if (hit.mesh->colours != nullptr) alpha *= vertex_colour_at(hit).w();
+  if (hit.mesh->colours != nullptr) {
+    float opacity = 0.0f;
+    for (int i = 0; i < 3; ++i) {
+      opacity += hit.weights[i] * linear_table()[hit.mesh->colours[hit.corners[static_cast<std::size_t>(i)]][3]];
+    }
+    alpha *= opacity;
+  }
   if (material.base_colour != nullptr) {
     alpha *= lookup_alpha(*material.base_colour, texcoord_at(hit, material.source->base_colour_texture));
   }

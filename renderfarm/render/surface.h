@@ -10,18 +10,19 @@ namespace cyclorama {
 struct TriangleHit {
   const SurfaceMesh* mesh = nullptr;
   const Placement* placement = nullptr;
-  std::array<std::uint32_t, 3> corners{};
+  std::array<std::uint32_t, 3> corners{};  ///< From triangle_at(): only if the mesh has texture coordinates.
   Vec3 weights = Vec3::Zero();
+  const TriangleRecord* record = nullptr;
 };
 
 /// A place on a surface, in the render frame.
 struct SurfacePoint {
   Vec3 position = Vec3::Zero();
-  Vec3 error = Vec3::Zero();                         ///< Bound of the position's error, per axis.
-  Vec3 facing = Vec3::UnitY();                       ///< The triangle's normal, on the viewer's side. Unit length.
-  Vec3 normal = Vec3::UnitY();                       ///< The shading normal, on the same side. Unit length.
-  Eigen::Vector4f colour = Eigen::Vector4f::Ones();  ///< Of the vertices, linear.
-  bool front = true;                                 ///< The viewer is on the side that the triangle's winding faces.
+  Vec3 error = Vec3::Zero();    ///< Bound of the position's error, per axis.
+  Vec3 facing = Vec3::UnitY();  ///< The triangle's normal, on the viewer's side. Unit length.
+  Vec3 normal = Vec3::UnitY();  ///< The shading normal, on the same side. Unit length.
+  Vec3 colour = Vec3::Ones();   ///< Of the vertices, linear.
+  bool front = true;            ///< The viewer is on the side that the triangle's winding faces.
 };
 
 /// Number of the placement that was hit: its instance, or the baked mesh itself.
@@ -59,8 +60,6 @@ struct Footprint {
 
 /// Only its alpha, for rays that look for holes.
 [[nodiscard]] float alpha_at(const TriangleHit& hit);
-
-[[nodiscard]] Eigen::Vector4f vertex_colour_at(const TriangleHit& hit);
 
 /// A ray's start that is certainly on the side of the surface to which `side` (a unit normal) points.
 /// Source: Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 6.8.

@@ -11,6 +11,7 @@
 #include "renderfarm/render/lights/light_set.h"
 #include "renderfarm/render/mip_texture.h"
 #include "renderfarm/render/surface_level.h"
+#include "renderfarm/render/triangle_record.h"
 #include "renderfarm/render/vectors.h"
 #include "renderfarm/scene/scene.h"
 
@@ -45,6 +46,7 @@ struct SurfaceMesh {
   const std::array<float, 4>* tangents = nullptr;
   const std::array<std::uint8_t, 4>* colours = nullptr;
   const SurfaceMaterial* material = nullptr;
+  std::vector<TriangleRecord> records;  ///< Of what lies where the mesh is placed: made once it is baked.
 };
 
 /// A mesh in the render frame. Top-level geometry i of the BVH is placement i.

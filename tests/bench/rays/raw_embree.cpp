@@ -135,7 +135,8 @@ void follow(const TraceScene& scene, const std::vector<Vec3>& lamps, const std::
             Group* ret_shadow, Group* ret_bounce) {
   for (const Ray& ray : rays) {
     const RTCRayHit query = nearest(scene, ray);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID || scene.lamps.holds(query.hit.geomID))
+      continue;  // Lamps end paths.
     const SurfacePoint point = surface_at(triangle_at(scene, query.hit), ray.direction);
     const Vec3 start = start_off_surface(point, point.facing);
     const auto which = static_cast<std::size_t>(random() * static_cast<float>(lamps.size()));

@@ -24,11 +24,14 @@ class BlockRenderer {
   /// As Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is asked often, from any thread.
   virtual RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                             const std::function<bool()>& cancelled) = 0;
+  /// The same with the noise taken out. It looks around the rect: one for a block costs less than one for each tile.
+  virtual RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                                     const std::function<bool()>& cancelled) = 0;
   /// Only these samples of the view, whatever number of samples it asks for, into `ret_film`, made anew. Sums of films
   /// of the ranges of cut_samples(), added in that order, are bit-identical on any node.
   virtual RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples,
                                  Film* ret_film, const std::function<bool()>& cancelled) = 0;
-  /// What render() makes of a film.
+  /// What render() makes of a film, to the last bit.
   [[nodiscard]] virtual RgbImage developed(const Film& film) const = 0;
   /// All but the name, which the head gives.
   [[nodiscard]] virtual wire::SceneDescription description() const = 0;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/embree_block_renderer.h"
 
-#include <algorithm>
-
-#include "common/image/colour.h"
 #include "common/wire/convert.h"
+#include "renderfarm/denoise/denoising_renderer.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
@@ -16,11 +14,17 @@ constexpr double kReadingShare = 0.6;
 
 class EmbreeBlockRenderer final : public BlockRenderer {
  public:
-  explicit EmbreeBlockRenderer(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
+  EmbreeBlockRenderer(std::unique_ptr<Renderer> renderer, int threads)
+      : renderer_(std::move(renderer)), denoising_(*renderer_, threads) {}
 
   RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                     const std::function<bool()>& cancelled) override {
     return renderer_->render(view, rect, ret_pixels, cancelled);
+  }
+
+  RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                             const std::function<bool()>& cancelled) override {
+    return denoising_.render(view, rect, ret_pixels, cancelled);
   }
 
   RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* ret_film,
@@ -32,11 +36,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
   }
 
   [[nodiscard]] RgbImage developed(const Film& film) const override {
-    const RadianceImage mean = film.mean();
-    RgbImage picture(mean.width(), mean.height());
-    std::ranges::transform(mean.data(), picture.data().begin(),
-                           [](float exposed) { return linear_to_srgb8(tone_mapped(exposed)); });
-    return picture;
+    return cyclorama::developed(film.mean(), renderer_->scene().tone);
   }
 
   [[nodiscard]] wire::SceneDescription description() const override {
@@ -71,6 +71,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
 
  private:
   const std::unique_ptr<Renderer> renderer_;
+  DenoisingRenderer denoising_;
 };
 
 }  // namespace
@@ -82,7 +83,7 @@ SceneLoader embree_scene_loader(int threads) {
     TRY_ASSIGN(auto renderer, Renderer::build(std::move(scene), threads, [&](double done) {
                  progress(kReadingShare + (1.0 - kReadingShare) * done);
                }));
-    return std::unique_ptr<BlockRenderer>(std::make_unique<EmbreeBlockRenderer>(std::move(renderer)));
+    return std::unique_ptr<BlockRenderer>(std::make_unique<EmbreeBlockRenderer>(std::move(renderer), threads));
   };
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/image/cropped.h"
 #include "common/wire/channel.h"
 #include "common/wire/convert.h"
 #include "common/wire/nodes.grpc.pb.h"
@@ -263,12 +264,19 @@ RenderedBlock FarmNode::render_tiles(NodeLink& link, const BlockOrder& order) {
   };
   const JpegOptions options{static_cast<int>(order.block.view().jpeg_quality()), order.block.view().subsample_chroma()};
   if (!order.block.keep()) films_.forget(order.block.visit());
-  for (const PixelRect& rect : tiles_of(rect_of(order.block))) {
+  const PixelRect block = rect_of(order.block);
+  // A picture at rest has so many samples that the noise goes by itself, and the denoiser's bias would stay.
+  const bool denoise = order.block.view().denoise() && !order.block.keep();
+  RgbImage denoised;  // Of the whole block, with the first tile.
+  for (const PixelRect& rect : tiles_of(block)) {
     RenderedTile tile{order.block.block(), order.block.view().number(), rect, {}, options};
     moved_at_ = SteadyClock().now().time_since_epoch().count();
     rendering_ = true;
     if (order.block.keep()) {
       tile.pixels = refine_tile(*renderer, order.block, *view, rect, cancelled, &end.cost);
+    } else if (denoise) {
+      if (denoised.empty()) add_cost(renderer->render_denoised(*view, block, &denoised, cancelled), &end.cost);
+      tile.pixels = cropped(denoised, {rect.x - block.x, rect.y - block.y, rect.width, rect.height});
     } else {
       add_cost(renderer->render(*view, rect, &tile.pixels, cancelled), &end.cost);
     }

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/tile_sender.h"
 
-#include <ctime>
 #include <utility>
 
-namespace cyclorama {
+#include "common/base/cpu_time.h"
 
-double thread_cpu_seconds() {
-  timespec time{};
-  CHECK(::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
+namespace cyclorama {
 
 wire::NodeReport TileSender::report_of(NodeLink::Outgoing item) {
   if (auto* const report = std::get_if<wire::NodeReport>(&item)) return std::move(*report);

@@ -25,7 +25,4 @@ class TileSender {
   std::string error_;                ///< Likewise.
 };
 
-/// Of the calling thread: CLOCK_THREAD_CPUTIME_ID.
-[[nodiscard]] double thread_cpu_seconds();
-
 }  // namespace cyclorama

@@ -5,13 +5,13 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <time.h>
 
 #include <atomic>
 #include <cmath>
 
 #include "common/base/check.h"
 #include "common/base/clock.h"
+#include "common/base/cpu_time.h"
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/cell_sampling.h"
@@ -22,12 +22,6 @@
 namespace cyclorama {
 namespace {
 
-double thread_cpu_seconds() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 /// What of a cell belongs to the picture that was asked for, in the picture's pixels.
 struct CellPart {
   int left, top, right, bottom;
@@ -36,8 +30,9 @@ struct CellPart {
 /// Where a finished cell goes.
 using Write = std::function<void(const TraceCell& cell, const CellPart& part, const CellFilm& film)>;
 
+/// Rounded as render_film() and Film::mean() do, so that a film is developed to the very codes of render().
 Vec3 exposed_mean(const CellFilm& film, std::size_t pixel, float exposure) {
-  return film.sum[pixel] * (exposure / static_cast<float>(film.samples[pixel]));
+  return film.sum[pixel] * exposure * (1.0f / static_cast<float>(film.samples[pixel]));
 }
 
 std::size_t pixel_of(const TraceCell& cell, int x, int y) {

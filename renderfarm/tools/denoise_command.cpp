@@ -2,13 +2,13 @@
 #include "renderfarm/tools/denoise_command.h"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <vector>
 
+#include "common/base/cpu_time.h"
 #include "renderfarm/denoise/denoise.h"
 #include "renderfarm/denoise/gain.h"
 
@@ -38,12 +38,6 @@ PanoramaView view_of(const DenoiseOptions& options, const SceneInfo& info) {
   view.panorama = {options.width, options.height, span, tan_half, -tan_half};
   view.quality = options.quality;
   return view;
-}
-
-double thread_cpu_seconds() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 /// One line of the table.

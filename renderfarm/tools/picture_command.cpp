@@ -8,6 +8,7 @@
 #include "common/image/pfm.h"
 #include "common/image/png.h"
 #include "common/process/progress.h"
+#include "renderfarm/denoise/denoising_renderer.h"
 #include "renderfarm/tools/view_options.h"
 
 namespace cyclorama {
@@ -21,15 +22,17 @@ struct PictureOptions {
   std::string out;
   ViewOptions view;
   RenderQuality quality;
+  bool denoise = false;
 };
 
-/// `render` makes one band and answers what it cost.
+/// `render` makes one band of `band_px` rows and answers what it cost.
 template <typename Image, typename Render>
-Result<Image> in_bands(const PanoramaView& view, const StopSignal& stop, RenderCost* ret_cost, Render render) {
+Result<Image> in_bands(const PanoramaView& view, int band_px, const StopSignal& stop, RenderCost* ret_cost,
+                       Render render) {
   Image image(view.picture().width_px(), view.picture().height_px());
   Progress progress("rendering");
-  for (int y = 0; y < image.height(); y += kBandPx) {
-    const PixelRect band{0, y, image.width(), std::min(kBandPx, image.height() - y)};
+  for (int y = 0; y < image.height(); y += band_px) {
+    const PixelRect band{0, y, image.width(), std::min(band_px, image.height() - y)};
     Image pixels;
     const RenderCost part = render(band, &pixels);
     if (stop.requested()) return stopped();
@@ -47,19 +50,26 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
   TRY_ASSIGN(PanoramaView view, view_of(options.view, loaded.scene.info));
   view.quality = options.quality;
   TRY(check_view(view, {}));
+  if (options.denoise) TRY(check_denoisable(view));
   if (stop.requested()) return stopped();
   TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
+  DenoisingRenderer denoising(*renderer, options.scene.threads);
+  // Each denoised band has a margin, so there is only one.
+  const int band_px = options.denoise ? view.picture().height_px() : kBandPx;
   RenderCost cost;
   const auto cancelled = [&] { return stop.requested(); };
   if (std::filesystem::path(options.out).extension() == ".pfm") {
     TRY_ASSIGN(const RadianceImage image,
-               in_bands<RadianceImage>(view, stop, &cost, [&](const PixelRect& band, auto* ret) {
-                 return renderer->render_radiance(view, band, ret, cancelled);
+               in_bands<RadianceImage>(view, band_px, stop, &cost, [&](const PixelRect& band, auto* ret) {
+                 return options.denoise ? denoising.render_radiance(view, band, ret, cancelled)
+                                        : renderer->render_radiance(view, band, ret, cancelled);
                }));
     TRY(write_pfm(options.out, image));
   } else {
-    TRY_ASSIGN(const RgbImage image, in_bands<RgbImage>(view, stop, &cost, [&](const PixelRect& band, auto* ret) {
-                 return renderer->render(view, band, ret, cancelled);
+    TRY_ASSIGN(const RgbImage image,
+               in_bands<RgbImage>(view, band_px, stop, &cost, [&](const PixelRect& band, auto* ret) {
+                 return options.denoise ? denoising.render(view, band, ret, cancelled)
+                                        : renderer->render(view, band, ret, cancelled);
                }));
     TRY(write_png(options.out, image));
   }
@@ -89,6 +99,7 @@ RenderCommand add_picture_command(CLI::App* program) {
       ->capture_default_str();
   parser->add_option("--adaptive-error", options->quality.adaptive_error, "Stop a pixel at this error; 0 is never")
       ->capture_default_str();
+  parser->add_flag("--denoise", options->denoise, "Take the noise out, with a bias; of a panorama for one eye");
   parser->add_option("--json", options->json, "Also write what it cost, as JSON");
   return {parser, [options](const StopSignal& stop) { return picture(*options, stop); }};
 }

@@ -64,6 +64,13 @@ class FakeBlockRenderer final : public BlockRenderer {
     return {1e-9 * static_cast<double>(rect.area()), 1e-9 * static_cast<double>(rect.area()),
             static_cast<std::uint64_t>(rect.area())};
   }
+  /// The negative of the pattern.
+  RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                             const std::function<bool()>& cancelled) override {
+    const RenderCost cost = render(view, rect, ret_pixels, cancelled);
+    for (std::uint8_t& value : ret_pixels->data()) value = static_cast<std::uint8_t>(255 - value);
+    return cost;
+  }
   /// Every range has a pattern of its own, in sums that are not exact.
   RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* ret_film,
                          const std::function<bool()>& cancelled) override {

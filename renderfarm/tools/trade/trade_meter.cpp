@@ -40,15 +40,15 @@ class Stopwatch {
   TimePoint wall_ = SteadyClock().now();
 };
 
+PixelRect whole(const Panorama& panorama) { return {0, 0, panorama.width_px, panorama.height_px}; }
+
+}  // namespace
+
 Panorama scaled(Panorama panorama, double scale) {
   panorama.width_px = std::max(1, static_cast<int>(std::lround(scale * panorama.width_px)));
   panorama.height_px = std::max(1, static_cast<int>(std::lround(scale * panorama.height_px)));
   return panorama;
 }
-
-PixelRect whole(const Panorama& panorama) { return {0, 0, panorama.width_px, panorama.height_px}; }
-
-}  // namespace
 
 TradeMeter::TradeMeter(const Renderer& renderer, PanoramaView view, RadianceImage reference)
     : renderer_(renderer),

@@ -10,6 +10,9 @@
 
 namespace cyclorama {
 
+/// The same field in `scale` times as many pixels each way.
+[[nodiscard]] Panorama scaled(Panorama panorama, double scale);
+
 /// Of one view of one scene. Keeps a reference to the renderer, which must outlive it. Thread-bound.
 class TradeMeter {
  public:

@@ -154,6 +154,30 @@ TEST_F(Farm, makes_the_same_picture_with_1_2_3_and_5_nodes) {
   for (const RgbImage& picture : pictures) EXPECT_EQ(picture, pictures.front());
 }
 
+TEST_F(Farm, takes_the_noise_out_of_blocks_as_a_whole_when_a_view_asks_for_it) {
+  start_head();
+  TestNode node = add_node();
+  ASSERT_TRUE(wait_for_nodes(1));
+  const auto client = add_client(listener);
+  client->request(view_of(1));
+  ASSERT_TRUE(wait_for_frames(1));
+  const int tiles = node.rendering->renders;
+  ASSERT_GT(tiles, 4);
+  wire::View again = view_of(1);
+  again.set_number(1 + 256);  // The pattern's own period.
+  again.set_denoise(true);
+  client->request(again);
+  ASSERT_TRUE(wait_for_frames(2));
+  EXPECT_EQ(node.rendering->renders, tiles + 1) << "one render for the only node's block";
+  const RgbImage plain = composed(listener.seen().frames[0]);
+  const RgbImage negative = composed(listener.seen().frames[1]);
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < plain.data().size(); ++i) {
+    different += std::abs(255 - plain.data()[i] - negative.data()[i]) > 40 ? 1u : 0u;  // JPEG's own error apart.
+  }
+  EXPECT_LT(different, plain.data().size() / 50);
+}
+
 TEST_F(Farm, makes_whole_frames_when_a_node_dies_in_the_middle_of_one) {
   start_head();
   TestNode steady = add_node("steady");

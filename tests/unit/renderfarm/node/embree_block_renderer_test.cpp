@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "renderfarm/render/tone.h"
 #include "tests/doubles/simple_scenes.h"
 
 namespace cyclorama {
@@ -16,11 +17,13 @@ namespace {
 constexpr int kReference = 256;
 constexpr PixelRect kRect = {16, 0, 48, 32};
 
+constexpr const char* kFoldedSheet =
+    "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 1 -2\nv 2 1 -2\nf 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\n";
+
 /// A folded sheet, lit by what the importer finds: penumbrae and corners.
 std::unique_ptr<BlockRenderer> folded_sheet() {
   const std::filesystem::path file = testing::TempDir() + "folded_sheet.obj";
-  std::ofstream(file)
-      << "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 1 -2\nv 2 1 -2\nf 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\n";
+  std::ofstream(file) << kFoldedSheet;
   auto loaded = embree_scene_loader(1)(file.string(), [](double) {});
   std::filesystem::remove(file);
   EXPECT_TRUE(loaded) << loaded.error().message();
@@ -69,6 +72,28 @@ TEST(EmbreeBlockRenderer, accumulates_bit_for_bit_what_it_renders_afresh_however
   const Film part = accumulated(*renderer, view, {32, 16, 16, 16}, {128});
   for (int y = 0; y < 16; ++y) {
     for (int c = 0; c < 48; ++c) ASSERT_EQ(part.sum.at(0, y)[c], afresh.sum.at(16, 16 + y)[c]);
+  }
+}
+
+TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_by_the_scenes_own_curve) {
+  for (const char* const curve : {"shoulder", "linear", "filmic"}) {
+    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "toned_scene";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "sheet.obj") << kFoldedSheet;
+    std::ofstream(folder / "scene.toml") << "title = \"Sheet\"\n[tone]\ncurve = \"" << curve
+                                         << "\"\n[[geometry]]\nfile = \"sheet.obj\"\n";
+    const auto loaded = embree_scene_loader(1)(folder.string(), [](double) {});
+    std::filesystem::remove_all(folder);
+    ASSERT_TRUE(loaded) << loaded.error().message();
+    PanoramaView view = view_of_sheet();
+    view.quality.samples = 7;  // A division that rounds.
+    RgbImage picture;
+    (*loaded)->render(view, kRect, &picture, nullptr);
+    Film film;
+    (*loaded)->render_film(view, kRect, {0, 7}, &film, nullptr);
+    EXPECT_EQ((*loaded)->developed(film), picture) << curve;
+    const bool shoulder = cyclorama::developed(film.mean(), ToneCurve::kShoulder) == picture;
+    EXPECT_EQ(shoulder, curve == std::string("shoulder"));
   }
 }
 

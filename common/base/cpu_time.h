@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a thread was at work, apart from what it waited. Thread-safe.
+#pragma once
+
+#include <time.h>
+
+#include "common/base/check.h"
+
+namespace cyclorama {
+
+/// Of the calling thread, since some fixed time.
+[[nodiscard]] inline double thread_cpu_seconds() {
+  timespec time{};
+  CHECK(::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/denoise/denoising_renderer.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <variant>
+
+#include "common/base/clock.h"
+#include "common/base/cpu_time.h"
+#include "common/image/cropped.h"
+#include "renderfarm/render/tone.h"
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama {
+namespace {
+
+/// Strips have margins of their own, which are filtered twice.
+constexpr int kLeastStripPx = 64;
+
+const Panorama* panorama_of(const Projection& picture) {
+  return picture.viewing.eyes == Eyes::kMono ? std::get_if<Panorama>(&picture.shape) : nullptr;
+}
+
+/// `rect` and `px` around it, as far as the panorama goes.
+PixelRect grown(const PixelRect& rect, int px, const Panorama& panorama) {
+  const int left = std::max(0, rect.x - px);
+  const int top = std::max(0, rect.y - px);
+  return {left, top, std::min(panorama.width_px, rect.x + rect.width + px) - left,
+          std::min(panorama.height_px, rect.y + rect.height + px) - top};
+}
+
+}  // namespace
+
+Status check_denoisable(const PanoramaView& view) {
+  if (panorama_of(view.picture()) != nullptr) return Done{};
+  return Error(ErrorCode::kInvalidArgument, "the denoiser knows panoramas for one eye only");
+}
+
+DenoisingRenderer::DenoisingRenderer(const Renderer& renderer, int threads)
+    : renderer_(renderer),
+      denoisers_(static_cast<std::size_t>(threads > 0 ? threads : tbb::this_task_arena::max_concurrency())) {}
+
+RenderCost DenoisingRenderer::render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                                     const std::function<bool()>& cancelled) {
+  RadianceImage light;
+  const RenderCost cost = render_radiance(view, rect, &light, cancelled);
+  *ret_pixels = developed(light, renderer_.scene().tone);
+  return cost;
+}
+
+RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const PixelRect& rect,
+                                              RadianceImage* ret_pixels, const std::function<bool()>& cancelled) {
+  const Projection picture = view.picture();
+  const Panorama* const panorama = panorama_of(picture);
+  CHECK(panorama != nullptr);
+  const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), *panorama);
+  RenderCost cost = renderer_.render_film(view, wide, true, &film_, cancelled);
+  if (rect.empty() || (cancelled && cancelled())) {
+    *ret_pixels = RadianceImage(rect.width, rect.height);
+    return cost;
+  }
+  const TimePoint start = SteadyClock().now();
+  const double cpu_start = thread_cpu_seconds();
+  const PixelRays rays = panorama_rays(*panorama, view.heading_rad, wide);
+  if (wide_.width() != wide.width || wide_.height() != wide.height) wide_ = RadianceImage(wide.width, wide.height);
+  const PixelRect part{rect.x - wide.x, rect.y - wide.y, rect.width, rect.height};
+  const int threads = static_cast<int>(denoisers_.size());
+  const int strips = std::clamp(rect.height / kLeastStripPx, 1, threads);
+  std::atomic<double> cpu_seconds = thread_cpu_seconds() - cpu_start;
+  const auto strip = [&](int index) {
+    const double before = thread_cpu_seconds();
+    const int top = part.height * index / strips;
+    const int bottom = part.height * (index + 1) / strips;
+    denoisers_[static_cast<std::size_t>(index)].denoise(film_, rays, {part.x, part.y + top, part.width, bottom - top},
+                                                        &wide_);
+    cpu_seconds += thread_cpu_seconds() - before;
+  };
+  if (strips == 1) {
+    strip(0);
+  } else {
+    tbb::task_arena(threads).execute([&] { tbb::parallel_for(0, strips, strip, tbb::simple_partitioner()); });
+  }
+  *ret_pixels = cropped(wide_, part);
+  cost.wall_seconds += to_seconds(SteadyClock().now() - start);
+  return cost;
+}
+
+}  // namespace cyclorama

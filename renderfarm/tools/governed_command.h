@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/tools/render_command.h"
+
+namespace cyclorama {
+
+/// Holds frame budgets with a governor, on this machine alone, and measures what pictures come of them; then lets a
+/// picture rest and measures how its error falls.
+RenderCommand add_governed_command(CLI::App* program);
+
+}  // namespace cyclorama

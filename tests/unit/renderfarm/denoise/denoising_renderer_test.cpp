@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/denoise/denoising_renderer.h"
+
+#include <gtest/gtest.h>
+
+#include "common/image/cropped.h"
+#include "renderfarm/render/tone.h"
+#include "tests/doubles/simple_scenes.h"
+
+namespace cyclorama {
+namespace {
+
+/// A ball before a wall in soft light: noise, edges, and a shadow.
+class DenoisingRendererTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    Scene scene = scene_of(sphere_mesh(3.0f, 12));
+    add_mesh(scene, sphere_mesh(0.4f, 8), Eigen::Affine3d(Eigen::Translation3d(0, 0, -1.5)));
+    Light light = point_light({0.5, 1.0, 0.0}, 2.0f);
+    light.radius_m = 0.5f;
+    scene.model.lights.push_back(light);
+    scene.tone = ToneCurve::kFilmic;
+    auto built = Renderer::build(std::move(scene), 2, nullptr);
+    ASSERT_TRUE(built) << built.error().message();
+    renderer_ = std::move(*built);
+  }
+  static void TearDownTestSuite() { renderer_.reset(); }
+
+  static PanoramaView view() {
+    PanoramaView view = view_from({0, 0, 0}, 200, 150, 0.7, -0.7);
+    view.quality.samples = 2;
+    view.seed = 3;
+    return view;
+  }
+  static RgbImage picture_of(const PixelRect& rect, int threads) {
+    DenoisingRenderer denoising(*renderer_, threads);
+    RgbImage picture;
+    denoising.render(view(), rect, &picture, nullptr);
+    return picture;
+  }
+  static inline std::unique_ptr<Renderer> renderer_;
+};
+
+TEST_F(DenoisingRendererTest, makes_of_any_part_the_pixels_of_the_whole_film_to_the_last_bit) {
+  Film film;
+  renderer_->render_film(view(), whole(view()), true, &film, nullptr);
+  const RadianceImage light = denoised(film, panorama_rays(view().panorama, view().heading_rad, whole(view())));
+  const RgbImage expected = developed(light, ToneCurve::kFilmic);
+  RgbImage noisy;
+  renderer_->render(view(), whole(view()), &noisy, nullptr);
+  ASSERT_NE(expected, noisy);
+  for (const int threads : {1, 3}) {
+    for (const PixelRect& rect : {PixelRect{0, 0, 200, 150}, PixelRect{16, 0, 64, 150}, PixelRect{61, 37, 1, 1},
+                                  PixelRect{190, 130, 10, 20}, PixelRect{0, 16, 200, 130}}) {
+      EXPECT_EQ(picture_of(rect, threads), cropped(expected, rect))
+          << threads << " threads, " << rect.width << "x" << rect.height << " at " << rect.x << ", " << rect.y;
+    }
+  }
+}
+
+TEST_F(DenoisingRendererTest, gives_another_size_and_an_empty_one_with_the_same_memory) {
+  DenoisingRenderer denoising(*renderer_, 2);
+  RgbImage first, small, empty, again;
+  denoising.render(view(), whole(view()), &first, nullptr);
+  denoising.render(view(), {32, 32, 16, 16}, &small, nullptr);
+  denoising.render(view(), {32, 32, 0, 0}, &empty, nullptr);
+  denoising.render(view(), whole(view()), &again, nullptr);
+  EXPECT_EQ(small, cropped(first, {32, 32, 16, 16}));
+  EXPECT_TRUE(empty.empty());
+  EXPECT_EQ(again, first);
+}
+
+TEST_F(DenoisingRendererTest, counts_its_own_time_and_the_margins_rays) {
+  const PixelRect part{48, 48, 16, 16};
+  RgbImage picture;
+  const RenderCost plain = renderer_->render(view(), part, &picture, nullptr);
+  const RenderCost cost = DenoisingRenderer(*renderer_, 1).render(view(), part, &picture, nullptr);
+  EXPECT_GT(cost.rays, 4 * plain.rays);
+  EXPECT_GT(cost.cpu_seconds, 0.0);
+  EXPECT_GT(cost.wall_seconds, 0.0);
+}
+
+TEST_F(DenoisingRendererTest, stops_when_it_is_cancelled) {
+  RgbImage picture;
+  DenoisingRenderer(*renderer_, 1).render(view(), whole(view()), &picture, [] { return true; });
+  EXPECT_EQ(picture, RgbImage(200, 150));
+}
+
+TEST_F(DenoisingRendererTest, knows_panoramas_for_one_eye_only) {
+  EXPECT_TRUE(check_denoisable(view()));
+  PanoramaView other = view();
+  other.projection = Projection{Fisheye{64, 64, 3.0}, {}};
+  EXPECT_EQ(check_denoisable(other).error().code(), ErrorCode::kInvalidArgument);
+  other.projection = Projection{view().panorama, {}};
+  EXPECT_TRUE(check_denoisable(other));
+  other.projection->viewing.eyes = Eyes::kLeft;
+  EXPECT_FALSE(check_denoisable(other));
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -213,7 +213,8 @@ class Shade {
                           {batch_.lots.place_u[slot], batch_.lots.place_v[slot]}, goes_on, 1.0f);
     }
     const auto parts = static_cast<std::uint32_t>(view_.quality.light_samples);
-    const auto bits = static_cast<int>(std::bit_width(parts - 1));
+    int bits = 0;
+    while ((1u << bits) < parts) ++bits;
     for (std::uint32_t part = 0; part < parts; ++part) {
       const std::uint32_t index = split_index_reversed(batch_.index_reversed[slot], bits, part);
       const SobolPoint light = sobol_point(index, batch_.seed[slot], kFirstSurface + kLight);

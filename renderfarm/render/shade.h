@@ -21,8 +21,10 @@ inline constexpr std::uint32_t kPixelPlace = 0;
 inline constexpr std::uint32_t kFirstSurface = 1;
 enum SurfaceDimension : std::uint32_t { kLight, kLightPlace, kScatter, kLobe, kSurfaceDimensions };
 
-/// Paths go on for certain after this many scatterings, then by lot, with the chance that they still matter.
-inline constexpr int kCertainScatterings = 2;
+/// Russian roulette: a path goes on with this many times the chance that its light still matters, never with more than
+/// certainty. In a matte hall of 16 samples and three surfaces, error times cpu-seconds is least for 2 to 4: 16 % less
+/// than without (1: more than without).
+inline constexpr float kRouletteChance = 3.0f;
 /// Mirrors and clear surfaces that a path may meet beyond its bounces; then it ends.
 inline constexpr int kMostPassages = 16;
 
@@ -273,8 +275,8 @@ class Shade {
         next.absorption = shading.bsdf.inside ? Vec3(Vec3::Zero()) : shading.absorption;
       }
     }
-    if (next.scatterings > kCertainScatterings) {
-      const float chance = std::min(0.95f, next.throughput.maxCoeff());
+    const float chance = kRouletteChance * next.throughput.maxCoeff();
+    if (chance < 1.0f) {
       if (!(batch_.lots.through[slot] < chance)) return;
       next.throughput /= chance;
     }

@@ -73,7 +73,7 @@ void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
     ray.cone_spread = share * eyes.cone[i];
     stage.rays.add(view.eye + Vec3(eyes.origin[0][i], eyes.origin[1][i], eyes.origin[2][i]),
                    {eyes.direction[0][i], eyes.direction[1][i], eyes.direction[2][i]}, kFar,
-                   batch.path[i].index_reversed);
+                   veil_lot(batch.path[i].index_reversed, batch.path[i].seed, 0));
   }
 }
 

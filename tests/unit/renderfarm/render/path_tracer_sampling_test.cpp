@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How samples add up: whichever way a picture is cut, it is the same.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/doubles/measured_light.h"
+#include "tests/doubles/mixed_room.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 24;
+
+/// Neither is a multiple of a cell.
+PanoramaView small_view(int samples) {
+  PanoramaView view = room_view(3, samples);
+  view.panorama.width_px = kWidth;
+  view.panorama.height_px = kHeight;
+  view.seed = 0x123456789abcdefu;
+  return view;
+}
+
+struct NamedView {
+  std::string name;
+  PanoramaView view;
+};
+
+std::vector<NamedView> views() {
+  std::vector<NamedView> all = {{"panorama", small_view(3)}};
+  all.push_back({"both eyes", small_view(2)});
+  Viewing both;
+  both.eyes = Eyes::kOverUnder;
+  both.eye_distance_m = 0.063;
+  both.screen_distance_m = 3.0;
+  all.back().view.projection = Projection{all.back().view.panorama, both};
+  all.push_back({"fisheye", small_view(3)});
+  all.back().view.projection = Projection{Fisheye{kWidth, kHeight, 3.0, 0.5}, {}};
+  all.push_back({"adaptive", small_view(64)});
+  all.back().view.quality.adaptive_error = 0.02f;
+  all.push_back({"many aims", small_view(4)});
+  all.back().view.quality.light_samples = 5;
+  return all;
+}
+
+void expect_same_part(const Film& whole, const Film& part, const PixelRect& rect) {
+  for (int y = 0; y < rect.height; ++y) {
+    for (int x = 0; x < rect.width; ++x) {
+      const int column = rect.x + x;
+      const int row = rect.y + y;
+      ASSERT_EQ(*part.samples.at(x, y), *whole.samples.at(column, row)) << column << ", " << row;
+      ASSERT_EQ(*part.square.at(x, y), *whole.square.at(column, row)) << column << ", " << row;
+      for (int c = 0; c < 3; ++c) {
+        ASSERT_EQ(part.sum.at(x, y)[c], whole.sum.at(column, row)[c]) << column << ", " << row;
+      }
+    }
+  }
+}
+
+TEST(PathTracerSampling, threads_change_no_bit) {
+  std::vector<std::unique_ptr<Renderer>> renderers;
+  for (const int threads : {1, 2, 4}) renderers.push_back(built(mixed_room(), threads));
+  for (const NamedView& at : views()) {
+    SCOPED_TRACE(at.name);
+    const Film film = film_of(*renderers[0], at.view);
+    EXPECT_GT(mean_of(film.sum), 0.0);
+    for (std::size_t i = 1; i < renderers.size(); ++i) {
+      const Film other = film_of(*renderers[i], at.view);
+      EXPECT_EQ(other.sum, film.sum);
+      EXPECT_EQ(other.square, film.square);
+      EXPECT_EQ(other.samples, film.samples);
+    }
+  }
+}
+
+TEST(PathTracerSampling, tiles_change_no_bit) {
+  const auto renderer = built(mixed_room(), 2);
+  for (const NamedView& at : views()) {
+    const int width = at.view.picture().width_px();
+    const int height = at.view.picture().height_px();
+    const Film film = film_of(*renderer, at.view);
+    for (const auto& [tile_width, tile_height] : {std::pair{16, 16}, std::pair{23, 7}, std::pair{kWidth, 11}}) {
+      SCOPED_TRACE(at.name + ", tiles of " + std::to_string(tile_width) + " x " + std::to_string(tile_height));
+      for (int y = 0; y < height; y += tile_height) {
+        for (int x = 0; x < width; x += tile_width) {
+          const PixelRect rect{x, y, std::min(tile_width, width - x), std::min(tile_height, height - y)};
+          expect_same_part(film, film_of(*renderer, at.view, rect), rect);
+        }
+      }
+    }
+  }
+}
+
+/// Sums are of floats: added in the same order they are the same, in another as close as rounding.
+TEST(PathTracerSampling, a_picture_in_steps_is_the_picture_in_one) {
+  constexpr int kSamples = 8;
+  const auto renderer = built(mixed_room());
+  for (NamedView at : views()) {
+    if (at.view.quality.adaptive_error > 0.0f) continue;  // Steps know nothing of each other's errors.
+    at.view.quality.samples = kSamples;
+    const Film film = film_of(*renderer, at.view);
+    at.view.quality.sequence = kSamples;
+    for (const int step : {1, 4}) {
+      SCOPED_TRACE(at.name + ", steps of " + std::to_string(step));
+      Film sum;
+      for (int first = 0; first < kSamples; first += step) {
+        at.view.quality.first_sample = first;
+        at.view.quality.samples = step;
+        Film part = film_of(*renderer, at.view);
+        if (first == 0) {
+          sum = std::move(part);
+        } else {
+          sum.add(part);
+        }
+      }
+      EXPECT_EQ(sum.samples, film.samples);
+      for (std::size_t i = 0; i < film.sum.data().size(); ++i) {
+        const float expected = film.sum.data()[i];
+        ASSERT_NEAR(sum.sum.data()[i], expected, step == 1 ? 0.0f : 1e-6f * expected) << i;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

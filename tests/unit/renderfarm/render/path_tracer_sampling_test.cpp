@@ -11,8 +11,8 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kWidth = 40;
-constexpr int kHeight = 24;
+constexpr int kWidth = 35;
+constexpr int kHeight = 20;
 
 /// Neither is a multiple of a cell.
 PanoramaView small_view(int samples) {
@@ -38,7 +38,7 @@ std::vector<NamedView> views() {
   all.back().view.projection = Projection{all.back().view.panorama, both};
   all.push_back({"fisheye", small_view(3)});
   all.back().view.projection = Projection{Fisheye{kWidth, kHeight, 3.0, 0.5}, {}};
-  all.push_back({"adaptive", small_view(64)});
+  all.push_back({"adaptive", small_view(32)});
   all.back().view.quality.adaptive_error = 0.02f;
   all.push_back({"many aims", small_view(4)});
   all.back().view.quality.light_samples = 5;

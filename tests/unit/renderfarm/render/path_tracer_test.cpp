@@ -24,7 +24,7 @@ Scene glowing_furnace(float albedo, float radiance, bool double_sided) {
 }
 
 PanoramaView view_around(int bounces, int samples) {
-  PanoramaView view = view_from({0.3, 0.2, 0.1}, 32, 16, 1.0, -1.0);
+  PanoramaView view = view_from({0.3, 0.2, 0.1}, 16, 16, 1.0, -1.0);
   view.quality.bounces = bounces;
   view.quality.samples = samples;
   return view;

@@ -3,9 +3,9 @@
 /// [--bounces N]. Prints one JSON object. One thread.
 ///
 /// Cell by cell as the renderer works (16x16 pixels, the samples of a pixel side by side, batches of 1024 paths), rays
-/// are made from the hits of the rays before: camera, one shadow ray to a place on a lamp chosen at random, one cosine
-/// bounce, and so on. They are kept, and then traced again against the clock in that order: nothing but Embree's calls
-/// and the copy of a ray into them.
+/// are made from the hits of the rays before: camera, one shadow ray to a place on a lamp that the renderer might
+/// choose, one cosine bounce, and so on. They are kept, and then traced again against the clock in that order: nothing
+/// but Embree's calls and the copy of a ray into them.
 #include <fmt/format.h>
 
 #include <array>
@@ -28,7 +28,6 @@ constexpr int kCell = 16;
 constexpr int kBatch = 1024;
 constexpr int kPacket = 16;
 constexpr int kRounds = 3;
-constexpr float kLampHalf = 0.75f;      ///< Of the standard interior's lamps.
 constexpr float kTanHalf = 0.7673270f;  ///< A view 75 degrees wide.
 
 struct Ray {
@@ -130,22 +129,21 @@ Vec3 cosine_around(const Vec3& n, Random& random) {
   return (r * std::cos(angle) * t + r * std::sin(angle) * s + std::sqrt(1.0f - r2) * n).normalized();
 }
 
-/// The rays that follow from the hits of `rays`.
-void follow(const TraceScene& scene, const std::vector<Vec3>& lamps, const std::vector<Ray>& rays, Random& random,
-            Group* ret_shadow, Group* ret_bounce) {
+/// The rays that follow from the hits of `rays`, as the renderer's at a matte surface.
+void follow(const TraceScene& scene, const std::vector<Ray>& rays, Random& random, Group* ret_shadow,
+            Group* ret_bounce) {
   for (const Ray& ray : rays) {
     const RTCRayHit query = nearest(scene, ray);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID || scene.lamps.holds(query.hit.geomID))
-      continue;  // Lamps end paths.
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
+    const bool is_lamp = query.hit.instID[0] == RTC_INVALID_GEOMETRY_ID && scene.lamps.holds(query.hit.geomID);
+    if (is_lamp) continue;  // Lamps end paths.
     const SurfacePoint point = surface_at(triangle_at(scene, query.hit), ray.direction);
     const Vec3 start = start_off_surface(point, point.facing);
-    const auto which = static_cast<std::size_t>(random() * static_cast<float>(lamps.size()));
-    const Vec3 place = lamps[which] + Vec3(2.0f * random() - 1.0f, 0.0f, 2.0f * random() - 1.0f) * kLampHalf;
-    const Vec3 to_lamp = place - start;
-    const float distance = to_lamp.norm();
-    // As any path tracer, no shadow ray where no light can come.
-    if (to_lamp.y() > 0.0f && point.facing.dot(to_lamp) > 0.0f)
-      ret_shadow->rays.push_back({start, to_lamp / distance, distance * 0.9999f});
+    const float choice = random();
+    const Vec2 place{random(), random()};
+    LightSample aim;
+    if (scene.lights.sample(start, point.facing, choice, place, &aim) && point.facing.dot(aim.direction) > 0.0f)
+      ret_shadow->rays.push_back({start, aim.direction, aim.distance});
     ret_bounce->rays.push_back({start, cosine_around(point.facing, random), std::numeric_limits<float>::infinity()});
   }
 }
@@ -158,8 +156,7 @@ struct Order {
   int bounces = 2;
 };
 
-std::vector<Group> record(const TraceScene& scene, const std::vector<Vec3>& lamps, const Vec3& eye,
-                          const Order& order) {
+std::vector<Group> record(const TraceScene& scene, const Vec3& eye, const Order& order) {
   std::vector<Group> groups;
   Random random;
   for (int cell = 0;; ++cell) {
@@ -187,7 +184,7 @@ std::vector<Group> record(const TraceScene& scene, const std::vector<Vec3>& lamp
       for (int bounce = 0;; ++bounce) {
         Group shadow{Group::Kind::kShadow, {}};
         Group next{Group::Kind::kBounce, {}};
-        follow(scene, lamps, stage.rays, random, &shadow, &next);
+        follow(scene, stage.rays, random, &shadow, &next);
         groups.push_back(std::move(stage));
         groups.push_back(std::move(shadow));
         if (bounce == order.bounces) break;
@@ -277,11 +274,9 @@ Status measure(const Order& order) {
   TraceScene traced;
   TRY_ASSIGN(const auto accelerator, Accelerator::build(scene, 2, nullptr, &traced));
   const Eigen::Vector3d origin = render_origin(scene);
-  std::vector<Vec3> lamps;
-  for (const Light& light : scene.model.lights) lamps.push_back((light.position - origin).cast<float>());
-  if (lamps.empty()) return Error(ErrorCode::kInvalidArgument, "the scene has no lamps");
+  if (traced.lights.empty()) return Error(ErrorCode::kInvalidArgument, "the scene has no lamps");
   const FlushDenormals flush;
-  const std::vector<Group> groups = record(traced, lamps, (scene.info.start_eye - origin).cast<float>(), order);
+  const std::vector<Group> groups = record(traced, (scene.info.start_eye - origin).cast<float>(), order);
   Rates single;
   Rates packets;
   double sum = 0.0;

@@ -4,8 +4,8 @@
 ///
 /// Cell by cell as the renderer works (16x16 pixels, the samples of a pixel side by side, batches of 1024 paths), rays
 /// are made from the hits of the rays before: camera, one shadow ray to a place on a lamp that the renderer might
-/// choose, one cosine bounce, and so on. They are kept, and then traced again against the clock in that order: nothing
-/// but Embree's calls and the copy of a ray into them.
+/// choose, one cosine bounce, and so on; roulette ends paths as the renderer's does. They are kept, and then traced
+/// again against the clock in that order: nothing but Embree's calls and the copy of a ray into them.
 #include <fmt/format.h>
 
 #include <array>
@@ -18,6 +18,7 @@
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/flush_denormals.h"
+#include "renderfarm/render/shade.h"
 #include "renderfarm/render/surface.h"
 #include "renderfarm/scene/scene.h"
 
@@ -40,6 +41,7 @@ struct Ray {
 struct Group {
   enum class Kind { kCamera, kShadow, kBounce } kind;
   std::vector<Ray> rays;
+  std::vector<Vec3> throughputs;  ///< Of the rays that paths follow, while they are recorded.
 };
 
 /// Numerical Recipes' generator: what is measured does not depend on its quality.
@@ -129,10 +131,10 @@ Vec3 cosine_around(const Vec3& n, Random& random) {
   return (r * std::cos(angle) * t + r * std::sin(angle) * s + std::sqrt(1.0f - r2) * n).normalized();
 }
 
-/// The rays that follow from the hits of `rays`, as the renderer's at a matte surface.
-void follow(const TraceScene& scene, const std::vector<Ray>& rays, Random& random, Group* ret_shadow,
-            Group* ret_bounce) {
-  for (const Ray& ray : rays) {
+/// The rays that follow from the hits of `stage`, as the renderer's at a matte surface.
+void follow(const TraceScene& scene, const Group& stage, Random& random, Group* ret_shadow, Group* ret_bounce) {
+  for (std::size_t i = 0; i < stage.rays.size(); ++i) {
+    const Ray& ray = stage.rays[i];
     const RTCRayHit query = nearest(scene, ray);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
     const bool is_lamp = query.hit.instID[0] == RTC_INVALID_GEOMETRY_ID && scene.lamps.holds(query.hit.geomID);
@@ -144,7 +146,12 @@ void follow(const TraceScene& scene, const std::vector<Ray>& rays, Random& rando
     LightSample aim;
     if (scene.lights.sample(start, point.facing, choice, place, &aim) && point.facing.dot(aim.direction) > 0.0f)
       ret_shadow->rays.push_back({start, aim.direction, aim.distance});
-    ret_bounce->rays.push_back({start, cosine_around(point.facing, random), std::numeric_limits<float>::infinity()});
+    const Vec3 direction = cosine_around(point.facing, random);
+    const Vec3 throughput = stage.throughputs[i].cwiseProduct(point.colour);
+    const float chance = std::min(1.0f, kRouletteChance * throughput.maxCoeff());
+    if (!(random() < chance)) continue;
+    ret_bounce->rays.push_back({start, direction, std::numeric_limits<float>::infinity()});
+    ret_bounce->throughputs.push_back(throughput / chance);
   }
 }
 
@@ -180,11 +187,13 @@ std::vector<Group> record(const TraceScene& scene, const Vec3& eye, const Order&
       const auto last = std::min(first + kBatch, camera.size());
       Group stage{
           Group::Kind::kCamera,
-          {camera.begin() + static_cast<std::ptrdiff_t>(first), camera.begin() + static_cast<std::ptrdiff_t>(last)}};
+          {camera.begin() + static_cast<std::ptrdiff_t>(first), camera.begin() + static_cast<std::ptrdiff_t>(last)},
+          std::vector<Vec3>(last - first, Vec3::Ones())};
       for (int bounce = 0;; ++bounce) {
-        Group shadow{Group::Kind::kShadow, {}};
-        Group next{Group::Kind::kBounce, {}};
-        follow(scene, stage.rays, random, &shadow, &next);
+        Group shadow{Group::Kind::kShadow, {}, {}};
+        Group next{Group::Kind::kBounce, {}, {}};
+        follow(scene, stage, random, &shadow, &next);
+        stage.throughputs = {};
         groups.push_back(std::move(stage));
         groups.push_back(std::move(shadow));
         if (bounce == order.bounces) break;

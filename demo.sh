@@ -10,7 +10,8 @@
 #   --seed S          of the generated grotto (1)
 #   --nodes N         render nodes (2)
 #   --size WxH        the panorama on the wall, in pixels (768x288)
-#   --samples N       rays per pixel (1)
+#   --budget-ms N     per frame: the farm chooses the quality that fits, and refines at rest (50)
+#   --samples N       rays per pixel, always as many, instead of a budget
 #   --camera SPEC     the tag camera: simulated (default), file:PHOTO, file:VIDEO
 #   --port N          of the page (8080)
 set -euo pipefail
@@ -18,8 +19,8 @@ called_from=$PWD
 cd "$(dirname "$(readlink -f "$0")")"
 started=$(date +%s.%N)
 
-headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 size=768x288 samples=1 camera="" page_port=8080
-usage() { sed -n '3,15s/^# \{0,1\}//p' "$0"; }
+headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 size=768x288 budget_ms="" samples="" camera="" page_port=8080
+usage() { sed -n '3,16s/^# \{0,1\}//p' "$0"; }
 here() { [[ $1 = /* ]] && echo "$1" || echo "$called_from/$1"; }  # A path as the caller meant it.
 need() { [ $# -ge 2 ] || { echo "demo.sh: $1 needs a value; see --help" >&2; exit 2; }; }
 while [ $# -gt 0 ]; do
@@ -32,6 +33,7 @@ while [ $# -gt 0 ]; do
     --seed) need "$@"; seed=$2; shift 2 ;;
     --nodes) need "$@"; nodes=$2; shift 2 ;;
     --size) need "$@"; size=$2; shift 2 ;;
+    --budget-ms) need "$@"; budget_ms=$2; shift 2 ;;
     --samples) need "$@"; samples=$2; shift 2 ;;
     --camera) need "$@"; camera=$2; [[ $camera != *:* ]] || camera=${camera%%:*}:$(here "${camera#*:}"); shift 2 ;;
     --port) need "$@"; page_port=$2; shift 2 ;;
@@ -47,7 +49,10 @@ whole --seconds "$seconds" 1 86400
 whole --triangles "$triangles" 10000 60000000
 whole --seed "$seed" 0 999999999
 whole --nodes "$nodes" 1 64
-whole --samples "$samples" 1 4096
+[ -z "$budget_ms" ] || [ -z "$samples" ] || { echo "demo.sh: --samples and --budget-ms exclude each other" >&2; exit 2; }
+picture=(--budget-ms "${budget_ms:-50}")
+[ -z "$samples" ] || picture=(--samples "$samples")
+whole "${picture[@]}" 1 4096
 whole --port "$page_port" 1 65535
 [[ $size =~ ^[0-9]+x[0-9]+$ ]] || { echo "demo.sh: --size must be WIDTHxHEIGHT, not '$size'" >&2; exit 2; }
 [ "$headless" = 0 ] || [ -n "$out" ] || { echo "demo.sh: --headless needs --out DIR" >&2; exit 2; }
@@ -124,7 +129,7 @@ watch=(--watch "tour=$(at 2)" --watch "display=$(at 3)" --watch "tracker=$(at 4)
 
 start head cyclorama-farm --scene "visit=$scene" --museums "$(at 0)" --nodes "$(at 1)" --inspect "$(at 6)"
 for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --head "$(at 1)" --threads 1 --name "node-$i"; done
-start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" --samples "$samples"
+start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" "${picture[@]}"
 start display cyclorama-display --installation demo/installation.toml --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --width "${size%x*}" --height "${size#*x}" --refresh-hz 20
 start simulated-room cyclorama-simulated-room --installation demo/installation.toml --run-dir "$run_dir" --listen "$(at 5)" --rate-hz 6
 start tracker cyclorama-tracker --camera "${camera:-simulated}" --decimate 2 --tour "$(at 2)" --listen "$(at 4)"

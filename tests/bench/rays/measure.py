@@ -3,9 +3,10 @@
 
 The three take turns, and a ratio is the middle one of the turns'. The tutorial is Debian's /usr/bin/pathtracer. It
 sends a shadow ray to every lamp at every surface, so it gets one lamp, a point in the middle of the ceiling: then its
-rays are half shadow rays, as ours nearly are. Some of them start away from the lamp and end at once; ours are not sent. Its BVH is not in robust mode, which favours it by one or two percent. It prints
-its rays per second of wall time; rays per frame follow from that, and cpu-seconds are those of the process with FRAMES
-frames less those with none, so that loading is not counted.
+rays are half shadow rays, as ours nearly are. Some of its start away from the lamp and end at once; we send none of
+those. Its BVH is not in robust mode, which favours it by one or two percent. It prints its rays per second of wall
+time; rays per frame follow from that, and cpu-seconds are those of the process with FRAMES frames less those with one,
+so that loading is not counted.
 """
 import json
 import os

@@ -51,6 +51,7 @@ struct Renderer::State {
   Scene scene;
   TraceScene traced;
   std::unique_ptr<Accelerator> accelerator;
+  SceneNeeds needs;
   ShadeStage shade = nullptr;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   double build_seconds = 0.0;
@@ -60,6 +61,8 @@ struct Renderer::State {
   RenderCost run(const PanoramaView& view, const PixelRect& rect, bool features, const std::function<bool()>& cancelled,
                  const Write& write) const;
 };
+
+static_assert(kMostSceneBounces <= kMostBounces, "what a scene asks for can be rendered");
 
 Status check_view(const PanoramaView& view, const PixelRect& rect) {
   const Projection picture = view.picture();
@@ -87,7 +90,8 @@ Result<std::unique_ptr<Renderer>> Renderer::build(Scene scene, int threads,
   Scene& held = state->scene;
   state->arena.initialize(threads > 0 ? threads : tbb::task_arena::automatic);
   state->origin = render_origin(held);
-  state->shade = shade_stage_for(needs_of(held));
+  state->needs = needs_of(held);
+  state->shade = shade_stage_for(state->needs);
   TraceScene& traced = state->traced;
   TRY_ASSIGN(state->accelerator, Accelerator::build(held, threads, progress, &traced));
   traced.ambient = held.ambient;
@@ -95,6 +99,8 @@ Result<std::unique_ptr<Renderer>> Renderer::build(Scene scene, int threads,
   state->build_seconds = to_seconds(clock.now() - start);
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
+
+void Renderer::compile_for(const SceneNeeds& more) { state_->shade = shade_stage_for(state_->needs | more); }
 
 RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect, bool features,
                                 const std::function<bool()>& cancelled, const Write& write) const {
@@ -204,6 +210,7 @@ RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& 
 }
 
 const Scene& Renderer::scene() const { return state_->scene; }
+const LightSet& Renderer::lights() const { return state_->traced.lights; }
 double Renderer::build_seconds() const { return state_->build_seconds; }
 std::size_t Renderer::bvh_bytes() const { return state_->accelerator->bytes(); }
 std::size_t Renderer::record_bytes() const {

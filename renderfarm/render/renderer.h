@@ -17,7 +17,9 @@
 
 namespace cyclorama {
 
+class LightSet;
 struct Scene;
+struct SceneNeeds;
 
 /// A picture to be made: where the eye is, where it looks, how finely. Scene frame.
 struct PanoramaView {
@@ -50,6 +52,9 @@ class Renderer {
   /// kInvalidArgument  the scene has no triangles.     kSystem  out of memory, said before the machine swaps.
   static Result<std::unique_ptr<Renderer>> build(Scene scene, int threads, const std::function<void(double)>& progress);
   ~Renderer();
+  /// Picks a kernel that is compiled for the scene's needs and for those of `more`, though nothing uses them: what they
+  /// cost is measured so. Not while a picture is rendered.
+  void compile_for(const SceneNeeds& more);
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
@@ -66,6 +71,7 @@ class Renderer {
                              const std::function<bool()>& cancelled) const;
 
   [[nodiscard]] const Scene& scene() const;
+  [[nodiscard]] const LightSet& lights() const;  ///< In the render frame.
   [[nodiscard]] double build_seconds() const;
   [[nodiscard]] std::size_t bvh_bytes() const;
   [[nodiscard]] std::size_t mip_bytes() const;     ///< Of the textures' smaller levels.

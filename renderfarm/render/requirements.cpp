@@ -67,6 +67,12 @@ SceneNeeds operator|(const SceneNeeds& a, const SceneNeeds& b) {
           a.lights || b.lights, a.environment || b.environment};
 }
 
+SceneNeeds kernel_for(const SceneNeeds& needs) {
+  const bool layered = needs.surface == SurfaceLevel::kLayered;
+  return {needs.textures || needs.normal_maps, needs.normal_maps, needs.surface, needs.lights || layered,
+          needs.environment || layered};
+}
+
 std::string describe(const SceneNeeds& needs) {
   std::vector<std::string> names;
   if (needs.textures) names.emplace_back("textures");

@@ -28,6 +28,9 @@ struct SceneNeeds {
 /// Both together.
 [[nodiscard]] SceneNeeds operator|(const SceneNeeds& a, const SceneNeeds& b);
 
+/// What the kernel that is picked for `needs` is compiled for: not every combination exists, so it may be more.
+[[nodiscard]] SceneNeeds kernel_for(const SceneNeeds& needs);
+
 /// "textures, glossy surfaces, lights"; "nothing" for the least.
 [[nodiscard]] std::string describe(const SceneNeeds& needs);
 

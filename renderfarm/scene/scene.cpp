@@ -118,6 +118,7 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   scene.info.walking_scale = package.walking_scale.value_or(found.walking_scale);
   scene.info.walkable = package.walkable.empty() ? found.walkable : std::move(package.walkable);
   scene.info.stops = std::move(package.stops);
+  scene.bounces = package.bounces;
   scene.sky = package.sky.value_or(Sky{});
   scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());
   scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());

@@ -25,6 +25,9 @@ struct Sky {
 /// How exposed light becomes display light: renderfarm/render/tone.h.
 enum class ToneCurve { kShoulder, kLinear, kFilmic };
 
+inline constexpr int kUsualBounces = 4;
+inline constexpr int kMostSceneBounces = 64;
+
 struct SceneTourStop {
   std::string title;
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
@@ -54,6 +57,7 @@ struct Scene {
   Eigen::Vector3f eye_lamp = Eigen::Vector3f::Zero();
   double exposure = 1.0;  ///< Radiance is multiplied by this before it becomes a code value.
   ToneCurve tone = ToneCurve::kShoulder;
+  int bounces = kUsualBounces;  ///< Of the light in this scene's reference; RenderQuality::bounces.
   Eigen::AlignedBox3d bounds;
 
   [[nodiscard]] std::uint64_t triangles_stored() const;

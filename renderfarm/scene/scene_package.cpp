@@ -225,6 +225,7 @@ Result<ScenePackage> parse_scene_package(std::string_view text, std::string name
   const bool z_up = is_z_up(&root, false);
   package.exposure = number_if_given(&root, "exposure", {1e-6, 1e6});
   package.tone = read_tone(root.table("tone"));
+  package.bounces = root.integer("bounces", {0, kMostSceneBounces}, kUsualBounces);
 
   ConfigTable start = root.table("start");
   if (start.has("eye_m")) package.start_eye = vector_of(start.numbers("eye_m", 3, kMetres));

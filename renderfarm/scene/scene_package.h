@@ -36,6 +36,7 @@ struct ScenePackage {
   std::string credits;
   std::optional<double> exposure;
   ToneCurve tone = ToneCurve::kShoulder;
+  int bounces = kUsualBounces;
   std::optional<Eigen::Vector3d> start_eye;
   std::optional<double> start_heading_rad;
   std::optional<double> eye_height_m;

@@ -5,10 +5,14 @@
 #include <fmt/ranges.h>
 
 #include <numbers>
+#include <utility>
 
 #include "common/base/text.h"
+#include "renderfarm/render/lights/light_set.h"
 #include "renderfarm/render/memory.h"
 #include "renderfarm/render/requirements.h"
+#include "renderfarm/tools/features/feature_saving.h"
+#include "renderfarm/tools/features/scene_need.h"
 
 namespace cyclorama {
 namespace {
@@ -48,8 +52,54 @@ void print_light(const Scene& scene) {
              scene.exposure);
 }
 
+const char* name_of(ToneCurve curve) {
+  switch (curve) {
+    case ToneCurve::kShoulder:
+      return "shoulder";
+    case ToneCurve::kLinear:
+      return "linear";
+    case ToneCurve::kFilmic:
+      return "filmic";
+  }
+  return "";
+}
+
+void print_needs(const Scene& scene) {
+  const std::vector<NamedNeed> needs = named_needs(scene);
+  const char* heading = "needs";
+  for (const NamedNeed& need : needs) {
+    if (!need.what.empty()) fmt::print("{:<12}{:<18}{}\n", std::exchange(heading, ""), need.name, need.what);
+  }
+  std::vector<std::string> left_out;
+  for (const NamedNeed& need : needs) {
+    if (need.what.empty()) left_out.push_back(need.name);
+  }
+  fmt::print("left out    {}\n", left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(left_out, ", ")));
+}
+
+void print_kernel(const Scene& scene) {
+  const SceneNeeds kernel = kernel_for(needs_of(scene));
+  std::vector<std::string> without;
+  for (const SceneNeeds& need : kEachNeed) {
+    if ((kernel | need) != kernel) without.push_back(describe(need));
+  }
+  fmt::print("kernel      compiled for: {}\n", describe(kernel));
+  fmt::print("            without: {}\n", without.empty() ? "nothing" : fmt::format("{}", fmt::join(without, ", ")));
+}
+
+/// What is known once the scene is ready to be traced.
+void print_traced(const Renderer& renderer) {
+  const LightSet& lights = renderer.lights();
+  fmt::print("aimed at    {} lamps, {} flat lights, {} glowing triangles, {} suns{}; chosen by {}\n",
+             lights.lamps().size(), lights.flats().size(), lights.triangles(), lights.suns().size(),
+             lights.has_environment() ? ", the environment" : "", lights.chooses_by_tree() ? "a tree" : "a list");
+  fmt::print("memory      {} with the BVH ({}) and the textures' smaller levels ({})\n",
+             describe_bytes(renderer.scene().memory_bytes() + renderer.bvh_bytes() + renderer.mip_bytes()),
+             describe_bytes(renderer.bvh_bytes()), describe_bytes(renderer.mip_bytes()));
+}
+
 Status inspect(const SceneOptions& options) {
-  TRY_ASSIGN(const LoadedScene loaded, load_with_progress(options));
+  TRY_ASSIGN(LoadedScene loaded, load_with_progress(options));
   const Scene& scene = loaded.scene;
   const Model& model = scene.model;
   std::size_t texels = 0;
@@ -67,8 +117,12 @@ Status inspect(const SceneOptions& options) {
              scene.info.walkable.size(), scene.info.stops.size());
   fmt::print("lights      {}\n", model.lights.size());
   print_light(scene);
-  fmt::print("kernel      compiled for: {}\n", describe(needs_of(scene)));
+  fmt::print("tone        {}\n", name_of(scene.tone));
+  print_needs(scene);
+  print_kernel(scene);
   for (const std::string& note : model.notes) fmt::print("note        {}\n", printable(note, 400));
+  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options));
+  print_traced(*renderer);
   return Done{};
 }
 

@@ -23,6 +23,7 @@ struct PictureOptions {
   ViewOptions view;
   RenderQuality quality;
   bool denoise = false;
+  std::optional<int> bounces;
 };
 
 /// `render` makes one band of `band_px` rows and answers what it cost.
@@ -49,6 +50,7 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
   TRY_ASSIGN(PanoramaView view, view_of(options.view, loaded.scene.info));
   view.quality = options.quality;
+  view.quality.bounces = options.bounces.value_or(loaded.scene.bounces);
   TRY(check_view(view, {}));
   if (options.denoise) TRY(check_denoisable(view));
   if (stop.requested()) return stopped();
@@ -91,8 +93,8 @@ RenderCommand add_picture_command(CLI::App* program) {
   add_view_options(parser, &options->view);
   options->quality.samples = 16;
   parser->add_option("--samples", options->quality.samples, "Samples per pixel")->capture_default_str();
-  parser->add_option("--bounces", options->quality.bounces, "Times that light goes from surface to surface")
-      ->capture_default_str();
+  parser->add_option("--bounces", options->bounces,
+                     "Times that light goes from surface to surface; as many as the scene says if left out");
   parser->add_option("--light-samples", options->quality.light_samples, "Shadow rays at what the eye sees")
       ->capture_default_str();
   parser->add_option("--firefly-limit", options->quality.firefly_limit, "Of a sample's indirect light; 0 is none")

@@ -57,6 +57,8 @@ class LightSet {
   /// What a ray from `p` sees of a visible lamp that it met. Black from behind; zero for triangles.
   [[nodiscard]] Vec3 radiance(LightIndex light, const Vec3& p, const Vec3& direction) const;
 
+  [[nodiscard]] bool chooses_by_tree() const { return !tree_.empty(); }
+  [[nodiscard]] std::span<const Lamp> suns() const { return suns_; }
   [[nodiscard]] std::span<const Lamp> lamps() const { return lamps_; }
   [[nodiscard]] std::span<const FlatLight> flats() const { return flats_; }
   [[nodiscard]] std::size_t triangles() const { return triangles_.size(); }

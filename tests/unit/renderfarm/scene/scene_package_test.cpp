@@ -44,6 +44,13 @@ TEST_F(ScenePackageTest, the_least_package_is_a_title_and_a_file) {
   EXPECT_FALSE(package->start_eye || package->sky || package->exposure || package->eye_lamp || package->ambient);
 }
 
+TEST_F(ScenePackageTest, bounces_are_the_usual_ones_unless_given) {
+  EXPECT_EQ(parse(kLeast)->bounces, kUsualBounces);
+  EXPECT_EQ(parse("bounces = 0\n" + kLeast)->bounces, 0);
+  EXPECT_EQ(parse("bounces = 64\n" + kLeast)->bounces, 64);
+  EXPECT_THAT(complaint("bounces = 65\n" + kLeast), HasSubstr("bounces"));
+}
+
 TEST_F(ScenePackageTest, everything_is_read) {
   const auto package = parse(R"(
 title = "Grotto"

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama {
+
+/// One thing that a scene may need, and whether this one does.
+struct NamedNeed {
+  std::string name;  ///< "textures"
+  std::string what;  ///< "3, in 'wall', 'floor'"; empty: left out.
+};
+
+/// All of them, found or left out: from the materials of what is seen, the lights, and how the geometry is placed.
+/// Looks at the alpha of every texel that blends. Reentrant.
+[[nodiscard]] std::vector<NamedNeed> named_needs(const Scene& scene);
+
+}  // namespace cyclorama

@@ -35,12 +35,11 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(Scene& scene, int thread
   if (triangles == 0) {
     return Error(ErrorCode::kInvalidArgument, "the scene has no triangles, so there is nothing to render");
   }
-  std::size_t for_mips = 0;
-  for (const Texture& texture : scene.model.textures) for_mips += mip_bytes(texture);
+  RenderNeed need{triangles, scene.model.instances.size(), 0};
+  for (const Texture& texture : scene.model.textures) need.mip_bytes += mip_bytes(texture);
   if (const std::optional<std::size_t> available = available_memory()) {
-    const std::size_t left = *available - std::min(for_mips, *available);
-    TRY(check_bvh_memory(triangles, scene.model.instances.size(), left));
-    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(left));
+    TRY(check_render_memory(scene.info.title, need, *available));
+    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(*available - need.mip_bytes));
   }
   TRY(accelerator->open_device(threads));
   TRY(accelerator->add_meshes(scene, ret_traced));

@@ -13,6 +13,8 @@ namespace cyclorama {
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
+/// An eye exactly in a lamp's plane does not see the lamp's black back: only the distance 0 itself is below this.
+constexpr float kNotAtTheEye = 1e-30f;
 /// Samples of a pixel that are traced side by side: one packet.
 constexpr int kMostTogether = kPacketRays;
 
@@ -67,19 +69,22 @@ void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
   RayStage& stage = batch.current();
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
     if (eyes.exists[i] == 0) continue;
-    PathRay& ray = stage.state[static_cast<std::size_t>(stage.rays.count())];
+    const int slot = stage.rays.count();
+    PathRay& ray = stage.state[static_cast<std::size_t>(slot)];
     ray = PathRay{};
     ray.path = static_cast<std::uint16_t>(i);
     ray.cone_spread = share * eyes.cone[i];
     stage.rays.add(view.eye + Vec3(eyes.origin[0][i], eyes.origin[1][i], eyes.origin[2][i]),
                    {eyes.direction[0][i], eyes.direction[1][i], eyes.direction[2][i]}, kFar,
                    veil_lot(batch.path[i].index_reversed, batch.path[i].seed, 0));
+    stage.rays.packet(slot).ray.tnear[slot % kPacketRays] = kNotAtTheEye;
   }
 }
 
 /// The paths' light goes to their pixels, in their order: however a picture is cut, the sums are the same.
 void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
   const float limit = view.quality.firefly_limit / view.exposure;
+  const float brightest = kBrightest / std::max(1.0f, view.exposure);
   for (int i = 0; i < batch.paths; ++i) {
     const Path& path = batch.path[static_cast<std::size_t>(i)];
     Vec3 indirect = path.indirect;
@@ -91,7 +96,13 @@ void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
       }
     }
     Vec3 radiance = path.direct + indirect;
-    if (!is_finite(radiance)) radiance.setZero();
+    if (!(radiance.x() < brightest && radiance.y() < brightest && radiance.z() < brightest)) {
+      if (radiance.hasNaN()) {
+        radiance.setZero();
+        ++film.broken_samples;
+      }
+      radiance = radiance.cwiseMin(brightest);
+    }
     const auto pixel = static_cast<std::size_t>(path.pixel);
     const float bright = luminance(radiance);
     film.sum[pixel] += radiance;
@@ -129,6 +140,7 @@ void CellFilm::clear() {
   active.fill(true);
   light = 0.0;
   removed_light = 0.0;
+  broken_samples = 0;
 }
 
 std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,

@@ -51,6 +51,7 @@ struct CellFilm {
   std::array<bool, kCellPixels> active;  ///< Pixels that want samples.
   double light = 0.0;                    ///< Luminance of all samples.
   double removed_light = 0.0;            ///< What the firefly limit took away of it.
+  std::uint64_t broken_samples = 0;      ///< That were NaN, and counted as black.
 
   void clear();
 };
@@ -60,6 +61,10 @@ using ShadeStage = void (*)(const TraceScene& scene, const TraceView& view, Path
 
 /// The one that is compiled for the fewest needs that hold all of `needs`.
 [[nodiscard]] ShadeStage shade_stage_for(const SceneNeeds& needs);
+
+/// The most that a sample counts for, exposed: the sum of kMostSamples squares of it is a float. The sun's disc has
+/// 2e9 cd/m^2.
+inline constexpr float kBrightest = 1e16f;
 
 /// Adds the samples of `cell` to `film`: finite, not negative. Returns the number of rays. Reentrant; `batch` is
 /// scratch.

@@ -40,15 +40,16 @@ std::optional<std::size_t> available_memory() {
 
 std::size_t memory_for_bvh(std::size_t available) { return available > kReserveBytes ? available - kReserveBytes : 0; }
 
-Status check_bvh_memory(std::size_t triangles, std::size_t instances, std::size_t available) {
-  const std::size_t need = triangles * kPeakBytesPerTriangle + instances * kBytesPerInstance;
+Status check_render_memory(std::string_view title, const RenderNeed& need, std::size_t available) {
+  const std::size_t bvh = need.triangles * kPeakBytesPerTriangle + need.instances * kBytesPerInstance;
   const std::size_t free = memory_for_bvh(available);
-  if (need <= free) return Done{};
+  if (bvh <= free && need.mip_bytes <= free - bvh) return Done{};
   return Error(
       ErrorCode::kSystem,
-      fmt::format("the BVH of {:.1f} million triangles needs about {} and {} are free; take a coarser scene or "
-                  "a machine with more memory",
-                  static_cast<double>(triangles) / 1e6, describe_bytes(need), describe_bytes(free)));
+      fmt::format("'{}' does not fit into memory: the BVH of its {:.1f} million triangles needs about {}, the smaller "
+                  "levels of its textures {}, and {} are free; take a coarser scene or a machine with more memory",
+                  printable(title), static_cast<double>(need.triangles) / 1e6, describe_bytes(bvh),
+                  describe_bytes(need.mip_bytes), describe_bytes(free)));
 }
 
 std::string describe_bytes(std::size_t bytes) {

@@ -19,8 +19,15 @@ namespace cyclorama {
 /// What a BVH may take of `available` bytes; the rest of the machine keeps a little.
 [[nodiscard]] std::size_t memory_for_bvh(std::size_t available);
 
-/// kSystem, with the need and what is there, if building the BVH would take more than memory_for_bvh().
-Status check_bvh_memory(std::size_t triangles, std::size_t instances, std::size_t available);
+/// What rendering takes besides the loaded scene.
+struct RenderNeed {
+  std::size_t triangles = 0;
+  std::size_t instances = 0;
+  std::size_t mip_bytes = 0;  ///< Of the textures' smaller levels.
+};
+
+/// kSystem, with the scene's title, its need and what is there, if that is more than memory_for_bvh().
+Status check_render_memory(std::string_view title, const RenderNeed& need, std::size_t available);
 
 /// "3.4 GB"
 [[nodiscard]] std::string describe_bytes(std::size_t bytes);

@@ -123,6 +123,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   std::atomic<double> cpu_seconds = 0.0;
   std::atomic<double> light = 0.0;
   std::atomic<double> removed_light = 0.0;
+  std::atomic<std::uint64_t> broken_samples = 0;
   // Cells lie on the picture's own grid, whatever part of it is asked for.
   const int first_column = rect.x / kCellPx;
   const int first_row = rect.y / kCellPx;
@@ -148,6 +149,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
     write(cell, part, film);
     light += film.light;
     removed_light += film.removed_light;
+    broken_samples += film.broken_samples;
     cpu_seconds += thread_cpu_seconds() - before;
   };
   const int cells = rect.width > 0 && rect.height > 0 ? columns * rows : 0;
@@ -157,7 +159,8 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
     arena.execute([&] { tbb::parallel_for(0, cells, trace_one, tbb::simple_partitioner()); });
   }
   const double all_light = light + removed_light;
-  return {cpu_seconds, to_seconds(clock.now() - start), rays, all_light > 0.0 ? removed_light / all_light : 0.0};
+  return {cpu_seconds, to_seconds(clock.now() - start), rays, all_light > 0.0 ? removed_light / all_light : 0.0,
+          broken_samples};
 }
 
 RenderCost Renderer::render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,

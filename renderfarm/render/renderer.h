@@ -43,6 +43,7 @@ struct RenderCost {
   std::uint64_t rays = 0;
   /// The firefly limit's own bias: the part of all light that it took away.
   double removed_light = 0.0;
+  std::uint64_t broken_samples = 0;  ///< That were NaN and are black in the picture: a bug if there are any.
 };
 
 /// One scene, committed for tracing. Thread-safe once built: several threads may call render() with their own pictures.

@@ -5,6 +5,7 @@
 #include "common/process/program.h"
 #include "renderfarm/tools/compare_command.h"
 #include "renderfarm/tools/denoise_command.h"
+#include "renderfarm/tools/extremes_command.h"
 #include "renderfarm/tools/features_command.h"
 #include "renderfarm/tools/governed_command.h"
 #include "renderfarm/tools/inspect_command.h"
@@ -17,9 +18,10 @@ int main(int argc, char** argv) {
   Program program("cyclorama-render", "Pictures and facts of a scene, without a farm.");
   CLI::App* const options = &program.options();
   options->require_subcommand(1);
-  const std::array commands{add_picture_command(options),  add_inspect_command(options), add_load_command(options),
-                            add_compare_command(options),  add_denoise_command(options), add_trade_command(options),
-                            add_governed_command(options), add_features_command(options)};
+  const std::array commands{
+      add_picture_command(options),  add_inspect_command(options),  add_load_command(options),
+      add_compare_command(options),  add_denoise_command(options),  add_trade_command(options),
+      add_governed_command(options), add_features_command(options), add_extremes_command(options)};
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
     for (const RenderCommand& command : commands) {
       if (command.parser->parsed()) return command.run(stop);

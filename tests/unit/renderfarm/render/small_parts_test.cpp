@@ -49,14 +49,18 @@ TEST(Memory, is_read_from_the_line_that_says_available) {
   EXPECT_GT(available_memory().value_or(0), 0u);
 }
 
-TEST(Memory, a_bvh_that_would_not_fit_is_refused_with_the_need) {
-  EXPECT_TRUE(check_bvh_memory(1'000'000, 0, std::size_t{1} << 30).has_value());
-  const Status status = check_bvh_memory(60'000'000, 0, std::size_t{1} << 30);
+TEST(Memory, a_scene_that_would_not_fit_is_refused_by_its_name_with_the_need) {
+  constexpr std::size_t kGigabyte = std::size_t{1} << 30;
+  EXPECT_TRUE(check_render_memory("hall", {1'000'000, 0, 0}, kGigabyte).has_value());
+  const Status status = check_render_memory("hall", {60'000'000, 0, 300'000'000}, kGigabyte);
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().code(), ErrorCode::kSystem);
-  EXPECT_THAT(status.error().message(), testing::AllOf(testing::HasSubstr("11.0 GB"), testing::HasSubstr("1.0 GB")));
-  EXPECT_FALSE(check_bvh_memory(1, 0, 0).has_value());
-  EXPECT_FALSE(check_bvh_memory(1, 1'000'000, std::size_t{500} << 20).has_value());
+  for (const char* const part : {"'hall'", "11.0 GB", "300.0 MB", "1.0 GB"}) {
+    EXPECT_THAT(status.error().message(), testing::HasSubstr(part));
+  }
+  EXPECT_FALSE(check_render_memory("hall", {1, 0, 0}, 0).has_value());
+  EXPECT_FALSE(check_render_memory("hall", {1, 1'000'000, 0}, std::size_t{500} << 20).has_value());
+  EXPECT_FALSE(check_render_memory("hall", {1, 0, kGigabyte}, kGigabyte).has_value()) << "textures alone";
 }
 
 TEST(SceneNeeds, are_those_of_what_is_used) {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What scenes at the extremes are built of. Metres, y up.
+#pragma once
+
+#include "renderfarm/render/renderer.h"
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama {
+
+/// Matte and grey unless changed: a material for tests.
+[[nodiscard]] Material plain_material(const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f));
+
+/// A closed sphere about the origin, `rings` from pole to pole, with smooth normals if asked.
+[[nodiscard]] Mesh ball(double radius, int rings, bool smooth);
+/// A closed box about the origin. To be seen from inside, or from outside: surfaces have two sides.
+[[nodiscard]] Mesh block(const Eigen::Vector3d& size);
+/// A square in the plane y = 0 about the origin, its texture coordinates from 0 to `repeats`.
+[[nodiscard]] Mesh plate(double size, float repeats = 1.0f);
+
+/// Adds the material, too, and keeps the bounds.
+void put(Scene& scene, Mesh mesh, const Material& material,
+         const Eigen::Affine3d& T_scene_mesh = Eigen::Affine3d::Identity());
+
+[[nodiscard]] Light lamp_at(const Eigen::Vector3d& position, float candela, double radius_m);
+/// Visible; shines along `direction`.
+[[nodiscard]] Light panel_at(const Eigen::Vector3d& position, const Eigen::Vector3d& direction, double size_m,
+                             float radiance);
+/// The same radiance from everywhere.
+[[nodiscard]] Sky even_sky(float radiance);
+
+/// Grey floor, a ball on it, an even sky: nothing is black.
+[[nodiscard]] Scene open_ground();
+/// All around from `eye`, 64 x 32 pixels, 8 samples of up to 4 bounces.
+[[nodiscard]] PanoramaView view_around(const Eigen::Vector3d& eye);
+
+}  // namespace cyclorama

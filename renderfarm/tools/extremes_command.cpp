@@ -156,19 +156,23 @@ std::string csv(const std::vector<Row>& rows) {
   return text;
 }
 
-/// Zero has no logarithm: it is drawn at `none`.
-std::string svg(const std::vector<Row>& rows) {
+struct Plots {
+  std::string pictures;
+  std::string rays;
+};
+
+/// Zero has no logarithm: it is drawn at the value that the axis calls none.
+Plots plots_of(const std::vector<Row>& rows) {
   constexpr double kNoFlip = 1e-6;
-  constexpr double kNoHits = 1e-7;
-  PlotSeries far{"moved", "#1f77b4", {}, true, 3.0};
-  PlotSeries scale{"scaled", "#2ca02c", {}, true, 3.0};
-  PlotSeries most{"allowed", "#d62728", {}, true, 1.0};
-  PlotSeries bounded{"moved: self-hits, error-bounded", "#1f77b4", {}, true, 3.0};
-  PlotSeries fixed{"self-hits, tnear 1e-4", "#ff7f0e", {}, true, 3.0};
-  PlotSeries leaks{"leaks of a sphere", "#2ca02c", {}, true, 3.0};
+  constexpr double kNoRays = 1e-7;
+  PlotSeries far{"moved away", "#1f77b4", {}, true};
+  PlotSeries scale{"of this length", "#2ca02c", {}, true};
+  PlotSeries bounded{"self-hits", "#1f77b4", {}, true};
+  PlotSeries fixed{"with tnear 1e-4", "#ff7f0e", {}, true};
+  PlotSeries leaks{"leaks of a sphere", "#2ca02c", {}, true};
   for (const Row& row : rows) {
     const auto rate = [&](std::uint64_t count) {
-      return std::max(kNoHits, static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, *row.rays)));
+      return std::max(kNoRays, static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, *row.rays)));
     };
     if (row.sweep == "far") far.points.push_back({row.metres, std::max(kNoFlip, *row.flip)});
     if (row.sweep == "scale") scale.points.push_back({row.metres, std::max(kNoFlip, *row.flip)});
@@ -178,11 +182,12 @@ std::string svg(const std::vector<Row>& rows) {
       fixed.points.push_back({row.metres, rate(*row.self_hits_fixed_near)});
     }
   }
-  most.points = {{6e-3, kSameFlip}, {1e8, kSameFlip}};
-  return plot_svg(
-      "Stable at the extremes",
-      {{"metres from the origin; the room's length, m", fmt::format("FLIP; {:g} is none", kNoFlip), {most, scale, far}},
-       {"metres from the origin", fmt::format("part of the rays; {:g} is none", kNoHits), {fixed, leaks, bounded}}});
+  const PlotSeries most{"allowed", "#d62728", {{6e-3, kSameFlip}, {1e8, kSameFlip}}, true, 1.0};
+  return {
+      plot_svg("The same room elsewhere", {{"metres", fmt::format("FLIP; {:g} is none", kNoFlip), {most, scale, far}}}),
+      plot_svg("Rays where float is coarse", {{"metres from the origin, nothing rebased",
+                                               fmt::format("part of the rays; {:g} is none", kNoRays),
+                                               {fixed, leaks, bounded}}})};
 }
 
 Status extremes(const ExtremesOptions& options, const StopSignal& stop) {
@@ -196,7 +201,9 @@ Status extremes(const ExtremesOptions& options, const StopSignal& stop) {
   const std::vector<Row>& rows = sweep.rows();
   const std::filesystem::path folder = options.out;
   TRY(write_file_atomically(folder / "extremes.csv", csv(rows)));
-  TRY(write_file_atomically(folder / "extremes.svg", svg(rows)));
+  const Plots plots = plots_of(rows);
+  TRY(write_file_atomically(folder / "extremes-pictures.svg", plots.pictures));
+  TRY(write_file_atomically(folder / "extremes-rays.svg", plots.rays));
   const auto failures = std::ranges::count_if(rows, [](const Row& row) { return !row.fault.empty(); });
   int nan_pixels = 0;
   for (const Row& row : rows) nan_pixels += row.nan_pixels.value_or(0);
@@ -214,7 +221,8 @@ RenderCommand add_extremes_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("extremes", "Check that pictures and rays hold at the ends of what can be asked for");
   const auto options = std::make_shared<ExtremesOptions>();
-  parser->add_option("--out", options->out, "The folder for extremes.csv and extremes.svg")->required();
+  parser->add_option("--out", options->out, "The folder for extremes.csv, extremes-pictures.svg and extremes-rays.svg")
+      ->required();
   parser->add_option("--json", options->json, "Also write the figures as JSON");
   parser->add_option("--threads", options->threads, "Threads; 0 is all")->check(CLI::Range(0, 1024));
   parser->add_flag("--quick", options->quick, "Smaller pictures and fewer rays");

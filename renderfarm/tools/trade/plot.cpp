@@ -34,7 +34,7 @@ std::string escaped(const std::string& text) {
 bool has_logarithm(double value) { return value > 0.0 && std::isfinite(value); }
 bool is_drawn(const std::array<double, 2>& point) { return has_logarithm(point[0]) && has_logarithm(point[1]); }
 
-/// From one round number (1, 2 or 5 times a power of ten) to another.
+/// From one round number to another: 1, 2 or 5 times a power of ten, of which long axes leave most out.
 class LogAxis {
  public:
   LogAxis(const Plot& plot, std::size_t coordinate) {
@@ -50,9 +50,15 @@ class LogAxis {
     if (most == 0.0) least = most = 1.0;
     const int first = static_cast<int>(std::floor(std::log10(least))) - 1;
     const int last = static_cast<int>(std::ceil(std::log10(most))) + 1;
+    constexpr int kShort = 5;  // Decades, with one to spare at each end; each has three labels.
+    constexpr int kMostLabels = 9;
+    const int decades = last - first;
+    const int stride = decades <= kShort + 2 ? 1 : (decades + kMostLabels - 1) / kMostLabels;
     std::vector<double> round;
-    for (int decade = first; decade <= last; ++decade) {
-      for (const double step : {1.0, 2.0, 5.0}) round.push_back(step * std::pow(10.0, decade));
+    for (int decade = first - stride; decade <= last + stride; decade += stride) {
+      round.push_back(std::pow(10.0, decade));
+      if (decades > kShort + 2) continue;
+      for (const double step : {2.0, 5.0}) round.push_back(step * std::pow(10.0, decade));
     }
     const auto above = std::ranges::upper_bound(round, most);
     const auto below = std::ranges::lower_bound(round, least) - 1;

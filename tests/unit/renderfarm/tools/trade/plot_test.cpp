@@ -29,6 +29,13 @@ TEST(PlotSvg, places_points_by_their_logarithms) {
   EXPECT_THAT(svg, HasSubstr(">200</text>"));
 }
 
+TEST(PlotSvg, a_long_axis_has_room_for_its_labels) {
+  const std::string svg = plot_svg("t", {plot_of({{1e-7, 1}, {1e8, 10}})});
+  EXPECT_LT(count(svg, "text-anchor='middle'"), 12u);
+  EXPECT_GE(count(svg, "text-anchor='middle'"), 6u);
+  EXPECT_EQ(count(svg, "r='3'"), 2u);
+}
+
 TEST(PlotSvg, leaves_out_what_has_no_logarithm) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

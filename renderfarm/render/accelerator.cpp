@@ -2,6 +2,7 @@
 #include "renderfarm/render/accelerator.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -39,10 +40,16 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(Scene& scene, int thread
   for (const Texture& texture : scene.model.textures) need.mip_bytes += mip_bytes(texture);
   if (const std::optional<std::size_t> available = available_memory()) {
     TRY(check_render_memory(scene.info.title, need, *available));
-    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(*available - need.mip_bytes));
+    accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(*available - need.mip_bytes)) -
+                                static_cast<std::int64_t>(triangles * sizeof(TriangleRecord));
   }
   TRY(accelerator->open_device(threads));
   TRY(accelerator->add_meshes(scene, ret_traced));
+  tbb::task_arena(threads > 0 ? threads : tbb::task_arena::automatic).execute([&] {
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      if (uses[i] > 0) ret_traced->meshes[i].records = make_triangle_records(scene.model.meshes[i]);
+    }
+  });
   ret_traced->textures.build(threads);
   TRY(accelerator->add_lights(scene, ret_traced));
   TRY(accelerator->commit(progress));
@@ -174,9 +181,6 @@ Status Accelerator::add_meshes(Scene& scene, TraceScene* ret_traced) {
   }
   for (std::size_t i = 0; i < model.meshes.size(); ++i) add_mesh(model, model.meshes[i], uses[i], ret_traced);
   for (Instance& instance : model.instances) add_instance(model, instance, origin, ret_traced);
-  for (std::size_t i = 0; i < model.meshes.size(); ++i) {
-    if (uses[i] > 0) ret_traced->meshes[i].records = make_triangle_records(model.meshes[i]);
-  }
   ret_traced->top = top_;
   return check("adding the scene's meshes");
 }

@@ -13,7 +13,7 @@ using ScalarImage = Image<float, 1>;
 
 /// What the first surface is, for a denoiser: means over the pixel's samples.
 struct FilmFeatures {
-  RadianceImage albedo;  ///< Of all lobes; 1 where the eye sees no surface.
+  RadianceImage albedo;  ///< Of all lobes; 1 where the eye sees no surface, 0 where the picture shows nothing.
   RadianceImage normal;  ///< Shading normal, render frame; zero where the eye sees no surface.
   ScalarImage distance;  ///< Metres along the ray; 0 where the eye sees no surface.
 };

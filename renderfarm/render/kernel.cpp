@@ -87,7 +87,13 @@ void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
   const float brightest = kBrightest / std::max(1.0f, view.exposure);
   for (int i = 0; i < batch.paths; ++i) {
     const Path& path = batch.path[static_cast<std::size_t>(i)];
-    Vec3 indirect = path.indirect;
+    Vec3 direct = path.direct;
+    Vec3 indirect = path.indirect.cwiseMin(brightest);
+    if ((path.direct + path.indirect).hasNaN()) {
+      direct.setZero();
+      indirect.setZero();
+      ++film.broken_samples;
+    }
     if (limit > 0.0f) {
       const float bright = luminance(indirect);
       if (bright > limit) {
@@ -95,14 +101,7 @@ void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
         film.removed_light += static_cast<double>(bright) - static_cast<double>(limit);
       }
     }
-    Vec3 radiance = path.direct + indirect;
-    if (!(radiance.x() < brightest && radiance.y() < brightest && radiance.z() < brightest)) {
-      if (radiance.hasNaN()) {
-        radiance.setZero();
-        ++film.broken_samples;
-      }
-      radiance = radiance.cwiseMin(brightest);
-    }
+    const Vec3 radiance = (direct + indirect).cwiseMin(brightest);
     const auto pixel = static_cast<std::size_t>(path.pixel);
     const float bright = luminance(radiance);
     film.sum[pixel] += radiance;

@@ -26,7 +26,7 @@ struct RenderQuality {
   /// Adaptive sampling stops in a pixel when the standard error of its displayed luminance, and that of its neighbours,
   /// is below this; 0 is off. Never before `adaptive_minimum` samples.
   float adaptive_error = 0.0f;
-  int adaptive_minimum = 16;
+  int adaptive_minimum = 32;
 
   friend bool operator==(const RenderQuality&, const RenderQuality&) = default;
 };

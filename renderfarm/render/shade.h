@@ -2,9 +2,10 @@
 /// What happens where rays end: light that is found, light that is aimed at, and the next ray. Included by the kernel
 /// files only, which instantiate shade() for combinations of needs.
 ///
-/// An unbiased path tracer. At every surface one light is aimed at (more at the first one, if asked) and one direction
-/// is chosen by the surface's own scattering; where both could have found the same light, they are weighed by the power
-/// heuristic. Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, chapters 8 to 10.
+/// An unbiased path tracer, but for glow that is not aimed at (backs, dark texels) at the last bounce. At every surface
+/// one light is aimed at (more at the first one, if asked) and one direction is chosen by the surface's own scattering;
+/// where both could have found the same light, they are weighed by the power heuristic. Source: Veach, "Robust Monte
+/// Carlo Methods for Light Transport Simulation", 1997, chapters 8 to 10.
 #pragma once
 
 #include <limits>
@@ -93,8 +94,11 @@ class Shade {
   [[gnu::always_inline]] void prefetch_texcoords(int i) const {
     const RTCHit hit = rays_.hit(i);
     const SurfaceMesh* const mesh = mesh_at(i, hit);
-    if (mesh == nullptr || mesh->texcoords[0] == nullptr) return;
-    for (const std::uint32_t corner : mesh->triangles[hit.primID]) __builtin_prefetch(&mesh->texcoords[0][corner]);
+    if (mesh == nullptr) return;
+    for (const std::array<float, 2>* const texcoords : mesh->texcoords) {
+      if (texcoords == nullptr) continue;
+      for (const std::uint32_t corner : mesh->triangles[hit.primID]) __builtin_prefetch(&texcoords[corner]);
+    }
   }
 
   [[nodiscard]] bool is_lamp(const RTCHit& hit) const {
@@ -118,7 +122,9 @@ class Shade {
       if (!light.isZero(0.0f)) {
         const float aimed =
             ray.density > 0.0f ? scene_.lights.environment_density(rays_.origin(i), ray.from_normal, direction) : 0.0f;
-        found(ray, light * share_of(ray.density, aims_from_start_of(ray) * aimed));
+        // A body that is open on this side goes on for ever: what it absorbs at all, nothing is left of.
+        const Vec3 left = (ray.absorption.array() > 0.0f).select(Vec3::Zero(), light);
+        found(ray, left * share_of(ray.density, aims_from_start_of(ray) * aimed));
       }
     }
     if (view_.features && ray.surfaces == 0) film_.albedo[pixel_of(ray)] += Vec3::Ones();
@@ -153,6 +159,7 @@ class Shade {
     if (!radiance.isZero(0.0f)) found(ray, radiance * share_of_met(i, ray, light));
     if (!view_.features || ray.surfaces > 0) return;
     film_.albedo[pixel_of(ray)] += Vec3::Ones();
+    film_.normal[pixel_of(ray)] -= rays_.direction(i);
     film_.distance[pixel_of(ray)] += rays_.distance(i);
   }
 
@@ -174,11 +181,11 @@ class Shade {
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
     shine_ambient(ray, scattering);
     shine_eye_lamp(i, ray, point, scattering, wo);
-    // Light from behind counts where the surface lets it through, or a coat turns the normal.
+    // Light from behind counts where the surface lets it through.
     const Vec3 side = shading.one_sided ? shading.normal : Vec3(Vec3::Zero());
     const bool last = ray.scatterings >= view_.quality.bounces;
-    const bool goes_on = !last || shading.sharp;
-    if constexpr (kAims) aim_at_lights(i, ray, point, side, scattering, goes_on);
+    const bool goes_on = (!last || shading.sharp) && ray.surfaces < view_.quality.bounces + kMostPassages;
+    if constexpr (kAims) aim_at_lights(i, ray, point, shading.normal, side, scattering, goes_on);
     if (goes_on) go_on(i, ray, point, shading, side, scattering, footprint.width, last);
   }
 
@@ -210,54 +217,67 @@ class Shade {
     const Vec3 light =
         ray.throughput.cwiseProduct(scattering.evaluate(direction)).cwiseProduct(scene_.eye_lamp) / distance2;
     if (ray.surfaces == 0) return reflected(ray, light);
-    if (point.facing.dot(direction) > 0.0f) shadow(i, ray, point, direction, std::sqrt(distance2), light);
+    if (point.facing.dot(direction) > 0.0f)
+      shadow(veil_lot_from(i, ray), ray, point, direction, std::sqrt(distance2), light);
   }
 
-  void aim_at_lights(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& side, const Scatter& scattering,
-                     bool goes_on) {
+  void aim_at_lights(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& normal, const Vec3& side,
+                     const Scatter& scattering, bool goes_on) {
     const auto slot = static_cast<std::size_t>(i);
     if (ray.surfaces > 0 || view_.quality.light_samples == 1) {
-      return aim_at_light(i, ray, point, side, scattering, batch_.lots.light[slot],
-                          {batch_.lots.place_u[slot], batch_.lots.place_v[slot]}, goes_on, 1.0f);
+      return aim_at_light({batch_.lots.light[slot],
+                           {batch_.lots.place_u[slot], batch_.lots.place_v[slot]},
+                           1.0f,
+                           veil_lot_from(i, ray)},
+                          ray, point, normal, side, scattering, goes_on);
     }
     const auto parts = static_cast<std::uint32_t>(view_.quality.light_samples);
     int bits = 0;
     while ((1u << bits) < parts) ++bits;
     for (std::uint32_t part = 0; part < parts; ++part) {
       const std::uint32_t index = split_index_reversed(batch_.index_reversed[slot], bits, part);
-      const SobolPoint light = sobol_point(index, batch_.seed[slot], kFirstSurface + kLight);
-      const SobolPoint place = sobol_point(index, batch_.seed[slot], kFirstSurface + kLightPlace);
-      aim_at_light(i, ray, point, side, scattering, light.u, {place.u, place.v}, goes_on, static_cast<float>(parts));
+      // What of the number no longer fits names the sequence.
+      const std::uint32_t seed = batch_.seed[slot] ^ mix_bits(batch_.index_reversed[slot] & ((1u << bits) - 1u));
+      const SobolPoint light = sobol_point(index, seed, kFirstSurface + kLight);
+      const SobolPoint place = sobol_point(index, seed, kFirstSurface + kLightPlace);
+      aim_at_light({light.u, {place.u, place.v}, static_cast<float>(parts), veil_lot(index, seed, ray.surfaces + 1u)},
+                   ray, point, normal, side, scattering, goes_on);
     }
   }
 
-  /// One of `parts` aims.
-  void aim_at_light(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& side, const Scatter& scattering,
-                    float choice, const Vec2& place, bool goes_on, float parts) {
+  /// The random numbers of one of `parts` aims.
+  struct AimLots {
+    float choice = 0.0f;
+    Vec2 place = Vec2::Zero();
+    float parts = 1.0f;
+    std::uint32_t veil = 0;
+  };
+
+  void aim_at_light(const AimLots& lots, const PathRay& ray, const SurfacePoint& point, const Vec3& normal,
+                    const Vec3& side, const Scatter& scattering, bool goes_on) {
     LightSample aim;
     const Vec3 start = start_off_surface(point, point.facing);
-    if (!scene_.lights.sample(start, side, choice, place, &aim)) return;
-    const bool above = point.facing.dot(aim.direction) > 0.0f;
-    if (!above && !side.isZero(0.0f)) return;
+    if (!scene_.lights.sample(start, side, lots.choice, lots.place, &aim)) return;
+    // As go_on() does: where shading normal and triangle disagree, light must not come through the triangle.
+    if ((point.facing.dot(aim.direction) > 0.0f) != (normal.dot(aim.direction) > 0.0f)) return;
     Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_density);
     if (light.isZero(0.0f)) return;
-    if (goes_on && aim.density > 0.0f) light *= share_of(parts * aim.density, scattering.density(aim.direction));
-    shadow(i, ray, point, aim.direction, aim.distance, ray.throughput.cwiseProduct(light) / parts);
+    if (goes_on && aim.density > 0.0f) light *= share_of(lots.parts * aim.density, scattering.density(aim.direction));
+    shadow(lots.veil, ray, point, aim.direction, aim.distance, ray.throughput.cwiseProduct(light) / lots.parts);
   }
 
-  void shadow(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& direction, float distance,
+  void shadow(std::uint32_t veil, const PathRay& ray, const SurfacePoint& point, const Vec3& direction, float distance,
               const Vec3& light) {
     if (light.isZero(0.0f)) return;
     if (batch_.shadow_rays.full()) trace_shadows(scene_, batch_);
     batch_.shadowed[static_cast<std::size_t>(batch_.shadow_rays.count())] = {light, ray.path, ray.scatterings == 0};
     const Vec3 side = point.facing.dot(direction) > 0.0f ? point.facing : Vec3(-point.facing);
-    batch_.shadow_rays.add(start_off_surface(point, side), direction, distance, veil_lot_from(i, ray));
+    batch_.shadow_rays.add(start_off_surface(point, side), direction, distance, veil);
   }
 
   void go_on(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& side,
              const Scatter& scattering, float cone_width, bool last) {
     const auto slot = static_cast<std::size_t>(i);
-    if (ray.surfaces >= view_.quality.bounces + kMostPassages) return;
     const ScatterSample sample =
         scattering.sample({batch_.lots.scatter_u[slot], batch_.lots.scatter_v[slot]}, batch_.lots.lobe[slot]);
     if (sample.weight.isZero(0.0f)) return;

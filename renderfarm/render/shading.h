@@ -88,7 +88,7 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3
   if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
     const bool layered = shading.bsdf.coat > 0.0f || shading.bsdf.transmission > 0.0f;
     shading.sharp |= layered;
-    shading.one_sided = !layered;
+    shading.one_sided = !(shading.bsdf.transmission > 0.0f && shading.bsdf.metallic < 1.0f);
     shading.absorption = material.absorption;
     if (kNeeds.normal_maps && shading.bsdf.coat > 0.0f) {
       shading.bsdf.coat_normal = coat_normal(hit, point, footprint);

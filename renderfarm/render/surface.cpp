@@ -120,7 +120,7 @@ TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit) {
   at.placement = &scene.placements[top_of(hit)];
   at.mesh = at.placement->mesh;
   at.record = &at.mesh->records[hit.primID];
-  if (at.mesh->texcoords[0] != nullptr) at.corners = at.mesh->triangles[hit.primID];
+  if (at.mesh->texcoords[0] != nullptr || at.mesh->texcoords[1] != nullptr) at.corners = at.mesh->triangles[hit.primID];
   at.weights = Vec3(std::max(0.0f, 1.0f - hit.u - hit.v), hit.u, hit.v);
   return at;
 }

@@ -49,7 +49,7 @@ struct SurfaceMesh {
   std::vector<TriangleRecord> records;  ///< Of what lies where the mesh is placed: made once it is baked.
 };
 
-/// A mesh in the render frame. Top-level geometry i of the BVH is placement i.
+/// A mesh in the render frame. Top-level geometry i of the BVH is placement i; lamps come after.
 struct Placement {
   const SurfaceMesh* mesh = nullptr;
   bool baked = true;  ///< Its positions are in the render frame already; the matrices are the identity.

@@ -23,7 +23,7 @@ struct LightBounds {
   Vec3 low = Vec3::Constant(std::numeric_limits<float>::infinity());
   Vec3 high = Vec3::Constant(-std::numeric_limits<float>::infinity());
   DirectionCone normals;       ///< Of the surfaces that shine.
-  float cos_emission = 1.0f;   ///< How far from its normal each of them shines: 0 for surfaces, less than 0 for none.
+  float cos_emission = 1.0f;   ///< Cosine of how far from its normal each shines: 0 for surfaces.
   float power = 0.0f;          ///< Candela (luminance) along the normal; of all together the sum.
   float inverse_range = 0.0f;  ///< Of the farthest; 0 is without end.
 

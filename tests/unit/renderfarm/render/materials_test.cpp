@@ -54,16 +54,20 @@ Texture four_colours() {
   return texture;
 }
 
-TEST(Materials, a_texture_lies_on_the_wall_the_right_way_round) {
-  Scene scene = wall(Eigen::Vector3f::Ones());
-  scene.model.textures.push_back(four_colours());
-  scene.model.materials[0].base_colour_texture.texture = 0;
-  scene.ambient = Eigen::Vector3f::Ones();
-  const auto renderer = built(std::move(scene));
-  EXPECT_TRUE(seen(*renderer, -0.5, 0.5).isApprox(Eigen::Vector3f(1, 0, 0)));
-  EXPECT_TRUE(seen(*renderer, 0.5, 0.5).isApprox(Eigen::Vector3f(0, 1, 0)));
-  EXPECT_TRUE(seen(*renderer, -0.5, -0.5).isApprox(Eigen::Vector3f(0, 0, 1)));
-  EXPECT_TRUE(seen(*renderer, 0.5, -0.5).isApprox(Eigen::Vector3f(1, 1, 1)));
+TEST(Materials, a_texture_lies_on_the_wall_the_right_way_round_by_either_set_of_coordinates) {
+  for (const int set : {0, 1}) {
+    Scene scene = wall(Eigen::Vector3f::Ones());
+    scene.model.textures.push_back(four_colours());
+    scene.model.materials[0].base_colour_texture.texture = 0;
+    scene.model.materials[0].base_colour_texture.texcoord = set;
+    if (set == 1) std::swap(scene.model.meshes[0].texcoords[0], scene.model.meshes[0].texcoords[1]);
+    scene.ambient = Eigen::Vector3f::Ones();
+    const auto renderer = built(std::move(scene));
+    EXPECT_TRUE(seen(*renderer, -0.5, 0.5).isApprox(Eigen::Vector3f(1, 0, 0))) << set;
+    EXPECT_TRUE(seen(*renderer, 0.5, 0.5).isApprox(Eigen::Vector3f(0, 1, 0))) << set;
+    EXPECT_TRUE(seen(*renderer, -0.5, -0.5).isApprox(Eigen::Vector3f(0, 0, 1))) << set;
+    EXPECT_TRUE(seen(*renderer, 0.5, -0.5).isApprox(Eigen::Vector3f(1, 1, 1))) << set;
+  }
 }
 
 TEST(Materials, a_texture_transform_moves_what_is_looked_up) {

@@ -84,6 +84,7 @@ RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const Pi
     tbb::task_arena(threads).execute([&] { tbb::parallel_for(0, strips, strip, tbb::simple_partitioner()); });
   }
   *ret_pixels = cropped(wide_, part);
+  cost.cpu_seconds += cpu_seconds;
   cost.wall_seconds += to_seconds(SteadyClock().now() - start);
   return cost;
 }

@@ -33,7 +33,8 @@ struct Governed {
   /// From the first refined picture on, until another view comes.
   std::optional<Refinement> refinement{};
   std::vector<PlacedBlock> blocks{};
-  bool has_failed = false;     ///< A refined picture was given up: what is shown stays.
+  int failures = 0;            ///< Refined pictures given up one after the other: what is shown stays.
+  TimePoint retry_at{};        ///< Not before.
   double ms_per_sample = 0.0;  ///< And megapixel, at rest; 0: not known.
 };
 

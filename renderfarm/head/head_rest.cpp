@@ -13,6 +13,11 @@ namespace {
 /// A museum that has asked for nothing this long, with nothing on its way, stands still. Longer than a tour's step and
 /// a network's round trip, so that no work is begun in vain between two views of a walk.
 constexpr Duration kStill = std::chrono::milliseconds(150);
+/// After a refined picture was given up, the next one is ordered so late, and twice as late after each further one, so
+/// that a lost node can come back and a broken one does not keep the farm busy.
+constexpr Duration kFirstRetry = std::chrono::seconds(5);
+constexpr Duration kLastRetry = std::chrono::seconds(60);
+constexpr int kMostDoublings = 4;  ///< From the first to the last.
 
 std::uint32_t scaled(std::uint32_t px, double scale) {
   if (scale >= 1.0) return px;
@@ -67,7 +72,8 @@ void HeadState::stir(Session& session) {
   governed.still_since = clock_.now();
   governed.refinement.reset();
   governed.blocks.clear();
-  governed.has_failed = false;
+  governed.failures = 0;
+  governed.retry_at = {};
   if (session.frames.empty() || !session.frames.front().refines) return;
   fail(session.frames.front(), "a newer view came", session);
   session.frames.clear();
@@ -76,7 +82,7 @@ void HeadState::stir(Session& session) {
 void HeadState::refine(SessionId id, Session& session) {
   if (!session.governed || session.waiting || !session.frames.empty() || session.messages_waiting > 0) return;
   Governed& governed = *session.governed;
-  if (!governed.asked || governed.has_failed || nodes_with(session.scene) == 0) return;
+  if (!governed.asked || clock_.now() < governed.retry_at || nodes_with(session.scene) == 0) return;
   if (!governed.refinement) {
     if (clock_.now() - governed.still_since < kStill) return;
     const Front& front = governed.governor.front();
@@ -108,9 +114,12 @@ void HeadState::refine(SessionId id, Session& session) {
 void HeadState::finish_refined(SessionId id, Session& session, FrameInFlight& frame, const FrameReport& report) {
   Governed& governed = *session.governed;
   if (frame.failure) {
-    governed.has_failed = true;  // Nothing of it was sent, and trying again would fail again.
+    // Nothing of it was sent.
+    const int doublings = std::min(governed.failures++, kMostDoublings);
+    governed.retry_at = clock_.now() + std::min(kLastRetry, kFirstRetry * (1 << doublings));
     return;
   }
+  governed.failures = 0;
   governed.refinement->done(*frame.refines);
   begin(id, session, frame);
   end(id, session, frame, report);
@@ -125,7 +134,7 @@ std::string HeadState::quality_summary(const Session& session) {
                        quality.render.samples == 1 ? "" : "s", 100.0 * quality.scale);
   }
   const Refinement& refinement = *governed.refinement;
-  if (governed.has_failed) return fmt::format("at rest with {} samples, more failed", refinement.samples());
+  if (governed.failures > 0) return fmt::format("at rest with {} samples, more failed", refinement.samples());
   if (refinement.rests()) return fmt::format("at rest with {} samples", refinement.samples());
   return fmt::format("refining {} of {} samples", refinement.samples(), refinement.reference_samples());
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "common/base/cpu_time.h"
@@ -26,17 +27,17 @@ struct DenoiseOptions {
   double azimuth_deg = 90.0;
   int films = 4;
   int reference_samples = 1024;
-  RenderQuality quality;
+  std::optional<int> bounces;
 };
 
-PanoramaView view_of(const DenoiseOptions& options, const SceneInfo& info) {
+PanoramaView view_of(const DenoiseOptions& options, const Scene& scene) {
   PanoramaView view;
-  view.eye = info.start_eye;
-  view.heading_rad = info.start_heading_rad;
+  view.eye = scene.info.start_eye;
+  view.heading_rad = scene.info.start_heading_rad;
   const double span = options.azimuth_deg * std::numbers::pi / 180.0;
   const double tan_half = 0.5 * span * options.height / options.width;
   view.panorama = {options.width, options.height, span, tan_half, -tan_half};
-  view.quality = options.quality;
+  view.quality.bounces = options.bounces.value_or(scene.bounces);
   return view;
 }
 
@@ -58,7 +59,7 @@ class Measurement {
  public:
   Measurement(const Renderer& renderer, const DenoiseOptions& options, const StopSignal& stop)
       : renderer_(renderer),
-        view_(view_of(options, renderer.scene().info)),
+        view_(view_of(options, renderer.scene())),
         whole_{0, 0, options.width, options.height},
         films_(options.films),
         stop_(stop) {}
@@ -125,9 +126,8 @@ nlohmann::json json_of(const Line& line) {
 }
 
 Status denoise(const DenoiseOptions& options, const StopSignal& stop) {
-  TRY(validate(options.quality));
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
-  TRY(check_view(view_of(options, loaded.scene.info), {}));
+  TRY(check_view(view_of(options, loaded.scene), {}));
   if (stop.requested()) return stopped();
   TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
   Measurement measurement(*renderer, options, stop);
@@ -161,8 +161,10 @@ RenderCommand add_denoise_command(CLI::App* program) {
       ->capture_default_str();
   parser->add_option("--height", options->height, "Of the same, pixels")->capture_default_str();
   parser->add_option("--azimuth-deg", options->azimuth_deg, "Its width, degrees")->capture_default_str();
-  parser->add_option("--bounces", options->quality.bounces, "Times that light goes from surface to surface")
-      ->capture_default_str();
+  parser
+      ->add_option("--bounces", options->bounces,
+                   "Times that light goes from surface to surface; the scene's if left out")
+      ->check(CLI::Range(0, kMostBounces));
   parser->add_option("--films", options->films, "Of other seeds, for each number of samples")
       ->check(CLI::Range(2, 64))
       ->capture_default_str();

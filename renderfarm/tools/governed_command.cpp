@@ -204,7 +204,7 @@ Status governed(const GovernedOptions& options, const StopSignal& stop) {
   PanoramaView reference_view = view;
   reference_view.quality = front.best().quality.render;
   reference_view.quality.samples = options.reference_samples;
-  reference_view.quality.bounces = options.reference_bounces.value_or(reference_view.quality.bounces);
+  reference_view.quality.bounces = options.reference_bounces.value_or(renderer->scene().bounces);
   reference_view.quality.firefly_limit = reference_view.quality.adaptive_error = 0.0f;
   reference_view.seed = view.seed + 1;  // Shared noise would flatter.
   std::optional<Progress> progress(std::in_place, "rendering the reference");
@@ -257,7 +257,7 @@ RenderCommand add_governed_command(CLI::App* program) {
   parser->add_option("--reference-samples", options->reference_samples, "Of a pixel; at rest an eighth is reached")
       ->check(CLI::Range(2 * kReferencePerStill, kMostSamples))
       ->capture_default_str();
-  parser->add_option("--reference-bounces", options->reference_bounces, "If left out, as the front's best point")
+  parser->add_option("--reference-bounces", options->reference_bounces, "The scene's if left out")
       ->check(CLI::Range(0, kMostBounces));
   parser->add_option("--json", options->json, "Also write the figures, as JSON");
   return {parser, [options](const StopSignal& stop) { return governed(*options, stop); }};

@@ -24,17 +24,48 @@ struct TradeOptions {
   std::string out;
   bool quick = false;
   std::optional<int> reference_samples;
-  int reference_bounces = 8;
+  std::optional<int> reference_bounces;
 };
 
+constexpr const char* kOwnFiles[] = {"reference.pfm", "reference.txt", "trade.csv", "trade.svg", "front.toml"};
+
+/// What changes with the scene's files: those of a package's folder, or the single file.
+std::string files_of(const TradeOptions& options) {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  std::uint64_t count = 0, bytes = 0;
+  fs::file_time_type newest = fs::file_time_type::min();
+  const auto add = [&](const fs::path& file) {
+    if (!fs::is_regular_file(file, failed)) return;
+    ++count;
+    bytes += fs::file_size(file, failed);
+    newest = std::max(newest, fs::last_write_time(file, failed));
+  };
+  const auto is_own = [&](const fs::path& file) {  // The folder that is written to may be the package's.
+    return std::ranges::find(kOwnFiles, file.filename()) != std::end(kOwnFiles) &&
+           fs::equivalent(file.parent_path(), options.out, failed);
+  };
+  const fs::path scene = options.scene.scene;
+  if (fs::is_directory(scene, failed) || scene.filename() == "scene.toml") {
+    const fs::path folder = fs::is_directory(scene, failed) ? scene : fs::absolute(scene, failed).parent_path();
+    for (fs::recursive_directory_iterator file(folder, failed), end; !failed && file != end; file.increment(failed)) {
+      if (!is_own(file->path())) add(file->path());
+    }
+  } else {
+    add(scene);
+  }
+  return fmt::format("{} files, {} bytes, newest {}", count, bytes, newest.time_since_epoch().count());
+}
+
 /// All that the reference depends on.
-std::string settings_of(const PanoramaView& view, const std::string& scene, std::uint64_t triangles) {
+std::string settings_of(const PanoramaView& view, const TradeOptions& options, std::uint64_t triangles) {
   const Panorama& panorama = view.panorama;
   return fmt::format(
-      "cyclorama {}\nscene '{}', {} triangles\neye {} {} {}, heading {} rad\n{}x{}, {} rad, tan elevation {} to {}\n"
+      "cyclorama {}\nscene '{}', {} triangles, {}\neye {} {} {}, heading {} rad\n{}x{}, {} rad, tan elevation {} to "
+      "{}\n"
       "{} samples, {} bounces, seed {}\n",
-      CYCLORAMA_VERSION, scene, triangles, view.eye.x(), view.eye.y(), view.eye.z(), view.heading_rad,
-      panorama.width_px, panorama.height_px, panorama.azimuth_span_rad, panorama.tan_elevation_bottom,
+      CYCLORAMA_VERSION, options.scene.scene, triangles, files_of(options), view.eye.x(), view.eye.y(), view.eye.z(),
+      view.heading_rad, panorama.width_px, panorama.height_px, panorama.azimuth_span_rad, panorama.tan_elevation_bottom,
       panorama.tan_elevation_top, view.quality.samples, view.quality.bounces, view.seed);
 }
 
@@ -43,12 +74,14 @@ Result<RadianceImage> reference_of(const Renderer& renderer, const PanoramaView&
   const std::filesystem::path folder = options.out;
   const std::filesystem::path picture_file = folder / "reference.pfm";
   const std::filesystem::path settings_file = folder / "reference.txt";
-  const std::string settings = settings_of(view, options.scene.scene, renderer.scene().triangles_seen());
+  const std::string settings = settings_of(view, options, renderer.scene().triangles_seen());
   constexpr std::size_t kSettingsLimit = 65536;
   if (const auto made_with = read_text_file(settings_file, kSettingsLimit); made_with && *made_with == settings) {
     Result<RadianceImage> picture = read_pfm(picture_file, kPhotoLimitPx);
-    if (picture) fmt::print(stderr, "the reference is '{}'\n", picture_file.string());
-    return picture;
+    if (picture && picture->width() == view.panorama.width_px && picture->height() == view.panorama.height_px) {
+      fmt::print(stderr, "the reference is '{}'\n", picture_file.string());
+      return picture;
+    }
   }
   Progress progress("rendering the reference");
   TRY_ASSIGN(const Film film, converged_film(
@@ -98,8 +131,7 @@ Status write_all(const std::vector<TradePoint>& points, const PanoramaView& view
   TRY(write_file_atomically(folder / "trade.svg", trade_svg(points, front, title)));
   TRY(write_file_atomically(
       folder / "front.toml",
-      front_text(front,
-                 fmt::format("Measured by 'cyclorama-render trade': {}. The error is the mean of FLIP.", title))));
+      front_text(front, fmt::format("Measured by 'cyclorama-render trade': {}. The error is relMSE.", title))));
   print_front(points, front);
   return Done{};
 }
@@ -116,7 +148,7 @@ Status trade(const TradeOptions& options, const StopSignal& stop) {
   TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
   PanoramaView reference_view = view;
   reference_view.quality.samples = options.reference_samples.value_or(options.quick ? 256 : 1024);
-  reference_view.quality.bounces = options.reference_bounces;
+  reference_view.quality.bounces = options.reference_bounces.value_or(renderer->scene().bounces);
   reference_view.seed = view.seed + 1;  // Shared noise would flatter.
   TRY_ASSIGN(RadianceImage reference, reference_of(*renderer, reference_view, options, stop));
   TradeMeter meter(*renderer, view, std::move(reference));
@@ -138,9 +170,8 @@ RenderCommand add_trade_command(CLI::App* program) {
   parser->add_flag("--quick", options->quick, "Fewer settings, and a reference of 256 samples");
   parser->add_option("--reference-samples", options->reference_samples, "Of a pixel; 1024 if left out")
       ->check(CLI::Range(2, kMostSamples));
-  parser->add_option("--reference-bounces", options->reference_bounces, "Of its paths")
-      ->check(CLI::Range(0, kMostBounces))
-      ->capture_default_str();
+  parser->add_option("--reference-bounces", options->reference_bounces, "Of its paths; the scene's if left out")
+      ->check(CLI::Range(0, kMostBounces));
   return {parser, [options](const StopSignal& stop) { return trade(*options, stop); }};
 }
 

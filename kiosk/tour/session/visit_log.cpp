@@ -58,6 +58,7 @@ void VisitLog::add_pose(const wire::TrackedPose& pose) {
 void VisitLog::add_view(const wire::View& view, TimePoint now, std::optional<TimePoint> pose_received_at) {
   const std::lock_guard lock(mutex_);
   if (pose_received_at) inspection_.add_stage_time("steer", now - *pose_received_at);
+  refinement_.reset();
   sent_[view.number()] = {view.shutter_ns(), now, false, false, false};
   if (sent_.size() > kMostSent) sent_.erase(sent_.begin());
 }

@@ -54,7 +54,7 @@ Result<Front> trade_front(const std::vector<TradePoint>& points, double shown_px
   std::vector<FrontPoint> candidates;
   for (const TradePoint& point : points) {
     if (!sent_as_base(point.planned.quality)) continue;
-    candidates.push_back({point.planned.quality, 1e6 * point.cpu_s / shown_px, point.shown.flip});
+    candidates.push_back({point.planned.quality, 1e6 * point.cpu_s / shown_px, point.relmse});
   }
   return Front::make(std::move(candidates));
 }

@@ -24,9 +24,9 @@ struct TradePoint {
   ShownError shown;            ///< Of the decoded JPEG, enlarged.
 };
 
-/// Which points the governor may choose: the front of processor time against FLIP, among those that are sent as the
-/// base is (JPEG costs bytes, hardly time: a front of time would always send the most). `shown_px` is the picture's
-/// size. kInvalidArgument  there is no such point.
+/// Which points the governor may choose: the front of processor time against relMSE (as Front::standard() has it:
+/// without bias it falls with the samples, which Refinement builds on), among those that are sent as the base is (JPEG
+/// is not in it). `shown_px` is the picture's size. kInvalidArgument  there is no such point.
 Result<Front> trade_front(const std::vector<TradePoint>& points, double shown_px);
 [[nodiscard]] bool is_on(const Front& front, const TradePoint& point);
 

@@ -12,6 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A farm with one governed visit, where a frame takes as long as its samples and pixels say.
 class GovernedVisit : public testing::Test {
@@ -167,19 +168,47 @@ TEST_F(GovernedVisit, goes_on_refining_when_a_node_goes) {
   EXPECT_EQ(s.given_up, 0);
 }
 
-TEST_F(GovernedVisit, shows_what_it_has_when_refining_fails) {
+TEST_F(GovernedVisit, reaches_the_reference_when_its_only_node_was_lost_and_comes_back) {
+  open(20.0, 256, 1);
+  move();
+  begin_rest();
+  s.work(nodes[0]);
+  s.kill(nodes[0]);
+  nodes = {};
+  stand_still(7s);
+  EXPECT_EQ(s.last_end.samples(), s.begun.back().samples()) << "only the moving one";
+  nodes = {s.add_node()};
+  stand_still(5s);
+  EXPECT_EQ(s.last_end.samples(), 256u);
+  EXPECT_EQ(s.last_end.view_number(), 1u);
+  EXPECT_THAT(s.state.summary(), HasSubstr("at rest with 256 samples"));
+  EXPECT_THAT(s.state.summary(), Not(HasSubstr("failed")));
+}
+
+TEST_F(GovernedVisit, shows_what_it_has_when_refining_fails_and_tries_ever_more_rarely) {
   open(20.0, 256, 1);
   move();
   begin_rest();
   const std::size_t seen = s.begun.size();
-  for (int i = 0; i < 200 && s.work(nodes[0], "the disk is on fire"); ++i) {
+  const auto fails = [&] {
+    int done = 0;
+    while (s.work(nodes[0], "the disk is on fire")) ++done;
+    return done > 0;
+  };
+  for (const Duration wait : {5s, 10s, 20s, 40s, 60s, 60s}) {
+    EXPECT_TRUE(fails());
+    EXPECT_THAT(s.state.summary(), HasSubstr("more failed"));
+    s.clock.advance(wait - 1ms);
+    s.state.tick();
+    EXPECT_FALSE(fails()) << "sooner than after " << to_seconds(wait) << " s";
+    s.clock.advance(1ms);
+    s.state.tick();
   }
-  stand_still(5s);
+  EXPECT_TRUE(fails());
   EXPECT_EQ(s.begun.size(), seen);
-  EXPECT_THAT(s.state.summary(), HasSubstr("more failed"));
   move();
-  stand_still(5s);
-  EXPECT_EQ(s.last_end.samples(), 256u) << "the next view is tried again";
+  stand_still(4s);
+  EXPECT_EQ(s.last_end.samples(), 256u) << "the next view does not wait";
 }
 
 TEST_F(GovernedVisit, does_not_take_a_late_tile_of_the_moving_frame_for_one_of_the_refined) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "common/base/file.h"
+#include "common/image/pfm.h"
 #include "renderfarm/governor/front_file.h"
 
 namespace cyclorama {
@@ -62,6 +63,33 @@ TEST_F(TradeCommand, uses_the_reference_again_until_its_settings_change) {
   EXPECT_EQ(reference(), first);
   ASSERT_TRUE(trade({"1", "--threads", "9", "--reference-samples", "32x16", "--size", "--quick"}));
   EXPECT_NE(reference(), first);
+}
+
+TEST_F(TradeCommand, makes_the_reference_anew_when_the_scenes_file_is_another_of_as_many_triangles) {
+  const auto run = [&] { return trade({"1", "--threads", "8", "--reference-samples", "32x16", "--size", "--quick"}); };
+  ASSERT_TRUE(run());
+  const std::string settings = text("reference.txt");
+  ASSERT_TRUE(write_file_atomically(folder_ / "roof.obj",
+                                    std::string_view("v -1 0 -1\nv 1 0 -1\nv 0 1.5 1\nv 0 -1 1\nf 1 2 3\nf 2 1 4\n")));
+  ASSERT_TRUE(run());
+  EXPECT_NE(text("reference.txt"), settings);
+}
+
+TEST_F(TradeCommand, makes_a_reference_anew_that_is_cut_missing_or_of_another_size) {
+  const std::filesystem::path file = folder_ / "out/reference.pfm";
+  const auto run = [&] { return trade({"1", "--threads", "8", "--reference-samples", "32x16", "--size", "--quick"}); };
+  ASSERT_TRUE(run());
+  const std::string settings = text("reference.txt");
+  std::filesystem::resize_file(file, 100);
+  EXPECT_TRUE(run());
+  EXPECT_EQ(read_pfm(file, 1000)->width(), 32);
+  std::filesystem::remove(file);
+  EXPECT_TRUE(run());
+  EXPECT_EQ(read_pfm(file, 1000)->width(), 32);
+  ASSERT_TRUE(write_pfm(file, RadianceImage(8, 4)));
+  EXPECT_TRUE(run());
+  EXPECT_EQ(read_pfm(file, 1000)->width(), 32);
+  EXPECT_EQ(text("reference.txt"), settings);
 }
 
 }  // namespace

@@ -125,6 +125,7 @@ TEST(VisitLog, tells_a_refined_picture_from_a_new_one) {
   }
   view.set_number(2);
   log.log.add_view(view, log.now, std::nullopt);
+  EXPECT_EQ(log.log.refinement(), std::nullopt) << "the visitor walks, whatever becomes of the view";
   end.set_view_number(2);
   end.set_samples(4);
   log.log.add_end(end, log.now + 21s);

@@ -34,6 +34,12 @@ TEST(TradeFront, holds_what_nothing_cheaper_beats_per_shown_pixel) {
   EXPECT_FALSE(is_on(*front, points[1]));
 }
 
+TEST(TradeFront, errs_in_the_light_as_the_standard_one) {
+  TradePoint point = point_of(1, 1.0, 0.4);
+  point.relmse = 0.03;
+  EXPECT_EQ((*trade_front({point}, 1000.0))[0].error, 0.03);
+}
+
 TEST(TradeFront, leaves_out_what_buys_accuracy_with_bytes) {
   const auto front = trade_front({point_of(1, 1.0, 0.4), point_of(1, 1.0, 0.1, 98)}, 1000.0);
   ASSERT_TRUE(front);

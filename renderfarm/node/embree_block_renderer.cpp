@@ -4,7 +4,6 @@
 #include "common/wire/convert.h"
 #include "renderfarm/denoise/denoising_renderer.h"
 #include "renderfarm/render/tone.h"
-#include "renderfarm/render/lights/light_set.h"
 #include "renderfarm/scene/scene.h"
 
 namespace cyclorama {
@@ -66,8 +65,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
   }
 
   [[nodiscard]] std::uint64_t memory_bytes() const override {
-    return renderer_->scene().memory_bytes() + renderer_->mip_bytes() + renderer_->record_bytes() +
-           renderer_->lights().bytes() + renderer_->bvh_bytes();
+    return renderer_->scene().memory_bytes() + renderer_->shading_bytes() + renderer_->bvh_bytes();
   }
 
  private:

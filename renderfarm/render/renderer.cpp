@@ -216,8 +216,8 @@ const Scene& Renderer::scene() const { return state_->scene; }
 const LightSet& Renderer::lights() const { return state_->traced.lights; }
 double Renderer::build_seconds() const { return state_->build_seconds; }
 std::size_t Renderer::bvh_bytes() const { return state_->accelerator->bytes(); }
-std::size_t Renderer::record_bytes() const {
-  std::size_t bytes = 0;
+std::size_t Renderer::shading_bytes() const {
+  std::size_t bytes = mip_bytes() + lights().bytes();
   for (const SurfaceMesh& mesh : state_->traced.meshes) bytes += mesh.records.size() * sizeof(TriangleRecord);
   return bytes;
 }

@@ -75,8 +75,9 @@ class Renderer {
   [[nodiscard]] const LightSet& lights() const;  ///< In the render frame.
   [[nodiscard]] double build_seconds() const;
   [[nodiscard]] std::size_t bvh_bytes() const;
-  [[nodiscard]] std::size_t mip_bytes() const;     ///< Of the textures' smaller levels.
-  [[nodiscard]] std::size_t record_bytes() const;  ///< Of what shading reads of the triangles.
+  [[nodiscard]] std::size_t mip_bytes() const;  ///< Of the textures' smaller levels.
+  /// Of all that shading reads besides the scene: records of the triangles, smaller textures, tables of the lights.
+  [[nodiscard]] std::size_t shading_bytes() const;
 
  private:
   struct State;

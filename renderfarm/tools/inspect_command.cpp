@@ -93,9 +93,9 @@ void print_traced(const Renderer& renderer) {
   fmt::print("aimed at    {} lamps, {} flat lights, {} glowing triangles, {} suns{}; chosen by {}\n",
              lights.lamps().size(), lights.flats().size(), lights.triangles(), lights.suns().size(),
              lights.has_environment() ? ", the environment" : "", lights.chooses_by_tree() ? "a tree" : "a list");
-  fmt::print("memory      {} with the BVH ({}) and the textures' smaller levels ({})\n",
-             describe_bytes(renderer.scene().memory_bytes() + renderer.bvh_bytes() + renderer.mip_bytes()),
-             describe_bytes(renderer.bvh_bytes()), describe_bytes(renderer.mip_bytes()));
+  fmt::print("memory      {} with the BVH ({}) and what shading reads ({})\n",
+             describe_bytes(renderer.scene().memory_bytes() + renderer.bvh_bytes() + renderer.shading_bytes()),
+             describe_bytes(renderer.bvh_bytes()), describe_bytes(renderer.shading_bytes()));
 }
 
 Status inspect(const SceneOptions& options) {

@@ -33,10 +33,12 @@ Status measure_load(const LoadOptions& options, const StopSignal& stop) {
   const auto per_triangle = [&](std::size_t bytes) { return static_cast<double>(bytes) / static_cast<double>(stored); };
   const double bvh_seconds = renderer->build_seconds();
   const std::size_t bvh_bytes = renderer->bvh_bytes();
+  const std::size_t shading_bytes = renderer->shading_bytes();
   fmt::print("{} triangles stored, {} seen; loaded in {:.2f} s, BVH in {:.2f} s\n", stored, seen, load_seconds,
              bvh_seconds);
-  fmt::print("{:.1f} bytes per triangle, and {:.1f} for the BVH; {} at most\n", per_triangle(scene_bytes),
-             per_triangle(bvh_bytes), describe_bytes(peak_memory()));
+  fmt::print("{:.1f} bytes per triangle, {:.1f} more for shading and {:.1f} for the BVH; {} at most\n",
+             per_triangle(scene_bytes), per_triangle(shading_bytes), per_triangle(bvh_bytes),
+             describe_bytes(peak_memory()));
   if (options.json.empty()) return Done{};
   return write_json(options.json, {{"triangles", stored},
                                    {"triangles_seen", seen},
@@ -44,10 +46,11 @@ Status measure_load(const LoadOptions& options, const StopSignal& stop) {
                                    {"bvh_s", bvh_seconds},
                                    {"seconds", load_seconds + bvh_seconds},
                                    {"scene_bytes", scene_bytes},
+                                   {"shading_bytes", shading_bytes},
                                    {"bvh_bytes", bvh_bytes},
                                    {"scene_bytes_per_triangle", per_triangle(scene_bytes)},
                                    {"bvh_bytes_per_triangle", per_triangle(bvh_bytes)},
-                                   {"bytes_per_triangle", per_triangle(scene_bytes + bvh_bytes)},
+                                   {"bytes_per_triangle", per_triangle(scene_bytes + shading_bytes + bvh_bytes)},
                                    {"peak_rss_bytes", peak_memory()}});
 }
 

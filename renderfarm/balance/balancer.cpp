@@ -28,17 +28,25 @@ std::vector<double> usable(std::span<const double> speeds) {
   return out;
 }
 
+std::vector<PlannedBlock> one_each(std::span<const PixelRect> rects) {
+  std::vector<PlannedBlock> out;
+  for (std::size_t i = 0; i < rects.size(); ++i) {
+    if (!rects[i].empty()) out.push_back({i, rects[i]});
+  }
+  return out;
+}
+
 class EqualBalancer final : public Balancer {
  public:
-  std::vector<PixelRect> split(const SplitRequest& request) override {
-    return SplitTree(request.speeds.size()).split(request.size, CostField(), usable(request.speeds));
+  std::vector<PlannedBlock> split(const SplitRequest& request) override {
+    return one_each(SplitTree(request.speeds.size()).split(request.size, CostField(), usable(request.speeds)));
   }
   void learn(const MeasuredFrame&) override {}
 };
 
 class PbtBalancer final : public Balancer {
  public:
-  std::vector<PixelRect> split(const SplitRequest& request) override {
+  std::vector<PlannedBlock> split(const SplitRequest& request) override {
     const std::vector<double> speeds = usable(request.speeds);
     if (speeds != speeds_ || !(request.size == size_)) {
       // Nodes came or went, or the picture changed its shape: another tree, over the costs that are known.
@@ -54,7 +62,7 @@ class PbtBalancer final : public Balancer {
                                predicted_efficiency(expected, size_, blocks_, speeds_) + kWorthMoving) {
       blocks_ = std::move(moved);
     }
-    return blocks_;
+    return one_each(blocks_);
   }
 
   void learn(const MeasuredFrame& frame) override {

@@ -23,6 +23,15 @@ struct SplitRequest {
   double azimuth_span_rad = 1.0;
 };
 
+/// Part of the picture for one node.
+struct PlannedBlock {
+  std::size_t node = 0;  ///< Index into SplitRequest::speeds.
+  PixelRect rect;
+  /// A node that is done before this block is begun may take it (stealing.h says which and when).
+  bool stealable = false;
+  friend bool operator==(const PlannedBlock&, const PlannedBlock&) = default;
+};
+
 /// What a whole frame cost.
 struct MeasuredFrame {
   PictureSize size;
@@ -34,9 +43,10 @@ struct MeasuredFrame {
 class Balancer {
  public:
   virtual ~Balancer() = default;
-  /// Rectangle i is node i's; together they tile the picture exactly, cut at multiples of kCutPx (tiles.h). Nodes that
-  /// would not help get an empty one. No speeds: no rectangles.
-  [[nodiscard]] virtual std::vector<PixelRect> split(const SplitRequest& request) = 0;
+  /// In the order of nodes, and for each node in the order in which it is to render them, stealable ones last. No block
+  /// is empty; together they tile the picture exactly, cut at multiples of kCutPx (tiles.h). Nodes that would not help
+  /// get none. No speeds: no blocks.
+  [[nodiscard]] virtual std::vector<PlannedBlock> split(const SplitRequest& request) = 0;
   /// May come late: other pictures may have been split meanwhile.
   virtual void learn(const MeasuredFrame& frame) = 0;
 

@@ -19,6 +19,9 @@ struct PictureSize {
 struct MeasuredBlock {
   PixelRect rect;
   double cpu_seconds = 0.0;
+  /// Of each kCutPx cell of the picture's grid that the rect touches, row by row; empty when the node did not tell.
+  std::vector<float> cell_cpu_seconds{};
+  double speed = 1.0;  ///< Of the node that rendered it, as in SplitRequest.
 };
 
 /// Rectangle in fractions of the picture, so that a field serves pictures of any size.

@@ -44,11 +44,10 @@ std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& vi
   const std::vector<NodeId> nodes = nodes_for(session.scene);
   std::vector<double> speeds;
   for (const NodeId node : nodes) speeds.push_back(nodes_.at(node).threads);
-  const std::vector<PixelRect> rects =
-      session.balancer->split({size_of(view), speeds, view.heading_rad(), view.panorama().azimuth_span_rad()});
   std::vector<PlacedBlock> blocks;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (!rects[i].empty()) blocks.push_back({nodes[i], rects[i]});
+  for (const PlannedBlock& block :
+       session.balancer->split({size_of(view), speeds, view.heading_rad(), view.panorama().azimuth_span_rad()})) {
+    blocks.push_back({nodes[block.node], block.rect});
   }
   return blocks;
 }

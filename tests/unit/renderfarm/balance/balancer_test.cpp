@@ -20,7 +20,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::vector<PixelRect> split(Balancer& balancer, PictureSize size, const std::vector<double>& speeds,
                              double heading_rad = 0.0) {
-  return balancer.split({size, speeds, heading_rad, std::numbers::pi});
+  std::vector<PixelRect> rects(speeds.size());
+  for (const PlannedBlock& block : balancer.split({size, speeds, heading_rad, std::numbers::pi})) {
+    rects[block.node] = block.rect;
+  }
+  return rects;
 }
 
 /// That the blocks tile the picture: on the grid, inside, and each 16 px cell in exactly one.

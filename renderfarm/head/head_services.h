@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The head's two gRPC services. They live on gRPC's threads and only post events to the loop.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "common/wire/farm.grpc.pb.h"
+#include "common/wire/nodes.grpc.pb.h"
+#include "renderfarm/head/event_queue.h"
+#include "renderfarm/head/peer_stream.h"
+
+namespace cyclorama {
+
+using NodeStream = PeerStream<wire::NodeReport, wire::NodeCommand>;
+using MuseumStream = PeerStream<wire::VisitRequest, wire::VisitReply>;
+
+// What gRPC's threads tell the loop.
+struct NodeCame {
+  std::uint64_t id;
+  std::shared_ptr<NodeStream> stream;
+};
+struct NodeSaid {
+  std::uint64_t id;
+  wire::NodeReport report;
+};
+struct NodeClosed {
+  std::uint64_t id;
+};
+struct NodeDone {
+  std::uint64_t id;
+};
+struct MuseumCame {
+  std::uint64_t id;
+  std::shared_ptr<MuseumStream> stream;
+};
+struct MuseumSaid {
+  std::uint64_t id;
+  wire::VisitRequest request;
+  TimePoint at;
+};
+struct MuseumTook {
+  std::uint64_t id;
+  wire::VisitReply reply;
+};
+struct MuseumClosed {
+  std::uint64_t id;
+};
+struct MuseumDone {
+  std::uint64_t id;
+};
+struct ScenesAsked {
+  wire::ListScenesReply* reply;
+  grpc::ServerUnaryReactor* reactor;
+};
+struct StopAsked {};
+using Event = std::variant<NodeCame, NodeSaid, NodeClosed, NodeDone, MuseumCame, MuseumSaid, MuseumTook, MuseumClosed,
+                           MuseumDone, ScenesAsked, StopAsked>;
+using Events = EventQueue<Event>;
+
+class NodesService final : public wire::Nodes::CallbackService,
+                           private PeerStreamEvents<wire::NodeReport, wire::NodeCommand> {
+ public:
+  explicit NodesService(Events& events) : events_(events) {}
+
+ private:
+  grpc::ServerBidiReactor<wire::NodeReport, wire::NodeCommand>* Work(grpc::CallbackServerContext* context) override {
+    const std::uint64_t id = ++last_id_;
+    auto stream = NodeStream::open(id, context, *this);
+    NodeStream* const reactor = stream.get();
+    events_.post(NodeCame{id, std::move(stream)});
+    reactor->read_next();
+    return reactor;
+  }
+  void on_read(std::uint64_t id, wire::NodeReport message) override { events_.post(NodeSaid{id, std::move(message)}); }
+  void on_written(std::uint64_t, wire::NodeCommand) override {}
+  void on_closed(std::uint64_t id) override { events_.post(NodeClosed{id}); }
+  void on_done(std::uint64_t id) override { events_.post(NodeDone{id}); }
+
+  Events& events_;
+  std::atomic<std::uint64_t> last_id_ = 0;
+};
+
+class FarmService final : public wire::Farm::CallbackService,
+                          private PeerStreamEvents<wire::VisitRequest, wire::VisitReply> {
+ public:
+  explicit FarmService(Events& events) : events_(events) {}
+
+ private:
+  grpc::ServerBidiReactor<wire::VisitRequest, wire::VisitReply>* Visit(grpc::CallbackServerContext* context) override {
+    const std::uint64_t id = ++last_id_;
+    auto stream = MuseumStream::open(id, context, *this);
+    MuseumStream* const reactor = stream.get();
+    events_.post(MuseumCame{id, std::move(stream)});
+    reactor->read_next();
+    return reactor;
+  }
+  grpc::ServerUnaryReactor* ListScenes(grpc::CallbackServerContext* context, const wire::ListScenesRequest*,
+                                       wire::ListScenesReply* reply) override {
+    grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+    if (!events_.post(ScenesAsked{reply, reactor})) {
+      reactor->Finish({grpc::StatusCode::UNAVAILABLE, "the farm's head stops"});
+    }
+    return reactor;
+  }
+  void on_read(std::uint64_t id, wire::VisitRequest message) override {
+    events_.post(MuseumSaid{id, std::move(message), SteadyClock().now()});
+  }
+  void on_written(std::uint64_t id, wire::VisitReply message) override {
+    events_.post(MuseumTook{id, std::move(message)});
+  }
+  void on_closed(std::uint64_t id) override { events_.post(MuseumClosed{id}); }
+  void on_done(std::uint64_t id) override { events_.post(MuseumDone{id}); }
+
+  Events& events_;
+  std::atomic<std::uint64_t> last_id_ = 0;
+};
+
+}  // namespace cyclorama

@@ -21,6 +21,8 @@ struct SplitRequest {
   /// Where the picture looks and how wide it is, so that a turn can take the costs with it.
   double heading_rad = 0.0;
   double azimuth_span_rad = 1.0;
+  /// What each block costs its node beside its pixels, at any speed: orders, a partly filled batch, a JPEG's head.
+  double block_overhead_seconds = 0.0;
 };
 
 /// Part of the picture for one node.
@@ -29,6 +31,8 @@ struct PlannedBlock {
   PixelRect rect;
   /// A node that is done before this block is begun may take it (stealing.h says which and when).
   bool stealable = false;
+  /// What it is expected to cost: seconds at speed 1. 0 where nothing is known.
+  double predicted_seconds = 0.0;
   friend bool operator==(const PlannedBlock&, const PlannedBlock&) = default;
 };
 

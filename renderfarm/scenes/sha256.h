@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+struct evp_md_ctx_st;
+
+namespace cyclorama {
+
+/// SHA-256 (FIPS 180-4) of bytes that come in pieces, by OpenSSL. Thread-bound.
+class Sha256 {
+ public:
+  Sha256();
+  void add(std::span<const std::byte> bytes);
+  /// 64 characters, lower case. Ends it: nothing may be added after.
+  [[nodiscard]] std::string hexadecimal();
+
+ private:
+  struct Free {
+    void operator()(evp_md_ctx_st* context) const;
+  };
+  std::unique_ptr<evp_md_ctx_st, Free> context_;
+};
+
+[[nodiscard]] std::string sha256_of(std::string_view text);
+
+/// 64 hexadecimal digits in lower case: also safe as a file's name.
+[[nodiscard]] bool is_sha256(std::string_view text);
+
+}  // namespace cyclorama

@@ -67,8 +67,12 @@ Error from_grpc(const grpc::Status& status, std::string_view doing) {
   return Error(code, fmt::format("{}: {}", doing, reason_of(status)));
 }
 
-Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address) {
+Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address, const std::optional<TlsFiles>& tls) {
   TRY(check_address(address));
+  std::shared_ptr<grpc::ChannelCredentials> credentials = grpc::InsecureChannelCredentials();
+  if (tls) {
+    TRY_ASSIGN(credentials, channel_credentials(*tls));
+  }
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMessageLimitBytes);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
@@ -79,7 +83,13 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address) 
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL,
                    1);  // A connection of its own, so that one slow stream delays no other.
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, credentials, arguments);
+}
+
+bool is_loopback(const std::string& address) {
+  const std::string host = address.substr(0, address.rfind(':'));
+  return host == "localhost" || host == "[::1]" ||
+         (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
 }
 
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish) {
@@ -92,18 +102,29 @@ grpc::Status finish_after_read(grpc::ClientContext& context, const std::function
 }
 
 Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address,
-                                                      const std::vector<grpc::Service*>& services) {
+                                                      const std::vector<grpc::Service*>& services,
+                                                      const ServerOptions& options) {
   TRY(check_address(address));
+  std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+  if (options.tls) {
+    TRY_ASSIGN(credentials, server_credentials(*options.tls, options.admit));
+  }
   grpc::ServerBuilder builder;
   int port = 0;
-  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
-  builder.SetMaxReceiveMessageSize(kMessageLimitBytes);
+  builder.AddListeningPort(address, credentials, &port);
+  builder.SetMaxReceiveMessageSize(options.message_limit_bytes);
+  if (options.calls_per_connection > 0) {
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.calls_per_connection);
+  }
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // Two heads on one port would share the visitors at random.
   // A peer whose machine is gone or frozen says nothing: ask it, so that its stream ends within 10 s.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 2000);
+  // Who connects and says nothing sensible, or nothing at all, holds no descriptor for long.
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10'000);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 300'000);
   for (grpc::Service* const service : services) builder.RegisterService(service);
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
   if (server == nullptr || port == 0) {

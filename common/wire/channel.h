@@ -9,11 +9,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/clock.h"
 #include "common/base/result.h"
+#include "common/wire/tls.h"
 
 namespace cyclorama {
 
@@ -26,22 +28,35 @@ inline constexpr int kMessageLimitBytes = 16 << 20;
 [[nodiscard]] Error from_grpc(const grpc::Status& status, std::string_view doing);
 
 /// A channel to "[::1]:7401" (or a name and port). It dials when it is used, keeps alive every 5 s and dials again with
-/// a back-off of 0.1 to 2 s. Thread-safe once made.
-/// kInvalidArgument  not HOST:PORT; an IPv6 address needs its brackets.
-Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address);
+/// a back-off of 0.1 to 2 s. Without `tls` nothing is encrypted. Thread-safe once made.
+/// kInvalidArgument  not HOST:PORT; an IPv6 address needs its brackets.     With `tls` also as channel_credentials().
+Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address,
+                                                    const std::optional<TlsFiles>& tls = std::nullopt);
+
+/// That only this machine can reach it: localhost, 127.0.0.0/8, ::1.
+[[nodiscard]] bool is_loopback(const std::string& address);
 
 /// The end of a client's stream whose Read() returned false. `finish` is the stream's Finish(): where the peer has
 /// ended the call it returns at once; where the peer sent what is no message it never would, so the call is cancelled
 /// after a second, and this is DATA_LOSS.
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish);
 
+/// What a server asks of those who dial.
+struct ServerOptions {
+  std::optional<TlsFiles> tls{};
+  Admission admit{};  ///< With TLS: decides on every call.
+  int message_limit_bytes = kMessageLimitBytes;
+  int calls_per_connection = 0;  ///< More wait at the peer. 0: no limit.
+};
+
 /// A listening server. Destroy or stop() it before its services. Thread-safe.
 class WireServer {
  public:
   /// Starts to serve on `address`; port 0 takes a free one. The services are borrowed until stop().
-  /// kInvalidArgument  as make_channel().     kBusy  the port is taken.
+  /// kInvalidArgument  as make_channel().     kBusy  the port is taken.     With TLS also as server_credentials().
   static Result<std::unique_ptr<WireServer>> start(const std::string& address,
-                                                   const std::vector<grpc::Service*>& services);
+                                                   const std::vector<grpc::Service*>& services,
+                                                   const ServerOptions& options = {});
   ~WireServer();
   WireServer(const WireServer&) = delete;
   WireServer& operator=(const WireServer&) = delete;

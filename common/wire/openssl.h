@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// OpenSSL's objects with owners. Included by .cpp files alone.
+#pragma once
+
+#include <openssl/bio.h>
+#include <openssl/bn.h>
+#include <openssl/conf.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+template <auto Free>
+struct OpensslFree {
+  template <typename T>
+  void operator()(T* object) const {
+    Free(object);
+  }
+};
+using OpensslBio = std::unique_ptr<BIO, OpensslFree<BIO_free>>;
+using OpensslKey = std::unique_ptr<EVP_PKEY, OpensslFree<EVP_PKEY_free>>;
+using OpensslCertificate = std::unique_ptr<X509, OpensslFree<X509_free>>;
+using OpensslRevocations = std::unique_ptr<X509_CRL, OpensslFree<X509_CRL_free>>;
+
+/// To read `text` from, which must outlive it.
+inline OpensslBio bio_of(std::string_view text) {
+  return OpensslBio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+}
+
+/// The first certificate of a PEM text. kBadData  there is none.
+Result<OpensslCertificate> parse_certificate(std::string_view pem);
+/// In hexadecimal, as openssl writes it.
+[[nodiscard]] std::string serial_text(const ASN1_INTEGER* serial);
+/// "2029-02-24"; "?" for a time that is none.
+[[nodiscard]] std::string day_text(const ASN1_TIME* time);
+
+}  // namespace cyclorama

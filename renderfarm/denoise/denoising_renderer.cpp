@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 #include <variant>
 
 #include "common/base/clock.h"
 #include "common/base/cpu_time.h"
+#include "common/image/cells.h"
 #include "common/image/cropped.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
@@ -30,6 +32,24 @@ PixelRect grown(const PixelRect& rect, int px, const Panorama& panorama) {
   const int top = std::max(0, rect.y - px);
   return {left, top, std::min(panorama.width_px, rect.x + rect.width + px) - left,
           std::min(panorama.height_px, rect.y + rect.height + px) - top};
+}
+
+/// A film's cost, told of the cells that `rect` touches. What went into its margin and its denoising counts for all
+/// cells alike: another cut has the margin elsewhere.
+RenderCost told_of(RenderCost cost, const PixelRect& wide, const PixelRect& rect) {
+  const PixelRect from = cells_touched(wide);
+  const PixelRect cells = cells_touched(rect);
+  std::vector<float> inside;
+  for (int row = cells.y; row < cells.y + cells.height; ++row) {
+    for (int column = cells.x; column < cells.x + cells.width; ++column) {
+      inside.push_back(cost.cell_cpu_seconds[cell_index(from, column, row)]);
+    }
+  }
+  const double traced = std::accumulate(inside.begin(), inside.end(), 0.0);
+  const double rest = (cost.cpu_seconds - traced) / static_cast<double>(std::max<std::size_t>(1, inside.size()));
+  for (float& seconds : inside) seconds += static_cast<float>(rest);
+  cost.cell_cpu_seconds = std::move(inside);
+  return cost;
 }
 
 }  // namespace
@@ -60,7 +80,7 @@ RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const Pi
   RenderCost cost = renderer_.render_film(view, wide, true, &film_, cancelled);
   if (rect.empty() || (cancelled && cancelled())) {
     *ret_pixels = RadianceImage(rect.width, rect.height);
-    return cost;
+    return told_of(std::move(cost), wide, rect);
   }
   const TimePoint start = SteadyClock().now();
   const double cpu_start = thread_cpu_seconds();
@@ -86,7 +106,7 @@ RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const Pi
   *ret_pixels = cropped(wide_, part);
   cost.cpu_seconds += cpu_seconds;
   cost.wall_seconds += to_seconds(SteadyClock().now() - start);
-  return cost;
+  return told_of(std::move(cost), wide, rect);
 }
 
 }  // namespace cyclorama

@@ -8,10 +8,12 @@
 
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 #include "common/base/check.h"
 #include "common/base/clock.h"
 #include "common/base/cpu_time.h"
+#include "common/image/cells.h"
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/cell_sampling.h"
@@ -27,8 +29,12 @@ struct CellPart {
   int left, top, right, bottom;
 };
 
-/// Where a finished cell goes.
-using Write = std::function<void(const TraceCell& cell, const CellPart& part, const CellFilm& film)>;
+/// Where finished cells go.
+struct Output {
+  std::function<void(const TraceCell& cell, const CellPart& part, const CellFilm& film)> write;
+  /// Whether a cell is there already; null when none is.
+  std::function<bool(const CellPart& part)> has;
+};
 
 /// Rounded as render_film() and Film::mean() do, so that a film is developed to the very codes of render().
 Vec3 exposed_mean(const CellFilm& film, std::size_t pixel, float exposure) {
@@ -59,10 +65,11 @@ struct Renderer::State {
   mutable tbb::enumerable_thread_specific<std::unique_ptr<Workspace>> workspaces;
 
   RenderCost run(const PanoramaView& view, const PixelRect& rect, bool features, const std::function<bool()>& cancelled,
-                 const Write& write) const;
+                 const Output& output) const;
 };
 
 static_assert(kMostSceneBounces <= kMostBounces, "what a scene asks for can be rendered");
+static_assert(kCellPx == kCostCellPx, "what is measured is what is told");
 
 Status check_view(const PanoramaView& view, const PixelRect& rect) {
   const Projection picture = view.picture();
@@ -103,7 +110,7 @@ Result<std::unique_ptr<Renderer>> Renderer::build(Scene scene, int threads,
 void Renderer::compile_for(const SceneNeeds& more) { state_->shade = shade_stage_for(state_->needs | more); }
 
 RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect, bool features,
-                                const std::function<bool()>& cancelled, const Write& write) const {
+                                const std::function<bool()>& cancelled, const Output& output) const {
   CHECK(check_view(view, rect).has_value());
   const SteadyClock clock;
   const TimePoint start = clock.now();
@@ -120,47 +127,46 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   const int picture_height = view.picture().height_px();
 
   std::atomic<std::uint64_t> rays = 0;
-  std::atomic<double> cpu_seconds = 0.0;
   std::atomic<double> light = 0.0;
   std::atomic<double> removed_light = 0.0;
   std::atomic<std::uint64_t> broken_samples = 0;
   // Cells lie on the picture's own grid, whatever part of it is asked for.
-  const int first_column = rect.x / kCellPx;
-  const int first_row = rect.y / kCellPx;
-  const int columns = (rect.x + rect.width + kCellPx - 1) / kCellPx - first_column;
-  const int rows = (rect.y + rect.height + kCellPx - 1) / kCellPx - first_row;
+  const PixelRect cells = cells_touched(rect);
+  std::vector<float> cell_cpu_seconds(static_cast<std::size_t>(cells.area()));
   const auto trace_one = [&](int index) {
+    TraceCell cell;
+    cell.x = (cells.x + index % cells.width) * kCellPx;
+    cell.y = (cells.y + index / cells.width) * kCellPx;
+    cell.width = std::min(kCellPx, picture_width - cell.x);
+    cell.height = std::min(kCellPx, picture_height - cell.y);
+    const CellPart part{std::max(cell.x, rect.x), std::max(cell.y, rect.y),
+                        std::min(cell.x + cell.width, rect.x + rect.width),
+                        std::min(cell.y + cell.height, rect.y + rect.height)};
+    if (output.has && output.has(part)) return;
     if (cancelled && cancelled()) return;
     const double before = thread_cpu_seconds();
     const FlushDenormals flush;
     std::unique_ptr<Workspace>& workspace = workspaces.local();
     if (workspace == nullptr) workspace = std::make_unique<Workspace>();
-    TraceCell cell;
-    cell.x = (first_column + index % columns) * kCellPx;
-    cell.y = (first_row + index / columns) * kCellPx;
-    cell.width = std::min(kCellPx, picture_width - cell.x);
-    cell.height = std::min(kCellPx, picture_height - cell.y);
     CellFilm& film = workspace->film;
     film.clear();
     rays += sample_cell(traced, shade, traced_view, cell, workspace->batch, film);
-    const CellPart part{std::max(cell.x, rect.x), std::max(cell.y, rect.y),
-                        std::min(cell.x + cell.width, rect.x + rect.width),
-                        std::min(cell.y + cell.height, rect.y + rect.height)};
-    write(cell, part, film);
+    output.write(cell, part, film);
     light += film.light;
     removed_light += film.removed_light;
     broken_samples += film.broken_samples;
-    cpu_seconds += thread_cpu_seconds() - before;
+    cell_cpu_seconds[static_cast<std::size_t>(index)] = static_cast<float>(thread_cpu_seconds() - before);
   };
-  const int cells = rect.width > 0 && rect.height > 0 ? columns * rows : 0;
-  if (cells == 1) {
+  const int count = static_cast<int>(cells.area());
+  if (count == 1) {
     trace_one(0);
   } else {
-    arena.execute([&] { tbb::parallel_for(0, cells, trace_one, tbb::simple_partitioner()); });
+    arena.execute([&] { tbb::parallel_for(0, count, trace_one, tbb::simple_partitioner()); });
   }
+  const double cpu_seconds = std::accumulate(cell_cpu_seconds.begin(), cell_cpu_seconds.end(), 0.0);
   const double all_light = light + removed_light;
-  return {cpu_seconds, to_seconds(clock.now() - start), rays, all_light > 0.0 ? removed_light / all_light : 0.0,
-          broken_samples};
+  return {cpu_seconds,    to_seconds(clock.now() - start), rays, all_light > 0.0 ? removed_light / all_light : 0.0,
+          broken_samples, std::move(cell_cpu_seconds)};
 }
 
 RenderCost Renderer::render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
@@ -168,40 +174,48 @@ RenderCost Renderer::render(const PanoramaView& view, const PixelRect& rect, Rgb
   *ret_pixels = RgbImage(rect.width, rect.height);
   const auto exposure = static_cast<float>(state_->scene.exposure);
   const ToneTable& tone = tone_table(state_->scene.tone);
-  return state_->run(view, rect, false, cancelled,
-                     [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
-                       for (int y = part.top; y < part.bottom; ++y) {
-                         std::uint8_t* out = ret_pixels->at(part.left - rect.x, y - rect.y);
-                         for (int x = part.left; x < part.right; ++x, out += 3) {
-                           const Vec3 mean = exposed_mean(film, pixel_of(cell, x, y), exposure);
-                           for (int c = 0; c < 3; ++c) out[c] = tone.code(mean[c]);
-                         }
-                       }
-                     });
+  const auto write = [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
+    for (int y = part.top; y < part.bottom; ++y) {
+      std::uint8_t* out = ret_pixels->at(part.left - rect.x, y - rect.y);
+      for (int x = part.left; x < part.right; ++x, out += 3) {
+        const Vec3 mean = exposed_mean(film, pixel_of(cell, x, y), exposure);
+        for (int c = 0; c < 3; ++c) out[c] = tone.code(mean[c]);
+      }
+    }
+  };
+  return state_->run(view, rect, false, cancelled, {write, nullptr});
 }
 
 RenderCost Renderer::render_film(const PanoramaView& view, const PixelRect& rect, bool with_features, Film* ret_film,
                                  const std::function<bool()>& cancelled) const {
   *ret_film = Film(rect.width, rect.height, with_features);
+  return finish_film(view, rect, ret_film, cancelled);
+}
+
+RenderCost Renderer::finish_film(const PanoramaView& view, const PixelRect& rect, Film* to,
+                                 const std::function<bool()>& cancelled) const {
+  CHECK(to->width() == rect.width && to->height() == rect.height);
+  const bool with_features = !to->features.albedo.empty();
   const auto exposure = static_cast<float>(state_->scene.exposure);
-  return state_->run(view, rect, with_features, cancelled,
-                     [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
-                       for (int y = part.top; y < part.bottom; ++y) {
-                         for (int x = part.left; x < part.right; ++x) {
-                           const std::size_t pixel = pixel_of(cell, x, y);
-                           const int column = x - rect.x;
-                           const int row = y - rect.y;
-                           Eigen::Map<Vec3>(ret_film->sum.at(column, row)) = film.sum[pixel] * exposure;
-                           *ret_film->square.at(column, row) = film.square[pixel] * exposure * exposure;
-                           *ret_film->samples.at(column, row) = film.samples[pixel];
-                           if (!with_features) continue;
-                           const float share = 1.0f / static_cast<float>(film.samples[pixel]);
-                           Eigen::Map<Vec3>(ret_film->features.albedo.at(column, row)) = film.albedo[pixel] * share;
-                           Eigen::Map<Vec3>(ret_film->features.normal.at(column, row)) = film.normal[pixel] * share;
-                           *ret_film->features.distance.at(column, row) = film.distance[pixel] * share;
-                         }
-                       }
-                     });
+  const auto has = [&](const CellPart& part) { return *to->samples.at(part.left - rect.x, part.top - rect.y) > 0; };
+  const auto write = [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
+    for (int y = part.top; y < part.bottom; ++y) {
+      for (int x = part.left; x < part.right; ++x) {
+        const std::size_t pixel = pixel_of(cell, x, y);
+        const int column = x - rect.x;
+        const int row = y - rect.y;
+        Eigen::Map<Vec3>(to->sum.at(column, row)) = film.sum[pixel] * exposure;
+        *to->square.at(column, row) = film.square[pixel] * exposure * exposure;
+        *to->samples.at(column, row) = film.samples[pixel];
+        if (!with_features) continue;
+        const float share = 1.0f / static_cast<float>(film.samples[pixel]);
+        Eigen::Map<Vec3>(to->features.albedo.at(column, row)) = film.albedo[pixel] * share;
+        Eigen::Map<Vec3>(to->features.normal.at(column, row)) = film.normal[pixel] * share;
+        *to->features.distance.at(column, row) = film.distance[pixel] * share;
+      }
+    }
+  };
+  return state_->run(view, rect, with_features, cancelled, {write, has});
 }
 
 RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,

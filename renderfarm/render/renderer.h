@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/geometry/projection.h"
@@ -44,6 +45,9 @@ struct RenderCost {
   /// The firefly limit's own bias: the part of all light that it took away.
   double removed_light = 0.0;
   std::uint64_t broken_samples = 0;  ///< That were NaN and are black in the picture: a bug if there are any.
+  /// Thread time of each 16x16 cell of the picture's grid that the rect touches, row by row; their sum is cpu_seconds.
+  /// Zero where a cell was not rendered.
+  std::vector<float> cell_cpu_seconds{};
 };
 
 /// One scene, committed for tracing. Thread-safe once built: several threads may call render() with their own pictures.
@@ -66,6 +70,11 @@ class Renderer {
                     const std::function<bool()>& cancelled) const;
   /// The samples themselves, exposed but not tone mapped, into `ret_film`, made anew in the rect's size.
   RenderCost render_film(const PanoramaView& view, const PixelRect& rect, bool with_features, Film* ret_film,
+                         const std::function<bool()>& cancelled) const;
+  /// Goes on with a film of the rect's size whose making was cancelled: cells that have samples stay as they are, so
+  /// that nothing is rendered twice and the film becomes the one of render_film(), to the last bit. A new Film has
+  /// none.
+  RenderCost finish_film(const PanoramaView& view, const PixelRect& rect, Film* film,
                          const std::function<bool()>& cancelled) const;
   /// Their mean: linear radiance times exposure.
   RenderCost render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,

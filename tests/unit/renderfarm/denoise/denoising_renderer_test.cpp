@@ -96,6 +96,23 @@ TEST_F(DenoisingRendererTest, counts_the_filters_processor_time) {
   EXPECT_GT(with, 1.3 * without);
 }
 
+TEST_F(DenoisingRendererTest, tells_all_that_a_part_cost_by_the_parts_own_cells) {
+  DenoisingRenderer denoising(*renderer_, 2);
+  RgbImage picture;
+  const auto columns_and_rows = [&](const PixelRect& rect, const std::function<bool()>& cancelled) {
+    const RenderCost cost = denoising.render(view(), rect, &picture, cancelled);
+    double sum = 0.0;
+    for (const float seconds : cost.cell_cpu_seconds) sum += static_cast<double>(seconds);
+    EXPECT_NEAR(sum, cost.cpu_seconds, 1e-5 * cost.cpu_seconds);
+    return cost.cell_cpu_seconds.size();
+  };
+  EXPECT_EQ(columns_and_rows({48, 48, 32, 16}, nullptr), 2u);
+  EXPECT_EQ(columns_and_rows({0, 0, 200, 150}, nullptr), 13u * 10u);
+  EXPECT_EQ(columns_and_rows({190, 130, 10, 20}, nullptr), 2u * 2u);
+  EXPECT_EQ(columns_and_rows({32, 32, 0, 0}, nullptr), 0u);
+  EXPECT_EQ(columns_and_rows({48, 48, 32, 16}, [] { return true; }), 2u);
+}
+
 TEST_F(DenoisingRendererTest, stops_when_it_is_cancelled) {
   RgbImage picture;
   DenoisingRenderer(*renderer_, 1).render(view(), whole(view()), &picture, [] { return true; });

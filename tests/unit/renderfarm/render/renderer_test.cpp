@@ -176,6 +176,54 @@ TEST(Renderer, reports_what_a_picture_cost) {
   EXPECT_GT(renderer->bvh_bytes(), 0u);
 }
 
+TEST(Renderer, tells_what_each_cell_of_the_pictures_grid_cost) {
+  const auto renderer = built(busy_scene());
+  PanoramaView view = view_from({0, 1.6, 0}, 72, 64, 0.8, -0.8);
+  view.quality.samples = 4;
+  const PixelRect rect{24, 16, 48, 20};  // Touches cells 1 to 4 of rows 1 and 2.
+  RgbImage image;
+  Film film;
+  for (const RenderCost& cost :
+       {renderer->render(view, rect, &image, nullptr), renderer->render_film(view, rect, true, &film, nullptr)}) {
+    ASSERT_EQ(cost.cell_cpu_seconds.size(), 8u);
+    EXPECT_THAT(cost.cell_cpu_seconds, testing::Each(testing::Gt(0.0f)));
+    double sum = 0.0;
+    for (const float seconds : cost.cell_cpu_seconds) sum += static_cast<double>(seconds);
+    EXPECT_DOUBLE_EQ(cost.cpu_seconds, sum);
+  }
+  EXPECT_TRUE(renderer->render(view, {0, 0, 0, 0}, &image, nullptr).cell_cpu_seconds.empty());
+}
+
+TEST(Renderer, goes_on_with_a_film_to_the_very_film_of_one_go_and_renders_no_cell_twice) {
+  const auto renderer = built(busy_scene());
+  PanoramaView view = view_from({0, 1.6, 0}, 80, 64, 0.8, -0.8);
+  view.quality.samples = 3;
+  for (const bool with_features : {false, true}) {
+    Film once;
+    const RenderCost all = renderer->render_film(view, whole(view), with_features, &once, nullptr);
+    Film film(80, 64, with_features);
+    std::uint64_t rays = 0;
+    std::vector<int> rendered(all.cell_cpu_seconds.size());
+    int calls = 0;
+    for (bool stopped = true; stopped; ++calls) {
+      std::atomic<int> asked = 0;
+      stopped = false;
+      const RenderCost cost = renderer->finish_film(view, whole(view), &film, [&] { return ++asked > 12; });
+      rays += cost.rays;
+      for (std::size_t i = 0; i < rendered.size(); ++i) rendered[i] += cost.cell_cpu_seconds[i] > 0.0f ? 1 : 0;
+      for (const std::int32_t samples : film.samples.data()) stopped |= samples == 0;
+      ASSERT_LT(calls, 20);
+    }
+    EXPECT_GT(calls, 1);
+    EXPECT_THAT(rendered, testing::Each(1));
+    EXPECT_EQ(rays, all.rays);
+    EXPECT_EQ(film.sum, once.sum);
+    EXPECT_EQ(film.square, once.square);
+    EXPECT_EQ(film.samples, once.samples);
+    EXPECT_EQ(film.features.normal, once.features.normal);
+  }
+}
+
 TEST(Renderer, building_reports_progress_that_grows_to_one) {
   std::vector<double> seen;
   const auto renderer = Renderer::build(busy_scene(), 2, [&](double fraction) { seen.push_back(fraction); });

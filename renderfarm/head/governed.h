@@ -11,6 +11,7 @@
 #include "common/wire/view.pb.h"
 #include "renderfarm/governor/governor.h"
 #include "renderfarm/governor/refinement.h"
+#include "renderfarm/head/frame_assembly.h"
 #include "renderfarm/head/ids.h"
 
 namespace cyclorama {
@@ -19,6 +20,7 @@ namespace cyclorama {
 struct PlacedBlock {
   NodeId node{};
   PixelRect rect;
+  BlockForecast forecast{};
 };
 
 struct Governed {

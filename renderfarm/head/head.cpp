@@ -91,9 +91,13 @@ class Head::Loop final : private Peers {
     TimePoint next_tick = clock_.now();
     for (bool open = true; open;) {
       open = !events_.is_closed();  // Asked first: what was posted before the closing is still handled.
-      for (Event& event : events_.take_all(next_tick)) std::visit([this](auto& e) { handle(e); }, event);
+      const TimePoint wake = stopping_ ? next_tick : std::min(next_tick, state_.next_deadline());
+      for (Event& event : events_.take_all(wake)) std::visit([this](auto& e) { handle(e); }, event);
       const TimePoint now = clock_.now();
-      if (now < next_tick) continue;
+      if (now < next_tick) {
+        if (now >= wake) state_.tick();
+        continue;
+      }
       next_tick = now + kTick;
       alive_at_ = now.time_since_epoch().count();
       if (!stopping_) state_.tick();

@@ -13,12 +13,8 @@ namespace {
 
 /// Unfinished or unwritten, per session: while one goes to the museum, the next is rendered.
 constexpr std::size_t kFramesAtWork = 2;
-/// How often a tile is given out before the frame is given up.
-constexpr int kMostAttempts = 4;
-/// A node that keeps a frame waiting alone is helped after this many times the others' slowest block...
-constexpr double kStragglerFactor = 4.0;
-/// ... and never sooner than this: a system that was busy for a moment.
-constexpr Duration kStragglerLeast = std::chrono::milliseconds(500);
+/// Cpu-seconds: a frame that cost nothing still takes its turn.
+constexpr double kLeastCost = 1e-4;
 
 void add_stage(wire::FrameEnd* end, const char* name, double seconds) {
   wire::StageTime* const stage = end->add_stages();
@@ -43,11 +39,17 @@ FrameInFlight* HeadState::find_frame(const BlockPlace& place) {
 std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& view) const {
   const std::vector<NodeId> nodes = nodes_for(session.scene);
   std::vector<double> speeds;
-  for (const NodeId node : nodes) speeds.push_back(nodes_.at(node).threads);
+  std::vector<double> thread_speeds;
+  for (const NodeId id : nodes) {
+    const Node& node = nodes_.at(id);
+    speeds.push_back(speed_of(node, session.scene));
+    thread_speeds.push_back(node.scenes.at(session.scene).speed);
+  }
   std::vector<PlacedBlock> blocks;
   for (const PlannedBlock& block :
        session.balancer->split({size_of(view), speeds, view.heading_rad(), view.panorama().azimuth_span_rad()})) {
-    blocks.push_back({nodes[block.node], block.rect});
+    blocks.push_back(
+        {nodes[block.node], block.rect, {block.predicted_seconds, thread_speeds[block.node], block.stealable}});
   }
   return blocks;
 }
@@ -60,8 +62,9 @@ void HeadState::plan(SessionId id, Session& session) {
   frame.last_tile_at = clock_.now();
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   if (session.governed) govern(*session.governed, &frame);
+  frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
   for (const PlacedBlock& block : split(session, frame.view)) {
-    frame.assembly.plan(++last_block_, block.node, block.rect);
+    frame.assembly.plan(++last_block_, block.node, block.rect, block.forecast);
     order_block(id, session, frame, last_block_, block.node, block.rect);
   }
   frame.planned_at = clock_.now();
@@ -70,7 +73,7 @@ void HeadState::plan(SessionId id, Session& session) {
 void HeadState::order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block,
                             NodeId node_id, const PixelRect& rect) {
   Node& node = nodes_.at(node_id);
-  if (node.blocks.empty()) node.heard_at = clock_.now();  // An idle node owes nothing for the time before.
+  if (node.blocks.empty()) node.worked_at = clock_.now();  // An idle node owes nothing for the time before.
   node.blocks[block] = {id, frame.id};
   wire::NodeCommand command;
   wire::RenderBlock* const order = command.mutable_render();
@@ -83,6 +86,8 @@ void HeadState::order_block(SessionId id, const Session& session, const FrameInF
   order->set_height_px(static_cast<std::uint32_t>(rect.height));
   order->set_visit(static_cast<std::uint64_t>(id));
   order->set_keep(frame.refines.has_value());
+  order->set_rank(FairShare::rank_of(frame.fair_start, frame.refines.has_value()));
+  order->set_watermark(session.watermark);
   peers_.to_node(node_id, command);
 }
 
@@ -90,48 +95,6 @@ NodeId HeadState::idlest(const std::vector<NodeId>& nodes) const {
   return *std::ranges::min_element(nodes, {}, [&](NodeId node) {
     return static_cast<double>(nodes_.at(node).blocks.size()) / nodes_.at(node).threads;
   });
-}
-
-void HeadState::give_again(SessionId id, Session& session, FrameInFlight& frame, const std::vector<PixelRect>& tiles,
-                           NodeId not_to) {
-  const std::vector<NodeId> nodes = nodes_for(session.scene, not_to);
-  for (const PixelRect& tile : tiles) {
-    if (nodes.empty()) return fail(frame, "no node is left that can render it", session);
-    if (frame.assembly.attempts(tile) >= kMostAttempts) {
-      return fail(frame, fmt::format("{} nodes failed at the same tile", kMostAttempts), session);
-    }
-    const NodeId node = idlest(nodes);
-    frame.assembly.plan_again(++last_block_, node, tile);
-    order_block(id, session, frame, last_block_, node, tile);
-  }
-}
-
-void HeadState::take_over_stragglers(SessionId id, Session& session, FrameInFlight& frame) {
-  if (frame.is_over() || nodes_with(session.scene) < 2) return;
-  const double slowest = frame.assembly.summary().render_seconds;
-  const Duration patience = std::max(
-      kStragglerLeast, std::chrono::duration_cast<Duration>(std::chrono::duration<double>(kStragglerFactor * slowest)));
-  std::vector<std::pair<std::uint64_t, NodeId>> late;
-  for (const auto& [number, block] : frame.assembly.blocks()) {
-    if (block.ended || !block.wanted) continue;
-    const auto node = nodes_.find(block.node);
-    // As long as anybody else is at work on the frame, or this one moves, waiting costs least.
-    if (node == nodes_.end() || clock_.now() - std::max(node->second.heard_at, frame.planned_at) < patience) return;
-    const bool helped =
-        std::ranges::any_of(block.tiles, [&](const PixelRect& t) { return frame.assembly.attempts(t) > 1; });
-    if (!helped) late.emplace_back(number, block.node);
-  }
-  const bool others_are_done =
-      std::ranges::any_of(frame.assembly.blocks(), [](const auto& b) { return b.second.ended; });
-  if (!others_are_done) return;
-  for (const auto& [number, node] : late) {
-    Node& straggler = nodes_.at(node);
-    if (!std::exchange(straggler.late, true)) {
-      peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over", straggler.name));
-    }
-    give_again(id, session, frame, frame.assembly.give_up(number), node);
-    if (frame.failure) return;
-  }
 }
 
 void HeadState::cancel_blocks(const FrameInFlight& frame) {
@@ -174,6 +137,7 @@ void HeadState::advance(SessionId id) {
 
 void HeadState::begin(SessionId id, Session& session, FrameInFlight& frame) {
   frame.begun = true;
+  frame.front_since = clock_.now();
   wire::VisitReply reply;
   *reply.mutable_begin() = frame.view;
   send(id, session, std::move(reply));
@@ -208,6 +172,11 @@ FrameReport HeadState::report_of(SessionId id, const FrameInFlight& frame) const
   report.rays = sum.rays;
   report.bytes = frame.bytes;
   report.refined = frame.refines.has_value();
+  report.late = frame.late;
+  report.given_again = frame.assembly.was_given_again();
+  report.moved = frame.moved;
+  report.view = frame.view;
+  if (report.complete && !report.given_again) report.costs = sum.costs;
   report.samples = static_cast<int>(frame.view.first_sample() + frame.view.samples());
   report.scale = std::sqrt(static_cast<double>(frame.view.panorama().width_px()) * frame.view.panorama().height_px() /
                            static_cast<double>(frame.asked_px));
@@ -218,11 +187,16 @@ void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
   if (!frame.failure) cancel_blocks(frame);  // Of stragglers, whose work others did.
   FrameReport report = report_of(id, frame);
   if (session.governed) report.budget_ms = session.governed->governor.budget_ms();
+  share_.served(frame.fair_start);
   if (frame.refines) {
     finish_refined(id, session, frame, report);
   } else {
-    if (report.complete && !frame.assembly.was_given_again()) {
-      session.balancer->learn({size_of(frame.view), frame.assembly.summary().costs, frame.view.heading_rad()});
+    if (!report.costs.empty()) {
+      session.balancer->learn({size_of(frame.view), report.costs, frame.view.heading_rad()});
+    }
+    if (report.complete) {
+      session.frame_cpu_seconds = std::max(report.cpu_seconds, kLeastCost);
+      session.learn_pace(to_seconds(clock_.now() - frame.front_since));
     }
     end(id, session, frame, report);
   }
@@ -244,10 +218,11 @@ void HeadState::end(SessionId id, Session& session, const FrameInFlight& frame, 
   end->set_balance_efficiency(report.balance_efficiency);
   end->set_complete(report.complete);
   end->set_reason(report.reason);
+  end->set_late(report.late);
   end->set_samples(static_cast<std::uint32_t>(report.samples));
   if (session.governed) end->set_reference_samples(static_cast<std::uint32_t>(session.governed->reference_samples));
   session.unwritten_ends.push_back(
-      {frame.planned_at, frame.last_tile_at, frame.assembly.was_given_again() || !report.complete, frame.point,
+      {frame.planned_at, frame.last_tile_at, report.given_again || (!report.complete && !report.late), frame.point,
        1e-6 * static_cast<double>(frame.asked_px), frame.refines ? frame.refines->end - frame.refines->first : 0});
   send(id, session, std::move(reply));
 }

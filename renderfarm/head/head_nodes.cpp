@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "common/base/text.h"
@@ -41,7 +42,7 @@ void HeadState::node_came(NodeId id) {
   }
   Node node;
   node.arrived_at = clock_.now();
-  node.heard_at = clock_.now();
+  node.worked_at = clock_.now();
   nodes_.emplace(id, std::move(node));
 }
 
@@ -49,8 +50,10 @@ void HeadState::node_reported(NodeId id, wire::NodeReport report) {
   const auto found = nodes_.find(id);
   if (found == nodes_.end()) return;
   Node& node = found->second;
-  node.heard_at = clock_.now();
-  node.late = false;
+  if (report.has_tile() || report.has_end()) {
+    node.worked_at = clock_.now();
+    node.late = false;
+  }
   Status fine = Done{};
   if (report.has_hello() == (node.threads > 0.0)) {
     fine = broken("a node must say hello first, and once");
@@ -62,6 +65,10 @@ void HeadState::node_reported(NodeId id, wire::NodeReport report) {
     fine = tile_came(id, node, *report.mutable_tile());
   } else if (report.has_end()) {
     fine = block_ended(id, node, report.end());
+  } else if (report.has_status()) {
+    status_came(node, report.status());
+  } else if (report.has_scene_dropped()) {
+    fine = scene_dropped(node, report.scene_dropped());
   } else {
     fine = broken("a message of unknown kind");
   }
@@ -81,14 +88,66 @@ Status HeadState::hello(NodeId id, Node& node, const wire::Hello& hello) {
   }
   node.name = printable(hello.name());
   node.threads = hello.threads();
-  for (const FarmScene& scene : scenes_) {
-    node.scenes[scene.name] = {};
-    wire::NodeCommand command;
-    command.mutable_load_scene()->set_scene(scene.name);
-    command.mutable_load_scene()->set_path(scene.path);
-    peers_.to_node(id, command);
+  // Those that are visited first; none that comes later takes the place of one that came before.
+  std::vector<FarmScene> order = scenes_;
+  std::set<std::string> keep = scenes_in_use();
+  std::ranges::stable_partition(order, [&](const FarmScene& scene) { return keep.contains(scene.name); });
+  for (const FarmScene& scene : order) {
+    keep.insert(scene.name);
+    order_scene(id, node, scene, keep);
   }
   peers_.notice(fmt::format("{} came, with {} threads", to_text(node), hello.threads()));
+  return Done{};
+}
+
+void HeadState::order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep) {
+  node.scenes[scene.name] = {};
+  node.scenes[scene.name].asked_at = clock_.now();
+  wire::NodeCommand command;
+  command.mutable_load_scene()->set_scene(scene.name);
+  command.mutable_load_scene()->set_path(scene.path);
+  for (const std::string& name : keep) command.mutable_load_scene()->add_in_use(name);
+  peers_.to_node(id, command);
+}
+
+void HeadState::order_scene_anew(const std::string& name) {
+  constexpr auto kPatience = std::chrono::seconds(10);
+  const auto scene = std::ranges::find(scenes_, name, &FarmScene::name);
+  for (auto& [id, node] : nodes_) {
+    const auto known = node.scenes.find(name);
+    if (known == node.scenes.end()) continue;
+    const bool is_dropped = known->second.state == Node::SceneState::kDropped;
+    const bool has_failed = known->second.state == Node::SceneState::kFailed;
+    if (is_dropped || (has_failed && clock_.now() - known->second.asked_at > kPatience)) {
+      order_scene(id, node, *scene, scenes_in_use());
+    }
+  }
+}
+
+std::set<std::string> HeadState::scenes_in_use() const {
+  std::set<std::string> names;
+  for (const auto& [id, session] : sessions_) {
+    if (!session.scene.empty()) names.insert(session.scene);
+  }
+  return names;
+}
+
+void HeadState::status_came(Node& node, const wire::NodeStatus& status) {
+  if (status.draining() && !node.status.draining()) {
+    peers_.notice(fmt::format("{} is about to stop; it gets no more blocks", to_text(node)));
+  }
+  node.status = status;
+}
+
+Status HeadState::scene_dropped(Node& node, const wire::SceneDropped& dropped) {
+  const auto known = node.scenes.find(dropped.scene());
+  if (known == node.scenes.end()) {
+    return broken(fmt::format("it dropped scene '{}', which nobody gave it", printable(dropped.scene())));
+  }
+  if (known->second.state == Node::SceneState::kLoaded) {
+    known->second.state = Node::SceneState::kDropped;
+    peers_.notice(fmt::format("{} dropped scene '{}': its memory is short", to_text(node), dropped.scene()));
+  }
   return Done{};
 }
 
@@ -99,7 +158,8 @@ Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   }
   if (!loaded.error().empty()) {
     constexpr std::size_t kLongestError = 500;
-    asked->second = {Node::SceneState::kFailed, printable(loaded.error(), kLongestError)};
+    asked->second.state = Node::SceneState::kFailed;
+    asked->second.error = printable(loaded.error(), kLongestError);
     peers_.notice(fmt::format("{} cannot load scene '{}': {}", to_text(node), loaded.scene(), asked->second.error));
     return Done{};
   }
@@ -112,17 +172,29 @@ Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
     TRY(keep_front(loaded));
   } else if (!is_same_scene(known, loaded.description())) {
     // Pictures would be patched together from two scenes.
-    asked->second = {Node::SceneState::kFailed, "its copy differs from the other nodes'"};
+    asked->second.state = Node::SceneState::kFailed;
+    asked->second.error = "its copy differs from the other nodes'";
     peers_.notice(
         fmt::format("{} has another scene '{}' than the other nodes: copy it anew; not used for it until then",
                     to_text(node), loaded.scene()));
     return Done{};
   }
   asked->second.state = Node::SceneState::kLoaded;
+  asked->second.speed = relative_speed(loaded);
   peers_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
                             loaded.scene(), 1e-6 * static_cast<double>(loaded.description().triangles_seen()),
                             static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()));
   return Done{};
+}
+
+double HeadState::relative_speed(const wire::SceneLoaded& loaded) {
+  // A probe trembles with whatever else its host does: hosts of one kind shall count as one kind.
+  constexpr double kAlike = 0.12;
+  constexpr double kMost = 100.0;
+  const double seconds = loaded.probe_cpu_seconds();
+  if (!std::isfinite(seconds) || seconds <= 0.0) return 1.0;
+  const double speed = probes_.emplace(loaded.scene(), seconds).first->second / seconds;
+  return std::abs(speed - 1.0) <= kAlike ? 1.0 : std::clamp(speed, 1.0 / kMost, kMost);
 }
 
 Status HeadState::keep_front(const wire::SceneLoaded& loaded) {
@@ -169,6 +241,7 @@ Status HeadState::block_ended(NodeId id, Node& node, const wire::BlockEnd& end) 
   if (found == node.blocks.end()) return broken(fmt::format("it ended block {}, not its own", end.block()));
   const BlockPlace place = found->second;
   node.blocks.erase(found);
+  learn_utilisation(node, end);
   FrameInFlight* const frame = find_frame(place);
   if (frame == nullptr || frame->failure) return Done{};
   Session& session = sessions_.at(place.session);
@@ -179,7 +252,9 @@ Status HeadState::block_ended(NodeId id, Node& node, const wire::BlockEnd& end) 
                               end.error().empty() ? "it gave no reason" : printable(end.error(), 200)));
     give_again(place.session, session, *frame, orphans, id);
   }
+  help_out(place.session, session, *frame, id);
   advance(place.session);
+  watch(place.session);
   return Done{};
 }
 
@@ -189,18 +264,7 @@ void HeadState::node_gone(NodeId id) {
   const Node node = std::move(found->second);
   nodes_.erase(found);  // First, so that its blocks are not given to it again.
   if (node.threads > 0.0) peers_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()));
-  lose_blocks(node.blocks);
-}
-
-void HeadState::lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks) {
-  std::set<SessionId> touched;
-  for (const auto& [block, place] : blocks) {
-    FrameInFlight* const frame = find_frame(place);
-    if (frame == nullptr || frame->failure) continue;
-    give_again(place.session, sessions_.at(place.session), *frame, frame->assembly.give_up(block), NodeId{});
-    touched.insert(place.session);
-  }
-  for (const SessionId id : touched) advance(id);
+  lose_blocks(node.blocks, id);
 }
 
 void HeadState::tick_nodes() {

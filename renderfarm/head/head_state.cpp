@@ -40,7 +40,7 @@ std::vector<NodeId> HeadState::nodes_for(const std::string& scene, NodeId not_to
   for (const auto& [id, node] : nodes_) {
     if (!node.has(scene) || id == not_to) continue;
     all.push_back(id);
-    if (!node.late) prompt.push_back(id);
+    if (!node.late && !node.status.draining()) prompt.push_back(id);
   }
   return prompt.empty() ? all : prompt;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,8 +50,12 @@ struct HeadLimits {
 ///      ▲                          │                       │
 ///      └──────── a view ──────────┴───────────────────────┘
 ///
-/// A block is given to others, tile by tile, when its node goes, fails, or keeps a frame waiting alone (a straggler).
-/// Whoever delivers a tile first counts; the rest is dropped.
+/// Deadlines of a frame count from when no older one of its visit is before it; their measure is the visit's budget, or
+/// what its last frames took if that is more. A node that is done takes blocks that others have not begun. A node that
+/// was silent for 60 % of the measure while others are done gets no more blocks, and theirs is what it owes, in parts,
+/// so that all help. After twice the measure, a frame that has a successor is given up: the last whole picture stands
+/// in for it, and the frame says so. What a node owes that goes or fails is given to others at once. Whoever delivers a
+/// tile first counts; the rest is dropped.
 ///
 /// Invariants: 1. the museum gets begin, tiles, end of one frame after the other; 2. no tile twice; 3. a frame that
 /// ends `complete` had all its tiles sent; 4. each view is answered by a frame or replaced by a newer one; 5. memory
@@ -72,8 +77,9 @@ class HeadState {
   /// A message to the museum is on the wire.
   void written(SessionId session, const wire::VisitReply& reply);
 
-  /// Now and then, at least every second: stragglers, strangers, stalled museums.
+  /// At next_deadline(), and at least every second: late nodes and frames, strangers, stalled museums.
   void tick();
+  [[nodiscard]] TimePoint next_deadline() const;
 
   [[nodiscard]] wire::ListScenesReply scenes() const;
   [[nodiscard]] std::size_t nodes_with(const std::string& scene) const;
@@ -92,8 +98,17 @@ class HeadState {
   Status keep_front(const wire::SceneLoaded& loaded);
   Status tile_came(NodeId id, Node& node, wire::BlockTile& tile);
   Status block_ended(NodeId id, Node& node, const wire::BlockEnd& end);
-  void lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks);
   void tick_nodes();
+  void order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep);
+  /// For a visit that came in vain: those that dropped the scene, or could not load it a while ago, try again.
+  void order_scene_anew(const std::string& scene);
+  [[nodiscard]] std::set<std::string> scenes_in_use() const;
+  void status_came(Node& node, const wire::NodeStatus& status);
+  Status scene_dropped(Node& node, const wire::SceneDropped& dropped);
+  /// Of one thread of the node that loaded it.
+  [[nodiscard]] double relative_speed(const wire::SceneLoaded& loaded);
+  void learn_utilisation(Node& node, const wire::BlockEnd& end);
+  [[nodiscard]] double speed_of(const Node& node, const std::string& scene) const;
 
   // Governed visits: head_rest.cpp
   /// Chooses the view's quality.
@@ -117,15 +132,30 @@ class HeadState {
   void forget_visit(SessionId id);
   void tick_visits();
 
+  // Faults: head_faults.cpp
+  /// The deadlines of the visit's foremost frame. May end the visit.
+  void watch(SessionId id);
+  [[nodiscard]] static Duration measure_of(const Session& session);
+  [[nodiscard]] TimePoint due_at(const Session& session, const FrameInFlight& frame,
+                                 const FrameAssembly::Block& block) const;
+  /// Nodes that keep the frame waiting while others are done with it.
+  [[nodiscard]] std::vector<NodeId> silent_nodes(const Session& session, const FrameInFlight& frame) const;
+  [[nodiscard]] bool has_idle_node(const Session& session, const FrameInFlight& frame) const;
+  /// It gets no more blocks, and others what it owes.
+  void retire(NodeId id);
+  void lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks, NodeId not_to);
+  void give_again(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles, NodeId not_to);
+  /// The node is done with the frame: it may take a block that another has not begun.
+  void help_out(SessionId id, Session& session, FrameInFlight& frame, NodeId idle);
+  /// Until the node is free for a more urgent block: half a tile of what it is at.
+  [[nodiscard]] double turn_seconds(const Node& node, const std::string& scene) const;
+
   // Frames: head_frames.cpp
   void plan(SessionId id, Session& session);
   [[nodiscard]] std::vector<PlacedBlock> split(Session& session, const wire::View& view) const;
   [[nodiscard]] NodeId idlest(const std::vector<NodeId>& nodes) const;
   void order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
                    const PixelRect& rect);
-  void give_again(SessionId id, Session& session, FrameInFlight& frame, const std::vector<PixelRect>& tiles,
-                  NodeId not_to);
-  void take_over_stragglers(SessionId id, Session& session, FrameInFlight& frame);
   void fail(FrameInFlight& frame, const std::string& reason, Session& session);
   void cancel_blocks(const FrameInFlight& frame);
   /// Sends what may be sent, ends what is over, plans what waits. After every event of a session; may end the visit.
@@ -137,7 +167,8 @@ class HeadState {
   void end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report);
   void send(SessionId id, Session& session, wire::VisitReply reply);
   FrameInFlight* find_frame(const BlockPlace& place);
-  /// Those to give blocks to: that have the scene and are not late, or, if there are none, all that have it.
+  /// Those to give blocks to: that have the scene and are neither late nor about to stop, or, if there are none, all
+  /// that have it.
   [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene, NodeId not_to = {}) const;
 
   const std::vector<FarmScene> scenes_;
@@ -149,6 +180,8 @@ class HeadState {
   std::map<SessionId, Session> sessions_;
   std::map<std::string, wire::SceneDescription> descriptions_;  ///< Of the scenes that some node has or had.
   std::map<std::string, Front> fronts_;                         ///< Of those that have been measured.
+  std::map<std::string, double> probes_;                        ///< Of the first node that told one, by scene.
+  FairShare share_;
   std::uint64_t last_block_ = 0;
   std::uint64_t last_frame_ = 0;
   std::string last_refusal_;

@@ -77,7 +77,10 @@ Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& op
     return Error(ErrorCode::kNotFound,
                  fmt::format("this farm has no scene '{}'; ask for the list of scenes", printable(wanted)));
   }
-  if (nodes_with(scene->name) == 0) return why_not(scene->name);
+  if (nodes_with(scene->name) == 0) {
+    order_scene_anew(scene->name);
+    return why_not(scene->name);
+  }
   TRY_ASSIGN(session.governed, governed_by(open, scene->name));
   session.scene = scene->name;
   wire::VisitReply reply;
@@ -137,6 +140,11 @@ void HeadState::forget_visit(SessionId id) {
   for (const FrameInFlight& frame : found->second.frames) {
     if (!frame.failure) cancel_blocks(frame);
   }
+  wire::NodeCommand forget;
+  forget.mutable_forget_visit()->set_visit(static_cast<std::uint64_t>(id));
+  for (const auto& [node, known] : nodes_) {
+    if (known.has(found->second.scene)) peers_.to_node(node, forget);
+  }
   sessions_.erase(found);
 }
 
@@ -167,7 +175,6 @@ void HeadState::tick_visits() {
       lost.emplace_back(id, Error(ErrorCode::kTimedOut,
                                   fmt::format("the museum took nothing for {:.0f} s", to_seconds(limits_.stall))));
     }
-    for (FrameInFlight& frame : session.frames) take_over_stragglers(id, session, frame);
     refine(id, session);
   }
   for (const auto& [id, reason] : lost) {
@@ -175,6 +182,9 @@ void HeadState::tick_visits() {
     forget_visit(id);
     peers_.end_visit(id, reason, true);
   }
+  std::vector<SessionId> watched;  // Watching may end a visit.
+  for (const auto& [id, session] : sessions_) watched.push_back(id);
+  for (const SessionId id : watched) watch(id);
 }
 
 }  // namespace cyclorama

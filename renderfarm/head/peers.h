@@ -10,6 +10,7 @@
 #include "common/base/error.h"
 #include "common/wire/farm.pb.h"
 #include "common/wire/nodes.pb.h"
+#include "renderfarm/balance/cost_field.h"
 #include "renderfarm/head/ids.h"
 
 namespace cyclorama {
@@ -19,10 +20,13 @@ struct FrameReport {
   SessionId session{};
   bool complete = false;
   std::string reason{};
-  bool refined = false;    ///< A picture at rest, again with more samples: its times are not those of a moving one.
-  int samples = 0;         ///< Per pixel, in all.
-  double scale = 1.0;      ///< Rendered over asked width.
-  double budget_ms = 0.0;  ///< 0: the view said its quality itself.
+  bool refined = false;      ///< A picture at rest, again with more samples: its times are not those of a moving one.
+  int samples = 0;           ///< Per pixel, in all.
+  double scale = 1.0;        ///< Rendered over asked width.
+  double budget_ms = 0.0;    ///< 0: the view said its quality itself.
+  bool late = false;         ///< Given up at the deadline.
+  bool given_again = false;  ///< Others made what a node owed.
+  int moved = 0;             ///< Blocks that went to a node that was done.
   double plan_seconds = 0.0;
   double render_seconds = 0.0;
   double encode_seconds = 0.0;
@@ -32,6 +36,8 @@ struct FrameReport {
   double cpu_seconds = 0.0;
   std::uint64_t rays = 0;
   std::size_t bytes = 0;
+  wire::View view{};                   ///< As rendered.
+  std::vector<MeasuredBlock> costs{};  ///< Of all its blocks; empty when some were given again.
 };
 
 /// What HeadState can do to the world. Every call returns at once; nothing calls back into HeadState. Thread-bound.

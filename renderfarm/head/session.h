@@ -2,6 +2,7 @@
 /// What the head remembers of a node and of a museum's visit: plain data of HeadState.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -14,6 +15,7 @@
 #include "common/wire/farm.pb.h"
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/balance/balancer.h"
+#include "renderfarm/head/fair_share.h"
 #include "renderfarm/head/frame_assembly.h"
 #include "renderfarm/head/governed.h"
 #include "renderfarm/head/ids.h"
@@ -26,11 +28,15 @@ struct FrameInFlight {
   FrameAssembly assembly{};
   TimePoint received_at{};  ///< The view.
   TimePoint planned_at{};
+  TimePoint front_since{};  ///< When no older frame of its visit was before it any more: its deadlines count from here.
   TimePoint last_tile_at{};
   bool begun = false;              ///< Its `begin` was sent: tiles go out as they come.
   std::vector<wire::Tile> held{};  ///< Tiles that came while an older frame was open.
   std::size_t bytes = 0;           ///< Of all its tiles.
   std::optional<std::string> failure{};
+  bool late = false;  ///< It failed by the deadline alone.
+  int moved = 0;      ///< Blocks that went to a node that was done.
+  double fair_start = 0.0;
   std::int64_t asked_px = 0;             ///< Of the panorama as asked for, whatever the scale.
   std::size_t point = 0;                 ///< Of the visit's front, if it is governed.
   std::optional<SampleRange> refines{};  ///< The samples that it adds to a picture at rest.
@@ -62,6 +68,20 @@ struct Session {
   TimePoint taken_at{};  ///< When the museum last took something.
   std::unique_ptr<Balancer> balancer{};
   std::unique_ptr<Governed> governed{};  ///< Null: each view says its own quality.
+  FairShare::Flow share{};
+  double frame_cpu_seconds = 0.05;   ///< What its last frame cost: what the next one will.
+  double pace_seconds = kFirstPace;  ///< What a frame takes: the most of the last few.
+  std::uint64_t watermark = 0;       ///< As wire::RenderBlock.
+
+  static constexpr double kFirstPace = 0.5;
+  static constexpr double kSlowestPace = 60.0;
+  /// A frame took so long, since it was at the front.
+  void learn_pace(double seconds) {
+    constexpr double kNew = 0.1;
+    pace_seconds = std::min(kSlowestPace, std::max(seconds, (1.0 - kNew) * pace_seconds + kNew * seconds));
+  }
+  /// No visit starves of deadlines that nobody can keep: after each missed one the next is later.
+  void miss_pace() { pace_seconds = std::min(kSlowestPace, 2.0 * pace_seconds); }
 };
 
 struct BlockPlace {
@@ -70,16 +90,20 @@ struct BlockPlace {
 };
 
 struct Node {
-  enum class SceneState { kLoading, kLoaded, kFailed };
+  enum class SceneState { kLoading, kLoaded, kFailed, kDropped };
   struct LoadedScene {
     SceneState state = SceneState::kLoading;
     std::string error{};
+    double speed = 1.0;    ///< Of one of the node's threads in this scene: 1 is the first node's that told.
+    TimePoint asked_at{};  ///< When it was told to load it.
   };
   std::string name{};
   double threads = 0.0;  ///< 0 until hello.
   TimePoint arrived_at{};
-  TimePoint heard_at{};
+  TimePoint worked_at{};  ///< When it last sent a tile or ended a block, or was given one while it had none.
   bool late = false;  ///< It kept a frame waiting, and has said nothing since: it gets no new blocks while others do.
+  double utilisation = 1.0;   ///< Of its threads by its blocks: cpu time over wall time, of the last few.
+  wire::NodeStatus status{};  ///< The last it told.
   std::map<std::string, LoadedScene> scenes{};
   std::map<std::uint64_t, BlockPlace> blocks{};  ///< Ordered and not yet ended, whether or not still wanted.
 

@@ -150,13 +150,15 @@ class FarmSimulation {
   std::vector<wire::View> begun;                                         ///< Of all frames that museums took.
   std::map<std::uint64_t, std::pair<NodeId, wire::RenderBlock>> orders;  ///< Those that nodes have begun, by block.
   std::size_t tile_bytes = 10;
+  std::map<NodeId, double> slowed;  ///< So many times, by what else is done on the node's host.
 
  private:
   bool end(NodeId id, const wire::RenderBlock& order, const std::string& error) {
     wire::NodeReport report;
     report.mutable_end()->set_block(order.block());
-    report.mutable_end()->set_render_cpu_seconds(0.01);
-    report.mutable_end()->set_wall_seconds(0.01);
+    const double seconds = 1e-7 * order.width_px() * order.height_px();
+    report.mutable_end()->set_render_cpu_seconds(seconds);
+    report.mutable_end()->set_wall_seconds(seconds * (slowed.contains(id) ? slowed.at(id) : 1.0));
     report.mutable_end()->set_error(error);
     peers.commands[id].pop_front();
     state.node_reported(id, report);

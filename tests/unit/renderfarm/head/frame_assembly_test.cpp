@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "renderfarm/balance/tiles.h"
@@ -71,6 +72,85 @@ TEST(FrameAssembly, gives_up_only_what_is_missing_and_takes_it_from_whoever_is_f
   EXPECT_EQ(frame.accept(2, kRight), Verdict::kNew);
   EXPECT_TRUE(frame.is_complete());
   EXPECT_TRUE(frame.was_given_again());
+}
+
+/// A frame of one tile whose node is silent, cut in parts.
+std::vector<PixelRect> cut_right(FrameAssembly& frame, std::size_t parts) {
+  EXPECT_EQ(frame.give_up(2), std::vector{kRight});
+  const std::vector<PixelRect> cut = frame.cut(kRight, parts);
+  for (std::size_t i = 0; i < cut.size(); ++i) frame.plan_again(10 + i, kA, cut[i]);
+  return cut;
+}
+
+TEST(FrameAssembly, cuts_a_tile_into_parts_that_make_it_up) {
+  for (const std::size_t parts : {1u, 2u, 3u, 4u, 50u}) {
+    FrameAssembly frame = planned();
+    const auto cut = cut_right(frame, parts);
+    EXPECT_EQ(cut.size(), std::min<std::size_t>(parts, 4));
+    std::int64_t area = 0;
+    for (std::size_t i = 0; i < cut.size(); ++i) {
+      area += cut[i].area();
+      EXPECT_EQ(cut[i].x % kCutPx, 0);
+      EXPECT_EQ(frame.accept(10 + i, cut[i]), Verdict::kNew);
+    }
+    EXPECT_EQ(area, kRight.area());
+    EXPECT_EQ(frame.accept(2, kRight), Verdict::kDuplicate);
+  }
+}
+
+TEST(FrameAssembly, takes_a_cut_tile_from_its_first_node_only_while_no_part_came) {
+  FrameAssembly frame = planned();
+  const auto cut = cut_right(frame, 2);
+  EXPECT_EQ(frame.accept(2, kRight), Verdict::kNew);
+  EXPECT_EQ(frame.accept(10, cut[0]), Verdict::kDuplicate);
+  EXPECT_EQ(frame.accept(11, cut[1]), Verdict::kDuplicate);
+
+  FrameAssembly other = planned();
+  const auto parts = cut_right(other, 2);
+  EXPECT_EQ(other.accept(11, parts[1]), Verdict::kNew);
+  EXPECT_EQ(other.accept(2, kRight), Verdict::kDuplicate);
+  EXPECT_TRUE(other.is_missing_tiles());
+  // The part that is still missing is lost as well, and cut once more.
+  EXPECT_EQ(other.give_up(10), std::vector{parts[0]});
+  const auto again = other.cut(parts[0], 2);
+  ASSERT_EQ(again.size(), 2u);
+  other.plan_again(20, kB, again[0]);
+  other.plan_again(21, kB, again[1]);
+  EXPECT_EQ(other.accept(20, again[0]), Verdict::kNew);
+  EXPECT_EQ(other.accept(10, parts[0]), Verdict::kDuplicate);
+  EXPECT_EQ(other.accept(21, again[1]), Verdict::kNew);
+}
+
+TEST(FrameAssembly, counts_a_moved_block_where_it_went) {
+  FrameAssembly frame = planned();
+  frame.move(2, 3, kA, 2.0);
+  for (const PixelRect& tile : tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
+  frame.end(1, end_of(2.0));
+  EXPECT_EQ(frame.accept(3, kRight), Verdict::kNew);
+  EXPECT_EQ(frame.accept(2, kRight), Verdict::kDuplicate);
+  wire::BlockEnd cancelled = end_of(0.5);
+  cancelled.set_error("cancelled");
+  frame.end(2, cancelled);
+  frame.end(3, end_of(1.0));
+  EXPECT_TRUE(frame.is_complete());
+  EXPECT_FALSE(frame.was_given_again());
+  const auto sum = frame.summary();
+  ASSERT_EQ(sum.costs.size(), 2u);
+  EXPECT_EQ(sum.costs[1].rect, kRight);
+  EXPECT_DOUBLE_EQ(sum.costs[1].cpu_seconds, 1.0);
+  EXPECT_DOUBLE_EQ(sum.costs[1].speed, 2.0);
+}
+
+TEST(FrameAssembly, believes_only_cells_that_are_the_blocks) {
+  FrameAssembly frame = planned();
+  wire::BlockEnd end = end_of(1.0);
+  for (int i = 0; i < 256; ++i) end.add_cell_cpu_seconds(i == 7 ? -1.0f : 0.5f);
+  frame.end(2, end);
+  EXPECT_EQ(frame.summary().costs.at(0).cell_cpu_seconds.size(), 256u);
+  EXPECT_EQ(frame.summary().costs.at(0).cell_cpu_seconds[7], 0.0f);
+  end.add_cell_cpu_seconds(1.0f);
+  frame.end(2, end);
+  EXPECT_TRUE(frame.summary().costs.at(0).cell_cpu_seconds.empty());
 }
 
 TEST(FrameAssembly, does_not_believe_times_that_are_none) {

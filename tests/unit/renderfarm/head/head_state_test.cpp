@@ -131,10 +131,10 @@ TEST(HeadState, helps_a_straggler_once_the_others_are_done) {
   s.ask(visit, view_of(1));
   while (s.work(quick)) {
   }
-  s.clock.advance(std::chrono::milliseconds(400));
+  s.clock.advance(std::chrono::milliseconds(290));  // Of the half second that a first frame may take.
   s.state.tick();
   EXPECT_FALSE(s.work(quick));
-  s.clock.advance(std::chrono::milliseconds(200));
+  s.clock.advance(std::chrono::milliseconds(20));
   s.state.tick();
   EXPECT_TRUE(s.work(quick));
   s.ask(visit, view_of(2));  // As long as it is silent, it gets nothing new to do.
@@ -185,7 +185,7 @@ TEST(HeadState, stops_rendering_for_a_museum_that_left) {
   drain_opened(s, visit);
   s.ask(visit, view_of(1));
   s.state.visit_gone(visit);
-  EXPECT_TRUE(s.peers.commands[node].back().has_cancel());
+  EXPECT_THAT(s.peers.commands[node], Contains(testing::Property(&wire::NodeCommand::has_cancel, true)));
   s.windows.clear();
   s.settle({node});  // What it still sends harms nobody.
   EXPECT_TRUE(s.peers.ended_nodes.empty());

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// HeadState's deadlines, turns, and nodes that are slow, silent, about to stop, or short of memory.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/doubles/farm_simulation.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Contains;
+using testing::HasSubstr;
+
+/// A farm with one visit whose frames have taken 100 ms for a while.
+class Faults : public testing::Test {
+ protected:
+  void open(int count, double frame_budget_ms = 0.0) {
+    for (int i = 0; i < count; ++i) nodes.push_back(s.add_node());
+    visit = s.add_visit(frame_budget_ms);
+    drain_opened(s, visit);
+    for (int i = 0; i < 60; ++i) {
+      s.ask(visit, view_of(++number));
+      s.clock.advance(100ms);
+      s.settle(nodes);
+    }
+    s.complete = 0;
+    ASSERT_EQ(s.given_up, 0);
+  }
+  /// All nodes but the one do all they have.
+  void settle_without(NodeId one) {
+    std::vector<NodeId> others;
+    std::ranges::copy_if(nodes, std::back_inserter(others), [&](NodeId node) { return node != one; });
+    s.settle(others);
+  }
+  void pass(Duration time) {
+    s.clock.advance(time);
+    s.state.tick();
+  }
+  static std::vector<wire::RenderBlock> blocks(const std::deque<wire::NodeCommand>& commands) {
+    std::vector<wire::RenderBlock> out;
+    for (const wire::NodeCommand& command : commands) {
+      if (command.has_render()) out.push_back(command.render());
+    }
+    return out;
+  }
+
+  FarmSimulation s;
+  std::vector<NodeId> nodes;
+  SessionId visit{};
+  std::uint64_t number = 0;
+};
+
+TEST_F(Faults, what_a_silent_node_owes_is_shared_by_all_who_are_done) {
+  open(5);
+  const NodeId stuck = nodes.front();
+  s.ask(visit, view_of(++number));
+  const std::size_t owed = blocks(s.peers.commands[stuck]).size();
+  settle_without(stuck);
+  EXPECT_EQ(s.complete, 0);
+  pass(59ms);
+  settle_without(stuck);
+  EXPECT_EQ(s.complete, 0);
+  EXPECT_LE(s.state.next_deadline() - s.clock.now(), 2ms);
+  pass(2ms);
+  std::size_t helpers = 0;
+  for (const NodeId node : nodes) helpers += node != stuck && !blocks(s.peers.commands[node]).empty() ? 1u : 0u;
+  EXPECT_EQ(helpers, 4u);
+  settle_without(stuck);
+  EXPECT_EQ(s.complete, 1);
+  EXPECT_EQ(s.given_up, 0);
+  EXPECT_GE(owed, 1u);
+  s.settle(nodes);  // It wakes up: nobody wants what it brings.
+  EXPECT_EQ(s.complete, 1);
+}
+
+TEST_F(Faults, the_second_frame_does_not_wait_for_a_node_that_held_up_the_first) {
+  open(4);
+  const NodeId stuck = nodes[2];
+  s.ask(visit, view_of(++number));
+  s.ask(visit, view_of(++number));  // In flight before anybody knows.
+  settle_without(stuck);
+  pass(61ms);
+  settle_without(stuck);
+  EXPECT_EQ(s.complete, 2);
+  s.ask(visit, view_of(++number));
+  settle_without(stuck);
+  EXPECT_EQ(s.complete, 3);  // It got nothing of this one.
+}
+
+TEST_F(Faults, a_node_whose_block_was_expected_to_take_long_is_not_silent) {
+  open(3);
+  s.ask(visit, view_of(++number));
+  // Nobody is done: however long it takes, more blocks would not help.
+  pass(90ms);
+  for (const NodeId node : nodes) EXPECT_EQ(blocks(s.peers.commands[node]).size(), 1u);
+  s.settle(nodes);
+  EXPECT_EQ(s.complete, 1);
+}
+
+TEST_F(Faults, a_late_frame_is_given_up_for_the_next_and_says_so) {
+  open(1);
+  s.ask(visit, view_of(++number));
+  pass(250ms);
+  EXPECT_EQ(s.given_up, 0) << "nothing newer is there to be shown";
+  s.ask(visit, view_of(++number));
+  pass(1ms);
+  while (s.take(visit)) {
+  }
+  EXPECT_EQ(s.given_up, 1);
+  EXPECT_TRUE(s.last_end.late());
+  EXPECT_THAT(s.last_end.reason(), HasSubstr("late"));
+  s.settle(nodes);
+  EXPECT_EQ(s.complete, 1);
+  EXPECT_FALSE(s.last_end.late());
+}
+
+TEST_F(Faults, a_farm_that_cannot_keep_the_deadline_still_shows_pictures) {
+  open(2, 20.0);
+  for (int i = 0; i < 60; ++i) {
+    s.ask(visit, view_of(++number));
+    s.ask(visit, view_of(++number));
+    for (int ms = 0; ms < 900; ms += 10) pass(10ms);
+    s.settle(nodes);
+  }
+  EXPECT_GE(s.complete, 50);
+}
+
+TEST_F(Faults, a_draining_node_ends_what_it_has_and_gets_nothing_new) {
+  open(2);
+  s.ask(visit, view_of(++number));
+  wire::NodeReport report;
+  report.mutable_status()->set_draining(true);
+  s.state.node_reported(nodes[0], report);
+  s.settle(nodes);
+  EXPECT_EQ(s.complete, 1);
+  EXPECT_EQ(s.last_end.nodes(), 2u);
+  s.ask(visit, view_of(++number));
+  EXPECT_TRUE(blocks(s.peers.commands[nodes[0]]).empty());
+  s.settle(nodes);
+  EXPECT_EQ(s.complete, 2);
+}
+
+TEST_F(Faults, a_slowed_node_is_given_less_until_it_recovers) {
+  open(4);
+  const auto area = [&](NodeId node) {
+    std::int64_t sum = 0;
+    for (const auto& block : blocks(s.peers.commands[node])) sum += std::int64_t{block.width_px()} * block.height_px();
+    return sum;
+  };
+  const auto frame = [&](double slowed) {
+    s.ask(visit, view_of(++number));
+    const std::int64_t share = area(nodes[0]);
+    s.slowed[nodes[0]] = slowed;
+    s.settle(nodes);
+    return share;
+  };
+  const std::int64_t fair = frame(1.0);
+  for (int i = 0; i < 20; ++i) frame(10.0);
+  EXPECT_LT(frame(10.0), fair / 4);
+  for (int i = 0; i < 20; ++i) frame(1.0);
+  EXPECT_GT(frame(1.0), fair / 2);
+}
+
+TEST_F(Faults, a_scene_that_was_dropped_is_loaded_anew_for_the_next_visit) {
+  open(1);
+  wire::NodeReport report;
+  report.mutable_scene_dropped()->set_scene("grotto");
+  s.state.node_reported(nodes[0], report);
+  const SessionId second = s.add_visit();
+  ASSERT_TRUE(s.peers.ended_visits.contains(second));
+  EXPECT_THAT(s.peers.ended_visits.at(second).message(), HasSubstr("loading"));
+  ASSERT_FALSE(s.peers.commands[nodes[0]].empty());
+  const wire::LoadScene& order = s.peers.commands[nodes[0]].back().load_scene();
+  EXPECT_EQ(order.scene(), "grotto");
+  EXPECT_EQ(order.in_use_size(), 1);  // The first visit's.
+}
+
+TEST_F(Faults, a_node_that_drops_what_it_never_had_is_sent_away) {
+  open(2);
+  wire::NodeReport report;
+  report.mutable_scene_dropped()->set_scene("cave");
+  s.state.node_reported(nodes[0], report);
+  EXPECT_TRUE(s.peers.ended_nodes.contains(nodes[0]));
+}
+
+TEST_F(Faults, frames_of_two_visits_take_turns_and_pictures_at_rest_come_last) {
+  open(1);
+  const SessionId other = s.add_visit(50.0);
+  drain_opened(s, other);
+  s.ask(other, view_of(1));
+  s.settle(nodes);
+  s.clock.advance(1s);
+  s.state.tick();  // The other one is at rest now.
+  const auto at_rest = blocks(s.peers.commands[nodes[0]]);
+  ASSERT_EQ(at_rest.size(), 1u);
+  EXPECT_TRUE(at_rest.front().keep());
+  s.ask(visit, view_of(++number));
+  const auto both = blocks(s.peers.commands[nodes[0]]);
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_LT(both.back().rank(), at_rest.front().rank());
+}
+
+TEST_F(Faults, nodes_forget_the_pictures_of_a_visit_that_left) {
+  open(2);
+  s.state.visit_gone(visit);
+  for (const NodeId node : nodes) {
+    ASSERT_FALSE(s.peers.commands[node].empty());
+    EXPECT_EQ(s.peers.commands[node].back().forget_visit().visit(), static_cast<std::uint64_t>(visit));
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

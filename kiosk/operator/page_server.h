@@ -12,38 +12,28 @@
 
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "common/base/result.h"
+#include "common/http/http_server.h"
 #include "kiosk/operator/watch.h"
-
-namespace httplib {
-class Server;
-}
 
 namespace cyclorama {
 
-/// Threads: `listen` and a fixed pool; a connection that is silent for some seconds is closed, and bodies beyond 4 KiB
-/// are refused. Only a request that says application/json steers, which a foreign page in the same browser cannot send.
-/// Thread-bound.
+/// Only a request that says application/json steers, which a foreign page in the same browser cannot send. Threads and
+/// limits: HttpServer's. Thread-bound.
 class PageServer {
  public:
   /// `watch` is borrowed. `address` as for WireServer: "[::1]:8080", port 0 takes a free one.
-  /// kInvalidArgument  not HOST:PORT.     kBusy  the port is taken, or the address is not of this machine.
+  /// Errors as HttpServer::start().
   static Result<std::unique_ptr<PageServer>> start(const std::string& address, Watch* watch);
-  ~PageServer();
-  PageServer(const PageServer&) = delete;
-  PageServer& operator=(const PageServer&) = delete;
 
-  [[nodiscard]] int port() const { return port_; }
+  [[nodiscard]] int port() const { return server_->port(); }
   /// Idempotent.
-  void stop();
+  void stop() { server_->stop(); }
 
  private:
-  PageServer();
-  std::unique_ptr<httplib::Server> server_;
-  int port_ = 0;
-  std::thread listener_;
+  explicit PageServer(std::unique_ptr<HttpServer> server) : server_(std::move(server)) {}
+  std::unique_ptr<HttpServer> server_;
 };
 
 }  // namespace cyclorama

@@ -96,6 +96,4 @@ Result<wire::SteerRequest> parse_steer(std::string_view text) {
   return request;
 }
 
-std::string error_json(const Error& error) { return dumped(Json{{"error", error.message()}}); }
-
 }  // namespace cyclorama

@@ -23,7 +23,4 @@ namespace cyclorama {
 /// kBadData  not such JSON, another key, or a number beyond [-1, 1]: the message names it.
 Result<wire::SteerRequest> parse_steer(std::string_view json);
 
-/// { "error": message }
-[[nodiscard]] std::string error_json(const Error& error);
-
 }  // namespace cyclorama

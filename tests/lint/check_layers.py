@@ -12,6 +12,7 @@ MAY_INCLUDE = {
     "common/base": ["common/base"],
     "common/geometry": ["common/base", "common/geometry"],
     "common/image": ["common/base", "common/image"],
+    "common/http": ["common/base", "common/http"],
     "common/config": ["common/base", "common/config"],
     "common/process": ["common/base", "common/process"],
     "common/room": ["common/base", "common/config", "common/geometry", "common/room"],

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -D OUTPUT=page_files.cpp -D FOLDER=page -P embed_page.cmake: the page's files as one C++ source, in the build folder.
+# cmake -D OUTPUT=page_files.cpp -D FOLDER=page -D HEADER=kiosk/operator/page_files.h -D FUNCTION=page_files
+#       -D FILES=index.html,page.css -P embed_page.cmake: a page's files as one C++ source, in the build folder.
 set(types_html "text/html; charset=utf-8")
 set(types_css "text/css; charset=utf-8")
 set(types_js "text/javascript; charset=utf-8")
@@ -7,7 +8,8 @@ set(types_svg "image/svg+xml")
 set(arrays "")
 set(entries "")
 set(count 0)
-foreach(name IN ITEMS index.html page.css page.js icon.svg)
+string(REPLACE "," ";" names "${FILES}")
+foreach(name IN LISTS names)
   file(READ "${FOLDER}/${name}" bytes HEX)
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
   string(APPEND arrays "const char kFile${count}[] = {${bytes}};\n")
@@ -20,13 +22,13 @@ foreach(name IN ITEMS index.html page.css page.js icon.svg)
   string(APPEND entries "    {\"${path}\", \"${types_${extension}}\", {kFile${count}, sizeof kFile${count}}},\n")
   math(EXPR count "${count} + 1")
 endforeach()
-file(WRITE "${OUTPUT}" "#include \"kiosk/operator/page_files.h\"
+file(WRITE "${OUTPUT}" "#include \"${HEADER}\"
 
 namespace cyclorama {
 namespace {
 ${arrays}const PageFile kFiles[] = {
 ${entries}};
 }  // namespace
-std::span<const PageFile> page_files() { return kFiles; }
+std::span<const PageFile> ${FUNCTION}() { return kFiles; }
 }  // namespace cyclorama
 ")

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/http/http_server.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr auto kStartsWithin = std::chrono::seconds(5);
+
+int http_status(const Error& error) {
+  switch (error.code()) {
+    case ErrorCode::kInvalidArgument:
+    case ErrorCode::kBadData:
+      return 400;
+    case ErrorCode::kNotFound:
+      return 404;
+    case ErrorCode::kBusy:
+      return 429;
+    case ErrorCode::kTimedOut:
+      return 504;
+    default:
+      return 502;
+  }
+}
+
+/// cpp-httplib of Debian 13 can bound its queue of connections, that of Debian 12 cannot.
+template <typename Pool>
+Pool* make_pool(const HttpLimits& limits) {
+  if constexpr (std::is_constructible_v<Pool, std::size_t, std::size_t>) {
+    return new Pool(limits.threads, limits.most_waiting);
+  } else {
+    return new Pool(limits.threads);
+  }
+}
+
+void set_limits(httplib::Server& server, const HttpLimits& limits) {
+  server.new_task_queue = [limits] { return make_pool<httplib::ThreadPool>(limits); };
+  server.set_read_timeout(2);
+  server.set_write_timeout(5);
+  server.set_keep_alive_timeout(2);
+  server.set_keep_alive_max_count(1000);
+  server.set_payload_max_length(limits.most_body_bytes);
+  server.set_tcp_nodelay(true);
+  // Instead of httplib's SO_REUSEPORT, with which two servers on one port would share the visitors at random.
+  server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
+  server.set_default_headers({{"Cache-Control", "no-store"},
+                              {"X-Content-Type-Options", "nosniff"},
+                              {"Referrer-Policy", "no-referrer"},
+                              {"Content-Security-Policy",
+                               "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
+                               "connect-src 'self'; base-uri 'none'; frame-ancestors 'none'"}});
+}
+
+void serve_mistakes(httplib::Server& server) {
+  server.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
+    if (!response.body.empty()) return;
+    const std::string what = response.status == 404 ? fmt::format("there is no page '{}'", printable(request.path))
+                                                    : "the request was refused";
+    response.set_content(error_json(Error(ErrorCode::kNotFound, what)), kJsonType);
+  });
+  server.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
+    response.status = 500;
+    response.set_content(error_json(Error(ErrorCode::kSystem, "the page failed here")), kJsonType);
+  });
+}
+
+}  // namespace
+
+Result<HostAndPort> parse_http_address(const std::string& address) {
+  const std::size_t colon = address.rfind(':');
+  const std::string_view digits = colon == std::string::npos ? "" : std::string_view(address).substr(colon + 1);
+  const long long port = parse_integer(digits).value_or(-1);
+  std::string host = address.substr(0, std::min(colon, address.size()));
+  const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
+  if (bracketed) host = host.substr(1, host.size() - 2);
+  const bool bare_ipv6 = !bracketed && host.find(':') != std::string::npos;
+  if (port < 0 || port > 65535 || host.empty() || bare_ipv6) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("'{}' is not an address; write HOST:PORT, such as [::1]:8080", printable(address)));
+  }
+  return HostAndPort{std::move(host), static_cast<int>(port)};
+}
+
+bool is_loopback(const std::string& host) {
+  const bool digits_and_dots = host.find_first_not_of("0123456789.") == std::string::npos;
+  return host == "::1" || host == "localhost" || (host.starts_with("127.") && digits_and_dots);
+}
+
+std::string error_json(const Error& error) {
+  // Bytes that are not UTF-8 are replaced: a peer's text must not end a page.
+  return nlohmann::json{{"error", error.message()}}.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void answer_error(const Error& error, httplib::Response& response) {
+  response.status = http_status(error);
+  response.set_content(error_json(error), kJsonType);
+}
+
+void serve_page(httplib::Server& server, std::span<const PageFile> files) {
+  for (const PageFile& file : files) {
+    // The paths hold a dot at most, which matches itself too.
+    server.Get(std::string(file.path), [file](const httplib::Request&, httplib::Response& response) {
+      response.set_content(file.content.data(), file.content.size(), std::string(file.type));
+    });
+  }
+}
+
+HttpServer::HttpServer() : server_(std::make_unique<httplib::Server>()) {}
+
+Result<std::unique_ptr<HttpServer>> HttpServer::start(const std::string& address, const HttpLimits& limits,
+                                                      const std::function<void(httplib::Server&)>& routes) {
+  TRY_ASSIGN(const HostAndPort place, parse_http_address(address));
+  auto page = std::unique_ptr<HttpServer>(new HttpServer());
+  httplib::Server& server = *page->server_;
+  set_limits(server, limits);
+  routes(server);
+  serve_mistakes(server);
+  const bool bound = place.port == 0 ? (page->port_ = server.bind_to_any_port(place.host)) > 0
+                                     : server.bind_to_port(place.host, page->port_ = place.port);
+  if (!bound) {
+    return Error(ErrorCode::kBusy, fmt::format("cannot listen on {}: the port is taken, or the address is not of this "
+                                               "machine; stop the other program or choose another",
+                                               address));
+  }
+  page->listener_ = std::thread([&server] { server.listen_after_bind(); });
+  // stop() only works on a server that runs, and it tells nobody when it does.
+  const TimePoint deadline = SteadyClock().now() + kStartsWithin;
+  while (!server.is_running() && SteadyClock().now() < deadline) std::this_thread::yield();
+  return page;
+}
+
+HttpServer::~HttpServer() { stop(); }
+
+void HttpServer::stop() {
+  if (!listener_.joinable()) return;
+  server_->stop();
+  listener_.join();
+}
+
+}  // namespace cyclorama

@@ -5,10 +5,10 @@
 #include <httplib.h>
 #include <sys/socket.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "common/base/address.h"
 #include "common/base/text.h"
 
 namespace cyclorama {
@@ -78,26 +78,6 @@ void serve_mistakes(httplib::Server& server) {
 
 }  // namespace
 
-Result<HostAndPort> parse_http_address(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  const std::string_view digits = colon == std::string::npos ? "" : std::string_view(address).substr(colon + 1);
-  const long long port = parse_integer(digits).value_or(-1);
-  std::string host = address.substr(0, std::min(colon, address.size()));
-  const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
-  if (bracketed) host = host.substr(1, host.size() - 2);
-  const bool bare_ipv6 = !bracketed && host.find(':') != std::string::npos;
-  if (port < 0 || port > 65535 || host.empty() || bare_ipv6) {
-    return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("'{}' is not an address; write HOST:PORT, such as [::1]:8080", printable(address)));
-  }
-  return HostAndPort{std::move(host), static_cast<int>(port)};
-}
-
-bool is_loopback(const std::string& host) {
-  const bool digits_and_dots = host.find_first_not_of("0123456789.") == std::string::npos;
-  return host == "::1" || host == "localhost" || (host.starts_with("127.") && digits_and_dots);
-}
-
 std::string error_json(const Error& error) {
   // Bytes that are not UTF-8 are replaced: a peer's text must not end a page.
   return nlohmann::json{{"error", error.message()}}.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -121,7 +101,7 @@ HttpServer::HttpServer() : server_(std::make_unique<httplib::Server>()) {}
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(const std::string& address, const HttpLimits& limits,
                                                       const std::function<void(httplib::Server&)>& routes) {
-  TRY_ASSIGN(const HostAndPort place, parse_http_address(address));
+  TRY_ASSIGN(const Address place, parse_address(address));
   auto page = std::unique_ptr<HttpServer>(new HttpServer());
   httplib::Server& server = *page->server_;
   set_limits(server, limits);

@@ -20,16 +20,6 @@ struct Response;
 
 namespace cyclorama {
 
-struct HostAndPort {
-  std::string host{};  ///< Without brackets.
-  int port = 0;
-};
-
-/// "[::1]:8080", "127.0.0.1:8080" or a name and port. kInvalidArgument  another form.
-Result<HostAndPort> parse_http_address(const std::string& address);
-/// Of this machine only: ::1, 127.0.0.0/8 or "localhost".
-[[nodiscard]] bool is_loopback(const std::string& host);
-
 struct HttpLimits {
   std::size_t threads = 24;       ///< A browser holds six connections, each of which occupies one.
   std::size_t most_waiting = 64;  ///< Connections beyond the threads, where the library can bound them.
@@ -49,7 +39,7 @@ void serve_page(httplib::Server& server, std::span<const PageFile> files);
 class HttpServer {
  public:
   /// Port 0 takes a free one. `routes` adds the handlers, which are called on the pool's threads.
-  /// kInvalidArgument  as parse_http_address().     kBusy  the port is taken, or the address is not of this machine.
+  /// kInvalidArgument  as parse_address().     kBusy  the port is taken, or the address is not of this machine.
   static Result<std::unique_ptr<HttpServer>> start(const std::string& address, const HttpLimits& limits,
                                                    const std::function<void(httplib::Server&)>& routes);
   ~HttpServer();

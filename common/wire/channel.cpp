@@ -11,8 +11,6 @@
 #include <future>
 #include <utility>
 
-#include "common/base/text.h"
-
 namespace cyclorama {
 namespace {
 
@@ -26,18 +24,20 @@ constexpr std::array<std::pair<ErrorCode, grpc::StatusCode>, 7> kCodes{{
     {ErrorCode::kSystem, grpc::StatusCode::INTERNAL},
 }};
 
-/// HOST:PORT, with IPv6 addresses in brackets.
 Status check_address(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  const bool has_port = colon != std::string::npos && colon > 0;
-  const auto port = has_port ? parse_integer(std::string_view(address).substr(colon + 1)) : std::nullopt;
-  const std::string host = has_port ? address.substr(0, colon) : "";
-  const bool bare_ipv6 = host.find(':') != std::string::npos && (host.front() != '[' || host.back() != ']');
-  if (!port || *port < 0 || *port > 65535 || bare_ipv6) {
-    return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("'{}' is not an address; write HOST:PORT, such as [::1]:7401", printable(address)));
-  }
+  if (!is_unix_socket(address)) TRY(parse_address(address));
   return Done{};
+}
+
+Error cannot_listen(const std::string& address) {
+  if (is_unix_socket(address)) {
+    return Error(ErrorCode::kBusy, fmt::format("cannot listen on {}: its folder is not there or not writable, or the "
+                                               "path is over 107 bytes",
+                                               address));
+  }
+  return Error(ErrorCode::kBusy, fmt::format("cannot listen on {}: the port is taken, or the address is not of this "
+                                             "machine; stop the other program or choose another",
+                                             address));
 }
 
 /// Where nobody listens, gRPC tells a long story with the address in percent signs; its end says it all.
@@ -86,12 +86,6 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address, 
   return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 
-bool is_loopback(const std::string& address) {
-  const std::string host = address.substr(0, address.rfind(':'));
-  return host == "localhost" || host == "[::1]" ||
-         (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
-}
-
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish) {
   constexpr auto kAtOnce = std::chrono::seconds(1);
   std::future<grpc::Status> end = std::async(std::launch::async, finish);
@@ -127,11 +121,8 @@ Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 300'000);
   for (grpc::Service* const service : services) builder.RegisterService(service);
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
-  if (server == nullptr || port == 0) {
-    return Error(ErrorCode::kBusy, fmt::format("cannot listen on {}: the port is taken, or the address is not of this "
-                                               "machine; stop the other program or choose another",
-                                               address));
-  }
+  if (server == nullptr || port == 0) return cannot_listen(address);
+  if (is_unix_socket(address)) port = 0;
   return std::unique_ptr<WireServer>(new WireServer(std::move(server), port));
 }
 

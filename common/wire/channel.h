@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/address.h"
 #include "common/base/clock.h"
 #include "common/base/result.h"
 #include "common/wire/tls.h"
@@ -27,14 +28,11 @@ inline constexpr int kMessageLimitBytes = 16 << 20;
 /// Precondition: !status.ok(). `doing` is what this side was doing: "opening the visit".
 [[nodiscard]] Error from_grpc(const grpc::Status& status, std::string_view doing);
 
-/// A channel to "[::1]:7401" (or a name and port). It dials when it is used, keeps alive every 5 s and dials again with
-/// a back-off of 0.1 to 2 s. Without `tls` nothing is encrypted. Thread-safe once made.
-/// kInvalidArgument  not HOST:PORT; an IPv6 address needs its brackets.     With `tls` also as channel_credentials().
+/// A channel to "[::1]:7401" (or a name and port), or to a socket in the file system, "unix:/run/x.sock". It dials when
+/// it is used, keeps alive every 5 s and dials again with a back-off of 0.1 to 2 s. Without `tls` nothing is encrypted.
+/// Thread-safe once made. kInvalidArgument  as parse_address().     With `tls` also as channel_credentials().
 Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address,
                                                     const std::optional<TlsFiles>& tls = std::nullopt);
-
-/// That only this machine can reach it: localhost, 127.0.0.0/8, ::1.
-[[nodiscard]] bool is_loopback(const std::string& address);
 
 /// The end of a client's stream whose Read() returned false. `finish` is the stream's Finish(): where the peer has
 /// ended the call it returns at once; where the peer sent what is no message it never would, so the call is cancelled
@@ -52,8 +50,9 @@ struct ServerOptions {
 /// A listening server. Destroy or stop() it before its services. Thread-safe.
 class WireServer {
  public:
-  /// Starts to serve on `address`; port 0 takes a free one. The services are borrowed until stop().
-  /// kInvalidArgument  as make_channel().     kBusy  the port is taken.     With TLS also as server_credentials().
+  /// Starts to serve on `address`; port 0 takes a free one, and a socket's file that is there already is replaced. The
+  /// services are borrowed until stop(). kInvalidArgument  as make_channel().     kBusy  the port is taken.     With
+  /// TLS also as server_credentials().
   static Result<std::unique_ptr<WireServer>> start(const std::string& address,
                                                    const std::vector<grpc::Service*>& services,
                                                    const ServerOptions& options = {});
@@ -61,6 +60,7 @@ class WireServer {
   WireServer(const WireServer&) = delete;
   WireServer& operator=(const WireServer&) = delete;
 
+  /// 0 for a socket in the file system.
   [[nodiscard]] int port() const { return port_; }
   /// Gives calls until `grace` has passed to end by themselves, then cancels them. Blocks; may be called twice.
   void stop(Duration grace);

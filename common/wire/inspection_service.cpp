@@ -40,6 +40,12 @@ void InspectionService::set_fact(const std::string& name, std::string value) {
   facts_[name] = std::move(value);
 }
 
+void InspectionService::set_table(wire::Table table) {
+  const std::lock_guard lock(mutex_);
+  std::string name = table.name();
+  tables_[std::move(name)] = std::move(table);
+}
+
 void InspectionService::set_picture(const std::string& name, std::shared_ptr<const RgbImage> picture) {
   const std::lock_guard lock(mutex_);
   pictures_[name].newest = std::move(picture);
@@ -77,6 +83,7 @@ wire::ProcessStatus InspectionService::status() const {
     fact->set_name(name);
     fact->set_value(value);
   }
+  for (const auto& [name, table] : tables_) *status.add_tables() = table;
   for (const auto& [name, picture] : pictures_) status.add_pictures(name);
   return status;
 }

@@ -25,6 +25,8 @@ class InspectionService final : public wire::Inspection::Service {
   /// Adds to a gauge that starts at 0.
   void count(const std::string& name, double increment = 1.0);
   void set_fact(const std::string& name, std::string value);
+  /// Under its name; takes the place of the one before.
+  void set_table(wire::Table table);
   /// The newest picture wins.
   void set_picture(const std::string& name, std::shared_ptr<const RgbImage> picture);
   /// False while nobody asked for that picture in the last 3 seconds: then it need not be made.
@@ -50,6 +52,7 @@ class InspectionService final : public wire::Inspection::Service {
   std::map<std::string, Percentiles> stages_;
   std::map<std::string, double> gauges_;
   std::map<std::string, std::string> facts_;
+  std::map<std::string, wire::Table> tables_;
   std::map<std::string, ShownPicture> pictures_;
 };
 

@@ -2,6 +2,9 @@
 #include "common/wire/channel.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
 
 #include "common/image/jpeg.h"
 #include "common/wire/inspection_service.h"
@@ -10,8 +13,9 @@ namespace cyclorama {
 namespace {
 
 TEST(Channel, every_error_code_survives_the_crossing) {
-  for (const ErrorCode code : {ErrorCode::kInvalidArgument, ErrorCode::kNotFound, ErrorCode::kBusy,
-                               ErrorCode::kUnavailable, ErrorCode::kTimedOut, ErrorCode::kBadData, ErrorCode::kSystem}) {
+  for (const ErrorCode code :
+       {ErrorCode::kInvalidArgument, ErrorCode::kNotFound, ErrorCode::kBusy, ErrorCode::kUnavailable,
+        ErrorCode::kTimedOut, ErrorCode::kBadData, ErrorCode::kSystem}) {
     const Error back = from_grpc(to_grpc(Error(code, "why")), "asking");
     EXPECT_EQ(back.code(), code);
     EXPECT_EQ(back.message(), "asking: why");
@@ -25,6 +29,29 @@ TEST(Channel, addresses_need_host_and_port_and_ipv6_its_brackets) {
   for (const char* const bad : {"", ":80", "::1:80", "host", "host:", "host:99999", "host:-1", "host:80x"}) {
     EXPECT_EQ(make_channel(bad).error().code(), ErrorCode::kInvalidArgument) << bad;
   }
+}
+
+TEST(Channel, goes_through_a_socket_in_the_file_system_too) {
+  const std::string folder = testing::TempDir() + "cyclorama-channel-" + std::to_string(::getpid());
+  std::filesystem::create_directories(folder);
+  const std::string address = "unix:" + folder + "/inspect.sock";
+  InspectionService service("head");
+  for (int start = 0; start < 2; ++start) {  // A file that a killed process left is no obstacle.
+    const auto server = WireServer::start(address, {&service});
+    ASSERT_TRUE(server) << server.error().message();
+    EXPECT_EQ((*server)->port(), 0);
+    const auto channel = make_channel(address);
+    ASSERT_TRUE(channel);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
+    wire::ProcessStatus status;
+    ASSERT_TRUE(wire::Inspection::NewStub(*channel)->GetStatus(&context, {}, &status).ok());
+    EXPECT_EQ(status.process(), "head");
+  }
+  const auto nowhere = WireServer::start("unix:" + folder + "/none/inspect.sock", {&service});
+  ASSERT_FALSE(nowhere);
+  EXPECT_EQ(nowhere.error().code(), ErrorCode::kBusy);
+  std::filesystem::remove_all(folder);
 }
 
 class InspectionTest : public ::testing::Test {
@@ -50,6 +77,12 @@ TEST_F(InspectionTest, a_second_server_on_a_taken_port_is_refused) {
 TEST_F(InspectionTest, status_tells_stages_gauges_and_state) {
   service_.set_state("waits for the farm", false);
   for (int ms = 1; ms <= 100; ++ms) service_.add_stage_time("plan", std::chrono::milliseconds(ms));
+  wire::Table table;
+  table.set_name("nodes");
+  table.add_columns("threads");
+  table.add_rows()->add_cells()->set_number(8);
+  service_.set_table(table);
+  service_.set_table(table);  // In the place of the first.
   service_.count("frames", 2);
   service_.count("frames");
   wire::ProcessStatus status;
@@ -57,6 +90,8 @@ TEST_F(InspectionTest, status_tells_stages_gauges_and_state) {
   EXPECT_EQ(status.process(), "tour");
   EXPECT_EQ(status.state(), "waits for the farm");
   EXPECT_FALSE(status.healthy());
+  ASSERT_EQ(status.tables_size(), 1);
+  EXPECT_EQ(status.tables(0).rows(0).cells(0).number(), 8);
   ASSERT_EQ(status.stages_size(), 1);
   EXPECT_DOUBLE_EQ(status.stages(0).p95_ms(), 95.0);
   ASSERT_EQ(status.gauges_size(), 1);

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The farm under test: heads, nodes of one thread, museums; each node and museum behind a link that can be cut."""
+import itertools
+import pathlib
+import subprocess
+
+from farm.link import Link, Network
+from farm.museum import Museum
+from farm.processes import Process, free_port, wait_until
+
+SIZE = ("--width", 512, "--height", 256)
+POSES = 120
+RATE_HZ = 10
+
+
+def make_scene(build, folder, triangles=10000):
+    scene = pathlib.Path(folder) / f"grotto-{triangles}"
+    subprocess.run([f"{build}/bin/cyclorama-grotto", "--triangles", str(triangles), "--out", scene], check=True,
+                   capture_output=True)
+    return scene
+
+
+class Head:
+    def __init__(self, farm, name):
+        self.farm, self.name = farm, name
+        self.museums, self.nodes = free_port(), free_port()
+        self.start()
+
+    def start(self):
+        self.process = Process(self.name, [self.farm.program("farm"), "--scene", f"visit={self.farm.scene}", "--museums",
+                                           f"[::1]:{self.museums}", "--nodes", f"[::1]:{self.nodes}",
+                                           *self.farm.head_options], self.farm.folder)
+
+
+class Node:
+    """Dials every head, each through a link of its own."""
+
+    def __init__(self, farm, name):
+        self.farm, self.name = farm, name
+        self.links = [Link(farm.network, head.nodes) for head in farm.heads]
+        self.start()
+
+    def start(self):
+        self.heard = [len(head.process.said()) for head in self.farm.heads]
+        heads = [argument for link in self.links for argument in ("--head", link.address)]
+        self.process = Process(self.name, [self.farm.program("node"), "--threads", 1, "--name", self.name, *heads,
+                                           *self.farm.node_options], self.farm.folder)
+
+    def is_ready(self):
+        """Since it was started, a head has said that this node has the scene."""
+        return any(f"node '{self.name}' has scene" in head.process.said()[heard:]
+                   for head, heard in zip(self.farm.heads, self.heard))
+
+
+class Farm:
+    """Use as a context: leaves no process behind, and counts in `stuck` those that did not stop when asked to."""
+
+    def __init__(self, build, folder, heads=1, nodes=4, scene=None, head_options=(), node_options=()):
+        self.build, self.folder = pathlib.Path(build), pathlib.Path(folder)
+        self.head_options, self.node_options = head_options, node_options
+        self.scene = scene or make_scene(build, folder)
+        self.stuck, self.numbers, self.museums, self.past, self.nodes = 0, itertools.count(1), {}, [], []
+        self.network = Network()
+        self.heads = [Head(self, f"head-{i}") for i in range(1, heads + 1)]
+        for _ in range(nodes):
+            self.add_node()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for museum in self.museums.values():
+            self.stuck += not museum.end()
+        for part in self.nodes + self.heads:
+            self.stuck += part.process.alive() and not part.process.end()
+        self.network.stop()
+
+    def program(self, name):
+        return self.build / "bin" / f"cyclorama-{name}"
+
+    def add_node(self):
+        self.nodes.append(Node(self, f"node-{next(self.numbers)}"))
+        return self.nodes[-1]
+
+    def drop_node(self, node):
+        """Asks it to stop."""
+        self.stuck += not node.process.end()
+        self.nodes.remove(node)
+
+    def ready(self):
+        for node in self.nodes:
+            wait_until(node.is_ready, 60, f"{node.name} has the scene")
+
+    def add_museum(self, name, *options, rate_hz=RATE_HZ):
+        """Replaces the one of that name."""
+        links = [Link(self.network, head.museums) for head in self.heads]
+        museum = Museum(name, self.build / "tests" / "test-museum", self.folder, [link.address for link in links], rate_hz,
+                        [*SIZE, "--poses", POSES, *options])
+        museum.links, museum.options = links, options
+        if name in self.museums:
+            self.past.append(self.museums[name])
+        self.museums[name] = museum
+        return museum
+
+    def forget_museum(self, name):
+        museum = self.museums.pop(name)
+        self.stuck += not museum.end()
+        self.past.append(museum)
+
+    def wrong(self):
+        """Of all museums that there are and were, as Museum.wrong()."""
+        each = [museum.wrong() for museum in [*self.past, *self.museums.values()]]
+        return sum(holes for holes, _ in each), [reason for _, breaches in each for reason in breaches]
+
+    def digests(self):
+        """By a view's number, those of all its whole pictures as museums got them: more than one is too many."""
+        digests = {}
+        for museum in [*self.past, *self.museums.values()]:
+            for frame in museum.whole_frames():
+                digests.setdefault(frame["view"], set()).add(frame["digest"])
+        return digests
+
+
+def render(build, folder, scene, numbers):
+    """The digests of these views' pictures, each rendered whole by one node that nothing happens to."""
+    views = pathlib.Path(folder) / "views"
+    views.write_text("\n".join(str(n) for n in sorted(numbers)) + "\n")
+    with Farm(build, folder, nodes=1, scene=scene) as alone:
+        alone.ready()
+        museum = alone.add_museum("reference", "--views", views)
+        assert museum.process.popen.wait(600) == 0, "the reference was not rendered"
+        museum.reader.join()
+        assert museum.wrong() == (0, []), museum.wrong()
+        return {frame["view"]: frame["digest"] for frame in museum.whole_frames()}

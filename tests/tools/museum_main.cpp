@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+// A museum that trusts nobody: keeps a visit open, walks in a circle, and looks at every pixel of what comes. One line
+// of JSON on standard output per event; times are CLOCK_MONOTONIC's, so those of all processes of a machine compare.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <sstream>
+#include <thread>
+
+#include "common/base/file.h"
+#include "common/image/jpeg.h"
+#include "common/process/program.h"
+#include "common/wire/convert.h"
+#include "renderfarm/client/farm_client.h"
+
+namespace cyclorama {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Arguments {
+  FarmClientOptions farm{};
+  double rate_hz = 20.0;
+  int width = 256;
+  int height = 128;
+  int samples = 1;
+  int poses = 120;
+  double tile_delay_ms = 0.0;
+  double patience_s = 30.0;
+  std::string views{};
+};
+
+double seconds_now() { return to_seconds(SteadyClock().now().time_since_epoch()); }
+
+/// FNV-1a.
+std::uint64_t digest_of(std::span<const std::byte> bytes) {
+  std::uint64_t digest = 14695981039346656037U;
+  for (const std::byte byte : bytes) digest = (digest ^ std::to_integer<std::uint64_t>(byte)) * 1099511628211U;
+  return digest;
+}
+
+/// One number per line, growing. Errors as read_file(), and kBadData.
+Result<std::deque<std::uint64_t>> read_numbers(const std::string& path) {
+  constexpr std::size_t kLimitBytes = 16 << 20;
+  TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kLimitBytes));
+  std::istringstream lines(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  std::deque<std::uint64_t> numbers;
+  for (std::uint64_t number = 0; lines >> number;) {
+    if (number <= (numbers.empty() ? 0 : numbers.back())) return Error(ErrorCode::kBadData, path + ": must grow");
+    numbers.push_back(number);
+  }
+  if (numbers.empty() || !lines.eof()) return Error(ErrorCode::kBadData, path + ": not a list of numbers");
+  return numbers;
+}
+
+/// How often each cell of the 16-pixel grid was sent: a frame is whole when that is once everywhere.
+class Cover {
+ public:
+  Cover() = default;
+  Cover(int width_px, int height_px)
+      : columns_((width_px + kCell - 1) / kCell),
+        cells_(static_cast<std::size_t>(columns_ * ((height_px + kCell - 1) / kCell)), 0) {}
+  void add(const wire::Tile& tile) {
+    const int x = static_cast<int>(tile.x_px()), y = static_cast<int>(tile.y_px());
+    const int right = x + static_cast<int>(tile.width_px()), lower = y + static_cast<int>(tile.height_px());
+    for (int row = y / kCell; row * kCell < lower; ++row) {
+      for (int column = x / kCell; column * kCell < right; ++column) {
+        ++cells_[static_cast<std::size_t>(row * columns_ + column)];
+      }
+    }
+  }
+  [[nodiscard]] bool is_whole() const {
+    return std::ranges::all_of(cells_, [](int times) { return times == 1; });
+  }
+
+ private:
+  static constexpr int kCell = 16;
+  int columns_ = 0;
+  std::vector<int> cells_{};
+};
+
+/// Asks, and bears witness. ask() from the main thread, the rest from the client's.
+class Witness final : public FarmListener {
+ public:
+  explicit Witness(const Arguments& arguments) : arguments_(arguments) {}
+
+  /// What a view shows depends on its number alone. False when no visit was open yet.
+  bool ask(FarmClient& client, std::uint64_t number) {
+    const std::lock_guard lock(mutex_);
+    if (!scene_) return false;
+    wire::View view = view_of(number);
+    asked_at_[view.number()] = seconds_now();
+    client.request(std::move(view));
+    return true;
+  }
+  [[nodiscard]] int ended() const {
+    const std::lock_guard lock(mutex_);
+    return ended_;
+  }
+
+  void on_opened(const wire::SceneDescription& scene) override {
+    const std::lock_guard lock(mutex_);
+    scene_ = scene;
+    say({{"event", "opened"}, {"scene", scene.name()}});
+  }
+  void on_lost(const Error& reason) override {
+    // What the client found against farm.proto is the farm's fault; everything else is a connection that ended.
+    say({{"event", reason.code() == ErrorCode::kBadData ? "violation" : "lost"}, {"reason", reason.message()}});
+  }
+  void on_begin(const wire::View& view) override {
+    view_ = view;
+    const int width = static_cast<int>(view.panorama().width_px()),
+              height = static_cast<int>(view.panorama().height_px());
+    if (picture_.width() != width || picture_.height() != height) picture_ = RgbImage(width, height);
+    cover_ = Cover(width, height);
+    bytes_ = 0;
+    begun_at_ = seconds_now();
+  }
+  void on_tile(wire::Tile tile) override {
+    if (arguments_.tile_delay_ms > 0.0) {
+      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(arguments_.tile_delay_ms));
+    }
+    cover_.add(tile);
+    bytes_ += tile.jpeg().size();
+    const Status decoded = decoder_.decode_into(
+        std::as_bytes(std::span(tile.jpeg())),
+        picture_.at(static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px())), static_cast<int>(tile.width_px()),
+        static_cast<int>(tile.height_px()), picture_.row_values());
+    if (!decoded) say({{"event", "violation"}, {"reason", decoded.error().message()}});
+  }
+  void on_end(const wire::FrameEnd& end) override {
+    Json line{{"event", "frame"},
+              {"view", end.view_number()},
+              {"complete", end.complete()},
+              {"late", end.late()},
+              {"reason", end.reason()},
+              {"nodes", end.nodes()},
+              {"tiles", end.tiles()},
+              {"samples", end.samples()},
+              {"efficiency", end.balance_efficiency()},
+              {"begun_s", begun_at_},
+              {"bytes", bytes_},
+              {"refined", view_.first_sample() > 0},
+              {"width_px", picture_.width()}};
+    for (const wire::StageTime& stage : end.stages()) line["stages_ms"][stage.name()] = 1e3 * stage.seconds();
+    if (end.complete()) {
+      line["whole"] = cover_.is_whole();
+      line["digest"] = fmt::format("{:016x}", digest_of(std::as_bytes(picture_.data())));
+    }
+    const std::lock_guard lock(mutex_);
+    const auto asked = asked_at_.find(end.view_number());
+    if (asked != asked_at_.end()) line["asked_s"] = asked->second;
+    asked_at_.erase(asked_at_.begin(), asked_at_.lower_bound(end.view_number()));
+    ended_ += end.complete() ? 1 : 0;
+    say(std::move(line));
+  }
+
+ private:
+  wire::View view_of(std::uint64_t number) const {
+    constexpr double kRadiusM = 0.25;
+    const auto pose = static_cast<double>(number % static_cast<std::uint64_t>(arguments_.poses));
+    const double turned = 2.0 * std::numbers::pi * pose / arguments_.poses;
+    wire::View view;
+    view.set_number(number);
+    *view.mutable_eye_m() = scene_->start_eye_m();
+    view.mutable_eye_m()->set_x(scene_->start_eye_m().x() + kRadiusM * std::sin(turned));
+    view.mutable_eye_m()->set_z(scene_->start_eye_m().z() + kRadiusM * std::cos(turned));
+    view.set_heading_rad(scene_->start_heading_rad() + turned);
+    view.set_samples(static_cast<std::uint32_t>(arguments_.samples));
+    constexpr std::uint32_t kQuality = 85;
+    view.set_jpeg_quality(kQuality);
+    view.set_subsample_chroma(false);  // So that decoded pixels do not depend on where tiles are cut.
+    Panorama panorama;
+    panorama.width_px = arguments_.width;
+    panorama.height_px = arguments_.height;
+    panorama.azimuth_span_rad = std::numbers::pi;
+    const double tan_half = 0.5 * panorama.radians_per_px() * arguments_.height;  // Square pixels at the horizon.
+    panorama.tan_elevation_top = tan_half;
+    panorama.tan_elevation_bottom = -tan_half;
+    to_wire(panorama, view.mutable_panorama());
+    return view;
+  }
+  static void say(Json line) {
+    line["at_s"] = seconds_now();
+    fmt::print("{}\n", line.dump());
+    std::fflush(stdout);
+  }
+
+  const Arguments& arguments_;
+  mutable std::mutex mutex_;  ///< Guards the following.
+  std::optional<wire::SceneDescription> scene_{};
+  std::map<std::uint64_t, double> asked_at_;
+  int ended_ = 0;
+  // The client's thread only.
+  wire::View view_;
+  RgbImage picture_;
+  Cover cover_;
+  std::size_t bytes_ = 0;
+  double begun_at_ = 0.0;
+  JpegDecoder decoder_;
+};
+
+/// At its rate, for ever; with a list of views, these, each when the frame before has ended.
+void walk(const Arguments& arguments, std::deque<std::uint64_t> list, Witness& witness, FarmClient& client,
+          const StopSignal& stop) {
+  const bool lockstep = !list.empty();
+  const auto period = std::chrono::duration_cast<Duration>(
+      lockstep ? std::chrono::duration<double>(0.001) : std::chrono::duration<double>(1.0 / arguments.rate_hz));
+  const SteadyClock clock;
+  TimePoint next = clock.now();
+  std::uint64_t number = 1;
+  for (int asked = 0; !stop.wait_until(next); next = std::max(next + period, clock.now())) {
+    if (!lockstep) {
+      if (witness.ask(client, number)) ++number;
+    } else if (asked <= witness.ended()) {
+      if (list.empty()) return;
+      if (!witness.ask(client, list.front())) continue;
+      list.pop_front();
+      ++asked;
+    }
+  }
+}
+
+Status run(Arguments& arguments, const StopSignal& stop) {
+  arguments.farm.patience = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(arguments.patience_s));
+  std::deque<std::uint64_t> list;
+  if (!arguments.views.empty()) {
+    TRY_ASSIGN(list, read_numbers(arguments.views));
+  }
+  Witness witness(arguments);
+  TRY_ASSIGN(const auto client, FarmClient::start(arguments.farm, witness));
+  walk(arguments, std::move(list), witness, *client, stop);
+  client->stop();
+  return Done{};
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  using namespace cyclorama;
+  Program program("test-museum", "Visits a farm and checks every pixel that comes; one line of JSON per event.");
+  Arguments arguments;
+  arguments.farm.museum = "test-museum";
+  CLI::App& app = program.options();
+  app.add_option("--farm", arguments.farm.heads, "The farm's heads, tried in turn")->required();
+  app.add_option("--scene", arguments.farm.scene, "Which scene (default: the farm's first)");
+  app.add_option("--museum", arguments.farm.museum, "Its name");
+  app.add_option("--budget-ms", arguments.farm.frame_budget_ms, "Per frame: the farm chooses the quality");
+  app.add_option("--reference-samples", arguments.farm.reference_samples, "Of the picture at rest");
+  app.add_option("--patience-s", arguments.patience_s, "A head that says nothing for so long is given up");
+  app.add_option("--rate-hz", arguments.rate_hz, "Of the views")->check(CLI::Range(0.01, 1000.0));
+  app.add_option("--views", arguments.views, "Ask for the views of these numbers, each when the one before has come");
+  app.add_option("--width", arguments.width, "Of the picture, in pixels");
+  app.add_option("--height", arguments.height, "Of the picture, in pixels");
+  app.add_option("--samples", arguments.samples, "Per pixel");
+  app.add_option("--poses", arguments.poses, "Different views of the round")->check(CLI::Range(1, 100000));
+  app.add_option("--tile-delay-ms", arguments.tile_delay_ms, "Be a slow museum: wait so long at each tile");
+  return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
+}

@@ -60,20 +60,32 @@ TimePoint HeadState::next_deadline() const {
   const TimePoint now = clock_.now();
   TimePoint next = TimePoint::max();
   for (const auto& [id, session] : sessions_) {
-    if (session.frames.empty()) continue;
-    const FrameInFlight& frame = session.frames.front();
     // What is past was acted upon, or waits for something else that happens.
-    const auto consider = [&](TimePoint at) { next = at > now ? std::min(next, at) : next; };
-    for (const auto& [number, block] : frame.assembly.blocks()) {
-      if (owes(block)) consider(due_at(session, frame, block));
-    }
-    if (frame.begun && !frame.refines)
-      consider(frame.front_since + duration_of(kLate * to_seconds(measure_of(session))));
+    if (session.next_due > now) next = std::min(next, session.next_due);
   }
   return next;
 }
 
+TimePoint HeadState::next_due(const Session& session) const {
+  TimePoint next = TimePoint::max();
+  if (session.frames.empty()) return next;
+  const TimePoint now = clock_.now();
+  const FrameInFlight& frame = session.frames.front();
+  const auto consider = [&](TimePoint at) { next = at > now ? std::min(next, at) : next; };
+  for (const auto& [number, block] : frame.assembly.blocks()) {
+    if (owes(block)) consider(due_at(session, frame, block));
+  }
+  if (frame.begun && !frame.refines) consider(frame.front_since + duration_of(kLate * to_seconds(measure_of(session))));
+  return next;
+}
+
 void HeadState::watch(SessionId id) {
+  meet_deadlines(id);
+  const auto found = sessions_.find(id);
+  if (found != sessions_.end()) found->second.next_due = next_due(found->second);
+}
+
+void HeadState::meet_deadlines(SessionId id) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end() || found->second.frames.empty()) return;
   Session& session = found->second;
@@ -219,16 +231,23 @@ void HeadState::learn_utilisation(Node& node, const wire::BlockEnd& end) {
   node.utilisation += kNew * (std::clamp(used, 0.01, 1.0) - node.utilisation);
 }
 
+void HeadState::compare_nodes() {
+  for (const FarmScene& scene : scenes_) {
+    std::vector<double> utilisations;
+    for (const auto& [id, node] : nodes_) {
+      if (node.has(scene.name)) utilisations.push_back(node.utilisation);
+    }
+    const auto middle = utilisations.begin() + static_cast<std::ptrdiff_t>(utilisations.size() / 2);
+    std::ranges::nth_element(utilisations, middle);
+    usual_utilisation_[scene.name] = utilisations.empty() ? 1.0 : *middle;
+  }
+}
+
 double HeadState::speed_of(const Node& node, const std::string& scene) const {
   // Blocks that are small for many threads, and hosts that are shared, make all nodes wait: only one that waits far
   // more than the others is slowed.
-  std::vector<double> utilisations;
-  for (const auto& [id, other] : nodes_) {
-    if (other.has(scene)) utilisations.push_back(other.utilisation);
-  }
-  const auto middle = utilisations.begin() + static_cast<std::ptrdiff_t>(utilisations.size() / 2);
-  std::ranges::nth_element(utilisations, middle);
-  const double slowed = utilisations.empty() ? 1.0 : node.utilisation / *middle;
+  const auto usual = usual_utilisation_.find(scene);
+  const double slowed = usual == usual_utilisation_.end() ? 1.0 : node.utilisation / usual->second;
   const auto known = node.scenes.find(scene);
   return node.threads * (known == node.scenes.end() ? 1.0 : known->second.speed) * (slowed < kSlowed ? slowed : 1.0);
 }

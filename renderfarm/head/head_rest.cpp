@@ -110,6 +110,7 @@ void HeadState::refine(SessionId id, Session& session) {
     frame.assembly.plan(++last_block_, block.node, block.rect);
     order_block(id, session, frame, last_block_, block.node, block.rect);
   }
+  session.next_due = next_due(session);
 }
 
 void HeadState::finish_refined(SessionId id, Session& session, FrameInFlight& frame, const FrameReport& report) {

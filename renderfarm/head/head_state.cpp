@@ -14,6 +14,7 @@ HeadState::HeadState(std::vector<FarmScene> scenes, BalanceStrategy strategy, He
 }
 
 void HeadState::tick() {
+  compare_nodes();
   tick_nodes();
   tick_visits();
 }

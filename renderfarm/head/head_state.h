@@ -108,6 +108,9 @@ class HeadState {
   /// Of one thread of the node that loaded it.
   [[nodiscard]] double relative_speed(const wire::SceneLoaded& loaded);
   void learn_utilisation(Node& node, const wire::BlockEnd& end);
+  /// Which utilisation is the usual one.
+  void compare_nodes();
+  /// Of all its threads: 1 is one thread of the first node that told how fast it is.
   [[nodiscard]] double speed_of(const Node& node, const std::string& scene) const;
 
   // Governed visits: head_rest.cpp
@@ -135,6 +138,8 @@ class HeadState {
   // Faults: head_faults.cpp
   /// The deadlines of the visit's foremost frame. May end the visit.
   void watch(SessionId id);
+  void meet_deadlines(SessionId id);
+  [[nodiscard]] TimePoint next_due(const Session& session) const;
   [[nodiscard]] static Duration measure_of(const Session& session);
   [[nodiscard]] TimePoint due_at(const Session& session, const FrameInFlight& frame,
                                  const FrameAssembly::Block& block) const;
@@ -181,6 +186,7 @@ class HeadState {
   std::map<std::string, wire::SceneDescription> descriptions_;  ///< Of the scenes that some node has or had.
   std::map<std::string, Front> fronts_;                         ///< Of those that have been measured.
   std::map<std::string, double> probes_;                        ///< Of the first node that told one, by scene.
+  std::map<std::string, double> usual_utilisation_;             ///< By scene, as of the last tick: the nodes' median.
   FairShare share_;
   std::uint64_t last_block_ = 0;
   std::uint64_t last_frame_ = 0;

@@ -39,6 +39,7 @@ void HeadState::visit_asked(SessionId id, const wire::VisitRequest& request, Tim
   }
   if (fine) {
     advance(id);
+    watch(id);
     return;
   }
   const std::string refusal = fmt::format("the visit of '{}' is refused: {}", session.museum, fine.error().message());
@@ -164,6 +165,7 @@ void HeadState::written(SessionId id, const wire::VisitReply& reply) {
   }
   if (session.governed) learn(*session.governed, frame);
   advance(id);
+  watch(id);
 }
 
 void HeadState::tick_visits() {

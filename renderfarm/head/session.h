@@ -69,9 +69,10 @@ struct Session {
   std::unique_ptr<Balancer> balancer{};
   std::unique_ptr<Governed> governed{};  ///< Null: each view says its own quality.
   FairShare::Flow share{};
-  double frame_cpu_seconds = 0.05;   ///< What its last frame cost: what the next one will.
-  double pace_seconds = kFirstPace;  ///< What a frame takes: the most of the last few.
-  std::uint64_t watermark = 0;       ///< As wire::RenderBlock.
+  double frame_cpu_seconds = 0.05;        ///< What its last frame cost: what the next one will.
+  double pace_seconds = kFirstPace;       ///< What a frame takes: the most of the last few.
+  TimePoint next_due = TimePoint::max();  ///< When a deadline of the foremost frame is met or missed.
+  std::uint64_t watermark = 0;            ///< As wire::RenderBlock.
 
   static constexpr double kFirstPace = 0.5;
   static constexpr double kSlowestPace = 60.0;

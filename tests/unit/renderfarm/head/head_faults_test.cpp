@@ -154,6 +154,7 @@ TEST_F(Faults, a_slowed_node_is_given_less_until_it_recovers) {
     s.ask(visit, view_of(++number));
     const std::int64_t share = area(nodes[0]);
     s.slowed[nodes[0]] = slowed;
+    pass(100ms);
     s.settle(nodes);
     return share;
   };

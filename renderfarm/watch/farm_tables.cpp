@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/watch/farm_tables.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+namespace cyclorama {
+namespace {
+
+/// Fills one row after the other, so that a column's name stands beside its value.
+class TableWriter {
+ public:
+  explicit TableWriter(const char* name) { table_.set_name(name); }
+  void next_row() { row_ = table_.add_rows(); }
+  void text(const char* column, const std::string& value) { cell(column)->set_text(value); }
+  void number(const char* column, double value) { cell(column)->set_number(value); }
+  void count(const char* column, std::uint64_t value) { number(column, static_cast<double>(value)); }
+  [[nodiscard]] wire::Table take() && { return std::move(table_); }
+
+ private:
+  wire::Cell* cell(const char* column) {
+    if (table_.columns_size() == row_->cells_size()) table_.add_columns(column);
+    return row_->add_cells();
+  }
+  wire::Table table_;
+  wire::Row* row_ = nullptr;
+};
+
+}  // namespace
+
+wire::Table visits_table(const FarmOverview& farm) {
+  TableWriter writer("visits");
+  for (const WatchedVisit& visit : farm.visits) {
+    writer.next_row();
+    writer.count("id", visit.id);
+    writer.text("museum", visit.museum);
+    writer.text("scene", visit.scene);
+    writer.number("frames_per_second", visit.frames_per_second);
+    writer.number("samples_per_pixel", visit.samples_per_pixel);
+    writer.number("scale", visit.scale);
+    writer.number("budget_ms", visit.budget_ms);
+    writer.number("frame_ms", visit.frame_ms);
+    writer.number("bytes_per_frame", visit.bytes_per_frame);
+    writer.number("balance_efficiency", visit.balance_efficiency);
+    writer.count("frames", visit.frames);
+    writer.count("refined_frames", visit.refined);
+    writer.count("late_frames", visit.late);
+    writer.count("given_up_frames", visit.given_up);
+  }
+  return std::move(writer).take();
+}
+
+wire::Table nodes_table(const FarmOverview& farm) {
+  TableWriter writer("nodes");
+  for (const WatchedNode& node : farm.nodes) {
+    writer.next_row();
+    writer.text("name", node.name);
+    writer.text("state", node.state);
+    writer.number("threads", node.threads);
+    writer.number("speed", node.speed);
+    writer.count("blocks", node.blocks);
+    writer.count("blocks_waiting", node.blocks_waiting);
+    writer.count("memory_bytes", node.memory_bytes);
+    writer.number("load_share", node.load_share);
+    writer.number("uptime_s", node.uptime_s);
+    writer.text("scenes", fmt::format("{}", fmt::join(node.scenes, ", ")));
+  }
+  return std::move(writer).take();
+}
+
+}  // namespace cyclorama

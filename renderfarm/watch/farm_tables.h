@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/wire/inspection.pb.h"
+#include "renderfarm/watch/farm_overview.h"
+
+namespace cyclorama {
+
+/// The tables "visits" and "nodes" of the inspection service, which `cyclorama-farm top` and the page show.
+[[nodiscard]] wire::Table visits_table(const FarmOverview& farm);
+[[nodiscard]] wire::Table nodes_table(const FarmOverview& farm);
+
+}  // namespace cyclorama

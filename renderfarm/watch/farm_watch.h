@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/wire/inspection_service.h"
+#include "renderfarm/watch/metrics_file.h"
+#include "renderfarm/watch/watch_options.h"
+#include "renderfarm/watch/watch_server.h"
+
+namespace cyclorama {
+
+/// What the head shows of itself besides the inspection service: metrics and pictures, by HTTP and as a file, as far as
+/// the options ask for them. Thread-bound, but for what it hands out.
+class FarmWatch {
+ public:
+  /// `inspection` is borrowed. Nothing listens before start().
+  explicit FarmWatch(InspectionService& inspection) : inspection_(inspection) {}
+
+  /// `notice` may be called on another thread. kInvalidArgument  as validate(WatchOptions).     Else as WatchServer,
+  /// MetricsFile and Access.
+  Status start(const WatchOptions& options, const std::function<void(const std::string&)>& notice);
+  void stop();
+
+  [[nodiscard]] FarmMetrics& metrics() { return metrics_; }
+  /// Null when nobody can look: then the pictures need not be kept.
+  [[nodiscard]] VisitPictures* pictures() { return server_ ? &pictures_ : nullptr; }
+  [[nodiscard]] int port() const { return server_ ? server_->port() : 0; }
+
+ private:
+  InspectionService& inspection_;
+  FarmMetrics metrics_;
+  VisitPictures pictures_;
+  std::unique_ptr<MetricsFile> file_;
+  std::unique_ptr<WatchServer> server_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+"use strict";
+
+const byId = (id) => document.getElementById(id);
+const make = (tag, text, className) => {
+  const element = document.createElement(tag);
+  if (text !== undefined) element.textContent = text;
+  if (className) element.className = className;
+  return element;
+};
+const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
+const fixed = (x, digits) => (isNumber(x) ? x.toFixed(digits) : "–");
+const large = (x) => (!isNumber(x) ? "–" : x >= 1e9 ? fixed(x / 1e9, 2) + " G" : x >= 1e6 ? fixed(x / 1e6, 1) + " M" : x >= 1e4 ? fixed(x / 1e3, 0) + " k" : fixed(x, 0));
+const duration = (s) => (s < 120 ? `${Math.round(s)} s` : s < 7200 ? `${Math.round(s / 60)} min` : s < 172800 ? `${Math.round(s / 3600)} h` : `${Math.round(s / 86400)} days`);
+
+// ---- Tables: a column is a heading, how to show a row, and whether it is a number ----
+const loadBar = (share) => {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("class", "load");
+  svg.setAttribute("viewBox", "0 0 100 10");
+  svg.setAttribute("preserveAspectRatio", "none");
+  svg.setAttribute("role", "img");
+  svg.setAttribute("aria-label", `${Math.round(100 * share)} % of the largest load`);
+  const bar = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+  bar.setAttribute("width", String(Math.min(100, 100 * share)));
+  bar.setAttribute("height", "10");
+  svg.append(bar);
+  return svg;
+};
+const visitColumns = [
+  ["museum", (v) => v.museum || "(unnamed)"], ["scene", (v) => v.scene],
+  ["frames/s", (v) => fixed(v.frames_per_second, 1), "number"],
+  ["frame ms", (v) => fixed(v.frame_ms, 0), "number"],
+  ["budget ms", (v) => (v.budget_ms > 0 ? fixed(v.budget_ms, 0) : "–"), "number"],
+  ["samples", (v) => fixed(v.samples_per_pixel, 0), "number"],
+  ["scale", (v) => fixed(v.scale, 2), "number"],
+  ["kB a frame", (v) => fixed(v.bytes_per_frame / 1e3, 0), "number"],
+  ["balance", (v) => fixed(v.balance_efficiency, 2), "number"],
+  ["frames", (v) => large(v.frames), "number"],
+  ["late", (v) => fixed(v.late_frames, 0), "number", (v) => (v.late_frames > 0 ? "wrong" : "")],
+  ["given up", (v) => fixed(v.given_up_frames, 0), "number", (v) => (v.given_up_frames > 0 ? "wrong" : "")],
+];
+const stateClass = (n) => (n.state === "ready" ? "well" : n.state === "loading" ? "quiet" : "wrong");
+const nodeColumns = [
+  ["node", (n) => n.name], ["state", (n) => n.state, "", stateClass],
+  ["load", (n) => loadBar(n.load_share)],
+  ["threads", (n) => fixed(n.threads, 0), "number"], ["speed", (n) => fixed(n.speed, 2), "number"],
+  ["blocks", (n) => fixed(n.blocks, 0), "number"],
+  ["memory", (n) => (n.memory_bytes > 0 ? large(n.memory_bytes) + "B" : "–"), "number"],
+  ["scenes", (n) => n.scenes, "", () => "quiet"],
+];
+// What the farm promises, in milliseconds at the 99th percentile.
+const promised = { plan: 1, fan_out: 1, relay: 1, overhead: 5 };
+const stageNames = { queue: "wait for a turn", plan: "plan", fan_out: "fan out", render: "ray trace", encode: "encode", relay: "relay a tile",
+  overhead: "all but the rays", farm: "whole frame" };
+const stageColumns = [
+  ["", (s) => stageNames[s.name] || s.name], ["p50 ms", (s) => fixed(s.p50_ms, 2), "number"], ["p95 ms", (s) => fixed(s.p95_ms, 2), "number"],
+  ["p99 ms", (s) => fixed(s.p99_ms, 2), "number", (s) => (s.name in promised ? (s.p99_ms <= promised[s.name] ? "well" : "wrong") : "")],
+  ["promised", (s) => (s.name in promised ? "≤ " + promised[s.name] : ""), "number", () => "quiet"],
+];
+
+function showTable(id, columns, rows, none, decorate) {
+  const table = byId(id);
+  const focused = document.activeElement && table.contains(document.activeElement) ? document.activeElement.dataset.id : undefined;
+  const head = make("tr");
+  for (const [heading, , kind] of columns) head.append(make("th", heading, kind || ""));
+  const thead = make("thead");
+  thead.append(head);
+  const body = make("tbody");
+  for (const row of rows) {
+    const line = make("tr");
+    for (const [, show, kind, look] of columns) {
+      const value = show(row);
+      const cell = make("td", value instanceof Element ? undefined : value, [kind, look && look(row)].filter(Boolean).join(" "));
+      if (value instanceof Element) cell.append(value); else cell.title = value;
+      line.append(cell);
+    }
+    if (decorate) decorate(line, row);
+    body.append(line);
+  }
+  if (rows.length === 0) {
+    const cell = make("td", none, "none");
+    cell.colSpan = columns.length;
+    const line = make("tr");
+    line.append(cell);
+    body.append(line);
+  }
+  table.replaceChildren(thead, body);
+  if (focused) for (const line of body.children) if (line.dataset.id === focused) line.focus();
+}
+
+// ---- The picture of one visit, as a stream that lasts as long as the visit ----
+let chosen = null;
+let shown = null;
+const picture = byId("picture");
+function watchVisit(id) {
+  if (id === shown) return;
+  shown = id;
+  picture.hidden = id === null;
+  if (id === null) picture.removeAttribute("src"); else picture.src = `/visits/${id}.mjpeg?half`;
+  byId("missing").textContent = id === null ? "No visit is open." : "";
+}
+picture.addEventListener("error", () => {
+  if (shown === null) return;
+  byId("missing").textContent = "Its picture cannot be shown: too many watch, or it has none yet.";
+  picture.hidden = true;
+  const lost = shown;
+  setTimeout(() => { if (shown === lost) shown = undefined; }, 2000);  // The next status tries again.
+});
+
+function showVisits(visits) {
+  if (!visits.some((visit) => visit.id === chosen)) chosen = visits.length > 0 ? visits[0].id : null;
+  showTable("visits", visitColumns, visits, "No museum visits.", (line, visit) => {
+    line.tabIndex = 0;
+    line.dataset.id = visit.id;
+    if (visit.id === chosen) line.className = "chosen";
+    const choose = () => { chosen = visit.id; watchVisit(document.hidden ? null : chosen); };
+    line.addEventListener("click", choose);
+    line.addEventListener("keydown", (event) => { if (event.code === "Enter" || event.code === "Space") { event.preventDefault(); choose(); } });
+  });
+  watchVisit(document.hidden ? null : chosen);
+  const visit = visits.find((candidate) => candidate.id === chosen);
+  byId("caption").textContent = visit ? `${visit.museum || "(unnamed)"} in “${visit.scene}”, at half size` : "";
+}
+
+const order = Object.keys(stageNames);
+function show(status) {
+  const visits = status.visits || [];
+  const nodes = status.nodes || [];
+  byId("state").textContent = status.state;
+  byId("state").classList.toggle("wrong", !status.healthy);
+  byId("visits-count").textContent = visits.length;
+  byId("nodes-count").textContent = `${nodes.filter((node) => node.state === "ready").length} / ${nodes.length}`;
+  byId("fps").textContent = fixed(status.gauges.frames_per_second, 1);
+  byId("rays").textContent = large(status.gauges.rays_per_second);
+  const late = visits.reduce((sum, visit) => sum + visit.late_frames, 0);
+  byId("late").textContent = late;
+  byId("late").classList.toggle("wrong", late > 0);
+  showVisits(visits);
+  showTable("nodes", nodeColumns, nodes, "No node is connected.");
+  const stages = Object.entries(status.stages).map(([name, stage]) => ({ name, ...stage })).filter((stage) => stage.count > 0);
+  stages.sort((a, b) => (order.indexOf(a.name) + 99) % 99 - (order.indexOf(b.name) + 99) % 99);
+  showTable("stages", stageColumns, stages, "No frame has been measured yet.");
+  byId("foot").textContent = `${status.process} ${status.version}, up ${duration(status.uptime_s)}`;
+}
+
+async function watch() {
+  for (;;) {
+    if (!document.hidden) {
+      try {
+        const answer = await fetch("/status", { signal: AbortSignal.timeout(5000) });
+        if (!answer.ok) throw new Error(`it answers ${answer.status}`);
+        show(await answer.json());
+      } catch (problem) {
+        byId("state").textContent = `The farm's head does not answer (${problem.message}). This page tries again by itself.`;
+        byId("state").classList.add("wrong");
+      }
+    } else watchVisit(null);
+    await new Promise((done) => setTimeout(done, 1000));
+  }
+}
+watch();

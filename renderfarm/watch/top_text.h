@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "common/wire/inspection.pb.h"
+
+namespace cyclorama {
+
+/// The farm as a table for a terminal: its state, visits, nodes and the steps of a frame. Lines are at most `columns`
+/// characters wide, however long a museum's name is. Pure.
+[[nodiscard]] std::string top_text(const wire::ProcessStatus& status, int columns);
+
+}  // namespace cyclorama

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "common/http/page_file.h"
+
+namespace cyclorama {
+
+/// The files of renderfarm/watch/page/.
+[[nodiscard]] std::span<const PageFile> watch_page_files();
+
+}  // namespace cyclorama

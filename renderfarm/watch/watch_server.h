@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The farm over HTTP, for the operator's eyes.
+///
+///   GET /                  the page; its parts beneath /page.css, /page.js, /icon.svg
+///   GET /status            status_json.h
+///   GET /visits            the open visits: [ { id, museum, scene, frames_per_second, … } ]
+///   GET /visits/ID.mjpeg   the visit's pictures, as long as it lasts, at most ten a second; `?half` halves their sides
+///   GET /visits/ID.jpg     its newest picture; 404: it has none yet
+///   GET /metrics           Prometheus
+///   GET /health            {"healthy": …} with 200 or 503; the only one that needs no token
+///
+/// Errors are {"error": sentence} with 401, 403, 404, 429 (enough watch already) or 502.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/http/http_server.h"
+#include "common/wire/inspection.pb.h"
+#include "renderfarm/watch/access.h"
+#include "renderfarm/watch/farm_metrics.h"
+#include "renderfarm/watch/visit_pictures.h"
+
+namespace httplib {
+struct Request;
+struct Response;
+}  // namespace httplib
+
+namespace cyclorama {
+
+/// Threads: HttpServer's, of which those who watch occupy at most kMostWatchers. Thread-bound.
+class WatchServer {
+ public:
+  static constexpr int kMostWatchers = 4;
+
+  /// What it shows; borrowed, thread-safe.
+  struct Sources {
+    std::function<wire::ProcessStatus()> status;
+    const FarmMetrics& metrics;
+    VisitPictures& pictures;  ///< Closed by stop().
+  };
+  /// Errors as HttpServer::start().
+  static Result<std::unique_ptr<WatchServer>> start(const std::string& address, Access access, Sources sources);
+  ~WatchServer();
+  WatchServer(const WatchServer&) = delete;
+  WatchServer& operator=(const WatchServer&) = delete;
+
+  [[nodiscard]] int port() const { return http_->port(); }
+  /// Idempotent.
+  void stop();
+
+ private:
+  WatchServer(Access access, Sources sources) : access_(std::move(access)), sources_(std::move(sources)) {}
+  void add_routes(httplib::Server& server);
+  /// Answers whoever may not look; true: it did.
+  bool turn_away(const httplib::Request& request, httplib::Response& response) const;
+  void answer_picture(std::uint64_t visit, bool half, httplib::Response& response) const;
+  void answer_pictures(std::uint64_t visit, bool half, httplib::Response& response);
+
+  const Access access_;
+  const Sources sources_;
+  std::atomic<int> watchers_ = 0;
+  std::unique_ptr<HttpServer> http_{};
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Reads Prometheus' text format 0.0.4 back: a second opinion on what is written. Any line that is none fails the test.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+namespace cyclorama {
+
+/// Name and labels, as written, to value. Each must stand once, and after the TYPE of its family.
+inline std::map<std::string, double> samples_of(const std::string& text) {
+  static const std::regex kSample(
+      R"re(([a-zA-Z_:][a-zA-Z0-9_:]*)(\{(?:[a-zA-Z_]\w*="(?:[^"\\\n]|\\[\\"n])*",?)*\})? (\S+))re");
+  static const std::regex kComment(R"(# (HELP|TYPE) ([a-zA-Z_:][a-zA-Z0-9_:]*) (.+))");
+  std::map<std::string, double> samples;
+  std::set<std::string> families;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, kComment)) {
+      const bool is_new = match[1] != "TYPE" || families.insert(match[2]).second;
+      EXPECT_TRUE(is_new) << "twice: " << line;
+      continue;
+    }
+    if (!std::regex_match(line, match, kSample)) {
+      ADD_FAILURE() << "not a sample: " << line;
+      continue;
+    }
+    const std::string family = std::regex_replace(match[1].str(), std::regex("_(bucket|sum|count)$"), "");
+    EXPECT_TRUE(families.contains(family) || families.contains(match[1])) << "no TYPE before " << line;
+    EXPECT_TRUE(samples.emplace(match[1].str() + match[2].str(), std::stod(match[3])).second) << "twice: " << line;
+  }
+  return samples;
+}
+
+}  // namespace cyclorama

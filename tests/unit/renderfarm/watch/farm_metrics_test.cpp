@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/watch/farm_metrics.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/doubles/prometheus_text.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Key;
+using testing::Not;
+using Outcome = FrameFigures::Outcome;
+
+FarmOverview small_farm() {
+  FarmOverview farm;
+  farm.healthy = true;
+  farm.scene_nodes = {{"grotto", 2}};
+  farm.visits = {{1, "Hall 3", "grotto", 20.0, 4, 0.75, 50.0, 47.0, 3e5, 0.97},
+                 {2, "Hall 3", "grotto", 20.0, 16, 1.0, 40.0, 41.0, 2e5, 0.99}};
+  farm.nodes = {{7, "render-07", "ready", 8, 1.0, 3, 2, std::uint64_t{1} << 31, 60.0, 0.98, {"grotto"}},
+                {9, "render-07", "late", 4, 0.5, 1, 0, 1000, 6.0, 0.5, {}}};
+  return farm;
+}
+
+TEST(FarmMetrics, counts_frames_by_museum_and_outcome) {
+  FarmMetrics metrics;
+  metrics.visit_opened("Hall 3");
+  metrics.add({"Hall 3", Outcome::kWhole, 1000, 50, true, 2});
+  metrics.add({"Hall 3", Outcome::kWhole, 1000, 50, false, 0});
+  metrics.add({"Hall 3", Outcome::kLate, 10, 5, false, 0});
+  const auto samples = samples_of(metrics.text());
+  EXPECT_EQ(samples.at("cyclorama_frames_total{museum=\"Hall 3\"}"), 2);
+  EXPECT_EQ(samples.at("cyclorama_frames_late_total{museum=\"Hall 3\"}"), 1);
+  EXPECT_EQ(samples.at("cyclorama_frames_given_up_total{museum=\"Hall 3\"}"), 0) << "a rate needs a first value";
+  EXPECT_EQ(samples.at("cyclorama_frame_bytes_total{museum=\"Hall 3\"}"), 2010);
+  EXPECT_EQ(samples.at("cyclorama_rays_total"), 105);
+  EXPECT_EQ(samples.at("cyclorama_frames_given_again_total"), 1);
+  EXPECT_EQ(samples.at("cyclorama_blocks_moved_total"), 2);
+}
+
+TEST(FarmMetrics, sorts_each_step_of_a_frame_into_buckets) {
+  FarmMetrics metrics;
+  metrics.add_stage("plan", 0.0004);
+  metrics.add_stage("plan", 0.7);
+  const auto samples = samples_of(metrics.text());
+  EXPECT_EQ(samples.at("cyclorama_frame_seconds_count{stage=\"plan\"}"), 2);
+  EXPECT_EQ(samples.at("cyclorama_frame_seconds_bucket{stage=\"plan\",le=\"0.001\"}"), 1);
+  EXPECT_EQ(samples.at("cyclorama_frame_seconds_bucket{stage=\"plan\",le=\"+Inf\"}"), 2);
+  EXPECT_DOUBLE_EQ(samples.at("cyclorama_frame_seconds_sum{stage=\"plan\"}"), 0.7004);
+}
+
+TEST(FarmMetrics, shows_of_several_visits_of_a_museum_the_worst_and_numbers_nodes_of_one_name) {
+  FarmMetrics metrics;
+  metrics.show(small_farm());
+  const auto samples = samples_of(metrics.text());
+  EXPECT_EQ(samples.at("cyclorama_visits{museum=\"Hall 3\"}"), 2);
+  EXPECT_EQ(samples.at("cyclorama_visit_samples_per_pixel{museum=\"Hall 3\"}"), 4);
+  EXPECT_DOUBLE_EQ(samples.at("cyclorama_visit_frame_seconds{museum=\"Hall 3\"}"), 0.047);
+  EXPECT_DOUBLE_EQ(samples.at("cyclorama_visit_balance_efficiency_ratio{museum=\"Hall 3\"}"), 0.97);
+  EXPECT_EQ(samples.at("cyclorama_nodes"), 2);
+  EXPECT_EQ(samples.at("cyclorama_node_memory_bytes{node=\"render-07\"}"), 2147483648.0);
+  EXPECT_EQ(samples.at("cyclorama_node_late{node=\"render-07 #2\"}"), 1);
+  EXPECT_EQ(samples.at("cyclorama_node_ready{node=\"render-07\"}"), 1);
+  EXPECT_EQ(samples.at("cyclorama_scene_nodes{scene=\"grotto\"}"), 2);
+}
+
+TEST(FarmMetrics, what_is_gone_leaves_no_number_behind) {
+  FarmMetrics metrics;
+  metrics.show(small_farm());
+  metrics.show({});
+  const auto samples = samples_of(metrics.text());
+  EXPECT_EQ(samples.at("cyclorama_nodes"), 0);
+  EXPECT_THAT(samples, Not(Contains(Key(HasSubstr("render-07")))));
+  EXPECT_THAT(samples, Not(Contains(Key(HasSubstr("Hall 3")))));
+}
+
+TEST(FarmMetrics, a_museums_name_cannot_break_the_text) {
+  FarmMetrics metrics;
+  metrics.add({"a\"} 1\nb\\c", Outcome::kWhole, 1, 1, false, 0});
+  metrics.add({"", Outcome::kWhole, 1, 1, false, 0});
+  const auto samples = samples_of(metrics.text());
+  EXPECT_EQ(samples.at(R"(cyclorama_frames_total{museum="a\"} 1\nb\\c"})"), 1);
+  EXPECT_EQ(samples.at("cyclorama_frames_total{museum=\"(unnamed)\"}"), 1);
+}
+
+TEST(FarmMetrics, museums_beyond_the_limit_share_one_series) {
+  FarmMetrics metrics;
+  for (std::size_t i = 0; i < FarmMetrics::kMostMuseums + 10; ++i) {
+    metrics.add({fmt::format("museum {}", i), Outcome::kWhole, 1, 1, false, 0});
+  }
+  FarmOverview farm;
+  farm.visits = {{1, "another", "grotto"}, {2, "museum 70", "grotto"}, {3, "museum 1", "grotto"}};
+  metrics.show(farm);
+  const auto samples = samples_of(metrics.text());
+  EXPECT_EQ(samples.at("cyclorama_frames_total{museum=\"(others)\"}"), 10);
+  EXPECT_EQ(samples.at("cyclorama_visits{museum=\"(others)\"}"), 2);
+  EXPECT_EQ(samples.at("cyclorama_visits{museum=\"museum 1\"}"), 1);
+}
+
+TEST(FarmMetrics, says_why_visits_were_refused) {
+  FarmMetrics metrics;
+  metrics.visit_refused(ErrorCode::kBusy);
+  metrics.visit_refused(ErrorCode::kBusy);
+  metrics.node_sent_away();
+  const auto samples = samples_of(metrics.text());
+  EXPECT_EQ(samples.at("cyclorama_visits_refused_total{reason=\"full\"}"), 2);
+  EXPECT_EQ(samples.at("cyclorama_nodes_sent_away_total"), 1);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -37,7 +37,7 @@ Result<std::unique_ptr<FarmClient>> FarmClient::start(FarmClientOptions options,
   if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "no address of a farm is given");
   std::vector<std::shared_ptr<grpc::Channel>> channels;
   for (const std::string& head : options.heads) {
-    TRY_ASSIGN(auto channel, make_channel(head));
+    TRY_ASSIGN(auto channel, make_channel(head, options.tls));
     channels.push_back(std::move(channel));
   }
   return std::unique_ptr<FarmClient>(new FarmClient(std::move(options), std::move(channels), listener));

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "common/base/clock.h"
 #include "common/base/result.h"
 #include "common/wire/farm.pb.h"
+#include "common/wire/tls.h"
 #include "renderfarm/client/view_window.h"
 
 namespace grpc {
@@ -24,7 +26,8 @@ namespace cyclorama {
 struct FarmClientOptions {
   std::vector<std::string> heads{};  ///< "[::1]:7401"; tried in this order, the first again after the last.
   std::string scene{};               ///< Empty: the farm's first.
-  std::string museum{};              ///< Shown to the farm's operator.
+  std::string museum{};              ///< Shown to the farm's operator, where no certificate says it.
+  std::optional<TlsFiles> tls{};     ///< Nothing: not encrypted, for a head on this machine.
   /// A head that owes an answer and says nothing for this long is given up. Longer than any tile takes to render.
   Duration patience = std::chrono::seconds(30);
   /// As wire::OpenVisit: with a budget, the farm chooses the quality, and refines while no new view is requested.
@@ -65,7 +68,7 @@ class FarmListener {
 class FarmClient {
  public:
   /// The listener is borrowed until stop() has returned. Does not wait for a connection.
-  /// kInvalidArgument  no head, or an address that is none.
+  /// kInvalidArgument  no head, or an address that is none.     With `tls` also as check(TlsFiles).
   static Result<std::unique_ptr<FarmClient>> start(FarmClientOptions options, FarmListener& listener);
   ~FarmClient();
   FarmClient(const FarmClient&) = delete;

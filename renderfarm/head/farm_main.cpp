@@ -17,6 +17,7 @@ struct Arguments {
   std::string nodes{};
   std::string inspect{};
   std::string balance{};
+  bool insecure = false;
 };
 
 /// The file first; what the command line says overrules it.
@@ -34,6 +35,7 @@ Result<HeadOptions> options_from(const Arguments& arguments) {
   if (!arguments.nodes.empty()) options.nodes = arguments.nodes;
   if (!arguments.inspect.empty()) options.inspect = arguments.inspect;
   if (!arguments.balance.empty()) options.strategy = *balance_strategy_of(arguments.balance);
+  options.trust.insecure = options.trust.insecure || arguments.insecure;
   return options;
 }
 
@@ -78,5 +80,6 @@ int main(int argc, char** argv) {
   app.add_option("--inspect", arguments.inspect, "Where the operator looks (default: nowhere)");
   app.add_option("--balance", arguments.balance, "How pictures are split: pbt (default) or equal")
       ->check(CLI::IsMember({"pbt", "equal"}));
+  app.add_flag("--insecure", arguments.insecure, "Let others than this machine dial without TLS");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

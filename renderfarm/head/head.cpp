@@ -21,6 +21,11 @@ constexpr Duration kTick = std::chrono::milliseconds(100);
 constexpr Duration kLinger = std::chrono::seconds(5);
 constexpr Duration kStopGrace = std::chrono::seconds(2);
 constexpr std::size_t kLongestSceneName = 64;
+/// A museum sends views, each of some hundred bytes; a node sends tiles.
+constexpr int kMuseumMessageBytes = 64 << 10;
+/// Of one connection: a museum has a visit and asks for scenes; a node has its stream and fetches files.
+constexpr int kMuseumCalls = 16;
+constexpr int kNodeCalls = 32;
 
 /// A stream and, once it was told to end, when that must have happened.
 template <typename Stream>
@@ -60,9 +65,11 @@ class Head::Loop final : private Peers {
   ~Loop() override { stop(); }
 
   Status start() {
-    thread_ = std::thread([this] { run(); });  // First: every call that a server takes needs somebody to finish it.
-    TRY_ASSIGN(node_server_, WireServer::start(options_.nodes, {&nodes_service_}));
-    TRY_ASSIGN(museum_server_, WireServer::start(options_.museums, {&farm_service_}));
+    TRY_ASSIGN(gate_, Gatekeeper::open(options_.trust, clock_, notice_));
+    thread_ = std::thread(
+        [this] { run(); });  // Before the servers: every call that a server takes needs somebody to finish it.
+    TRY_ASSIGN(node_server_, WireServer::start(options_.nodes, {&nodes_service_}, port_for(Role::kNode)));
+    TRY_ASSIGN(museum_server_, WireServer::start(options_.museums, {&farm_service_}, port_for(Role::kMuseum)));
     if (!options_.inspect.empty()) {
       TRY_ASSIGN(inspect_server_, WireServer::start(options_.inspect, {&inspection_}));
     }
@@ -91,61 +98,125 @@ class Head::Loop final : private Peers {
     TimePoint next_tick = clock_.now();
     for (bool open = true; open;) {
       open = !events_.is_closed();  // Asked first: what was posted before the closing is still handled.
-      const TimePoint wake = stopping_ ? next_tick : std::min(next_tick, state_.next_deadline());
+      TimePoint wake = stopping_ ? next_tick : std::min(next_tick, state_.next_deadline());
+      if (!held_.empty()) wake = std::min(wake, held_.begin()->first);
       for (Event& event : events_.take_all(wake)) std::visit([this](auto& e) { handle(e); }, event);
       const TimePoint now = clock_.now();
+      release(now);
       if (now < next_tick) {
         if (now >= wake) state_.tick();
         continue;
       }
       next_tick = now + kTick;
       alive_at_ = now.time_since_epoch().count();
-      if (!stopping_) state_.tick();
+      if (!stopping_) {
+        state_.tick();
+        look_at_files();
+      }
       cut_late_ones(nodes_, now);
       cut_late_ones(museums_, now);
       meters_.update(state_, now);
     }
   }
 
+  [[nodiscard]] ServerOptions port_for(Role role) const {
+    const bool museums = role == Role::kMuseum;
+    return {.tls = options_.trust.tls,
+            .admit = [gate = gate_.get(), role](const Identity& who) { return gate->refusal(who, role); },
+            .message_limit_bytes = museums ? kMuseumMessageBytes : kMessageLimitBytes,
+            .calls_per_connection = museums ? kMuseumCalls : kNodeCalls};
+  }
+
+  void visit_said(const MuseumSaid& e) {
+    const Status bearable = e.request.has_view() ? gate_->view_came(e.id) : Done{};
+    if (bearable) return state_.visit_asked(SessionId{e.id}, e.request, e.at);
+    state_.visit_gone(SessionId{e.id});
+    end_visit(SessionId{e.id}, bearable.error(), true);
+  }
+
+  /// What museums with a limit of bytes took, when the limit lets the next frame go.
+  void release(TimePoint now) {
+    while (!held_.empty() && held_.begin()->first <= now) {
+      const MuseumTook took = std::move(held_.begin()->second);
+      held_.erase(held_.begin());
+      if (!stopping_) state_.written(SessionId{took.id}, took.reply);
+    }
+  }
+  void look_at_files() {
+    const Gatekeeper::Leavers leavers = gate_->tick();
+    for (const auto& [id, reason] : leavers.visits) {
+      gate_->visit_ended(id, reason);
+      state_.visit_gone(SessionId{id});
+      send_away(museums_.at(id), reason);
+    }
+    for (const auto& [id, reason] : leavers.nodes) {
+      gate_->node_gone(id, reason);
+      state_.node_gone(NodeId{id});
+      send_away(nodes_.at(id), reason);
+    }
+  }
+  template <typename Stream>
+  static void send_away(Open<Stream>& open, const std::string& reason) {
+    end_stream(open, {grpc::StatusCode::PERMISSION_DENIED, reason}, true);
+  }
+
   void handle(NodeCame& e) {
     nodes_.emplace(e.id, Open<NodeStream>{std::move(e.stream)});
     if (stopping_) return end_stream(nodes_.at(e.id), kStops, false);
+    gate_->node_came(e.id, e.who);
+    node_names_[e.id] = e.who.name;
     state_.node_came(NodeId{e.id});
   }
   void handle(NodeSaid& e) {
+    if (const std::string& name = node_names_[e.id]; e.report.has_hello() && !name.empty()) {
+      // Who it is, its certificate says; how its host calls it helps people where hosts share one.
+      std::string* const said = e.report.mutable_hello()->mutable_name();
+      *said = said->empty() || *said == name ? name : name + "/" + *said;
+    }
     if (!stopping_) state_.node_reported(NodeId{e.id}, std::move(e.report));
     nodes_.at(e.id).stream->read_next();
   }
   void handle(NodeClosed& e) {
     if (!stopping_) state_.node_gone(NodeId{e.id});
+    gate_->node_gone(e.id, "");
     end_stream(nodes_.at(e.id), grpc::Status::OK, false);
   }
-  void handle(NodeDone& e) { nodes_.erase(e.id); }
+  void handle(NodeDone& e) {
+    nodes_.erase(e.id);
+    node_names_.erase(e.id);
+  }
 
   void handle(MuseumCame& e) {
     museums_.emplace(e.id, Open<MuseumStream>{std::move(e.stream)});
     if (stopping_) return end_stream(museums_.at(e.id), kStops, false);
-    state_.visit_came(SessionId{e.id});
+    auto grant = gate_->visit_came(e.id, e.who);
+    if (!grant) return end_stream(museums_.at(e.id), to_grpc(grant.error()), false);
+    state_.visit_came(SessionId{e.id}, *std::move(grant));
   }
   void handle(MuseumSaid& e) {
-    if (!stopping_) state_.visit_asked(SessionId{e.id}, e.request, e.at);
+    if (!stopping_) visit_said(e);
     museums_.at(e.id).stream->read_next();
   }
   void handle(MuseumTook& e) {
-    if (!stopping_) state_.written(SessionId{e.id}, e.reply);
+    const TimePoint due = gate_->took(e.id, e.reply);
+    held_.emplace(due, std::move(e));
+    release(clock_.now());
   }
   void handle(MuseumClosed& e) {
     if (!stopping_) state_.visit_gone(SessionId{e.id});
+    gate_->visit_ended(e.id, "");
     end_stream(museums_.at(e.id), grpc::Status::OK, false);
   }
   void handle(MuseumDone& e) { museums_.erase(e.id); }
 
   void handle(ScenesAsked& e) {
-    *e.reply = state_.scenes();
+    *e.reply = state_.scenes(gate_->grant_of(e.who));
     e.reactor->Finish(grpc::Status::OK);
   }
   void handle(StopAsked&) {
     stopping_ = true;
+    for (const auto& [id, open] : museums_) gate_->visit_ended(id, kStops.error_message());
+    for (const auto& [id, open] : nodes_) gate_->node_gone(id, kStops.error_message());
     end_all(museums_, kStops);
     end_all(nodes_, kStops);
   }
@@ -154,12 +225,16 @@ class Head::Loop final : private Peers {
     nodes_.at(static_cast<std::uint64_t>(node)).stream->send(command);
   }
   void to_museum(SessionId session, wire::VisitReply reply) override {
-    museums_.at(static_cast<std::uint64_t>(session)).stream->send(std::move(reply));
+    const auto id = static_cast<std::uint64_t>(session);
+    if (reply.has_opened()) gate_->visit_opened(id, reply.opened().name());
+    museums_.at(id).stream->send(std::move(reply));
   }
   void end_node(NodeId node, const Error& reason) override {
+    gate_->node_gone(static_cast<std::uint64_t>(node), reason.message());
     end_stream(nodes_.at(static_cast<std::uint64_t>(node)), to_grpc(reason), false);
   }
   void end_visit(SessionId session, const Error& reason, bool at_once) override {
+    gate_->visit_ended(static_cast<std::uint64_t>(session), reason.message());
     end_stream(museums_.at(static_cast<std::uint64_t>(session)), to_grpc(reason), at_once);
   }
   void frame_ended(const FrameReport& report) override { meters_.add(report); }
@@ -175,6 +250,9 @@ class Head::Loop final : private Peers {
   InspectionService inspection_{"head"};
   HeadMeters meters_{inspection_};
   HeadState state_;
+  std::unique_ptr<Gatekeeper> gate_;
+  std::multimap<TimePoint, MuseumTook> held_;
+  std::map<std::uint64_t, std::string> node_names_;  ///< As their certificates say.
   bool stopping_ = false;
   std::map<std::uint64_t, Open<NodeStream>> nodes_;
   std::map<std::uint64_t, Open<MuseumStream>> museums_;
@@ -207,6 +285,13 @@ Status validate(const HeadOptions& options) {
     if (std::ranges::count(options.scenes, scene.name, &FarmScene::name) > 1) {
       return refuse(fmt::format("scene '{}' is given twice", scene.name));
     }
+  }
+  for (const std::string& address : {options.museums, options.nodes}) {
+    if (options.trust.tls || options.trust.insecure || is_loopback(address)) continue;
+    return refuse(
+        fmt::format("'{}' can be reached by others, and there is no TLS; make certificates with "
+                    "cyclorama-authority and write [tls], or say insecure = true",
+                    printable(address)));
   }
   return Done{};
 }

@@ -13,6 +13,7 @@
 #include "common/base/result.h"
 #include "renderfarm/balance/balancer.h"
 #include "renderfarm/head/head_state.h"
+#include "renderfarm/trust/gatekeeper.h"
 
 namespace cyclorama {
 
@@ -23,9 +24,11 @@ struct HeadOptions {
   std::string inspect{};               ///< Where the operator looks; empty: nowhere.
   BalanceStrategy strategy = BalanceStrategy::kPbt;
   HeadLimits limits{};
+  TrustOptions trust{};
 };
 
-/// That names, paths and addresses can work. kInvalidArgument names the culprit.
+/// That names, paths and addresses can work, and that nothing listens to the world without TLS. kInvalidArgument names
+/// the culprit.
 Status validate(const HeadOptions& options);
 
 /// The farm's head as a running service: gRPC's streams around HeadState. Threads: `head` (the one loop that HeadState
@@ -33,6 +36,7 @@ Status validate(const HeadOptions& options);
 class Head {
  public:
   /// `notice` gets sentences for the log, on the head thread. kInvalidArgument, kBusy  as WireServer::start().
+  /// Else as Gatekeeper::open().
   static Result<std::unique_ptr<Head>> start(HeadOptions options, std::function<void(const std::string&)> notice);
   ~Head();
   Head(const Head&) = delete;

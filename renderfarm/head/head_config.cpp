@@ -7,6 +7,26 @@
 #include "common/config/config.h"
 
 namespace cyclorama {
+namespace {
+
+TrustOptions read_trust(ConfigTable& root, const std::filesystem::path& folder) {
+  TrustOptions trust;
+  const auto file = [&](ConfigTable& table, const char* key, std::optional<std::string> fallback = std::nullopt) {
+    const std::string text = table.text(key, std::move(fallback));
+    return text.empty() ? std::filesystem::path() : folder / text;
+  };
+  trust.insecure = root.flag("insecure", false);
+  trust.museums = file(root, "museums_file", "");
+  trust.audit = file(root, "audit", "");
+  if (root.has("tls")) {
+    ConfigTable tls = root.table("tls");
+    trust.tls = TlsFiles{file(tls, "authority"), file(tls, "certificate"), file(tls, "key")};
+    trust.revoked = file(tls, "revoked", "");
+  }
+  return trust;
+}
+
+}  // namespace
 
 Result<HeadOptions> read_head_config(const std::filesystem::path& path) {
   TRY_ASSIGN(Config config, Config::read(path));
@@ -27,6 +47,7 @@ Result<HeadOptions> read_head_config(const std::filesystem::path& path) {
     options.limits.picture_px = static_cast<std::int64_t>(
         1e6 * limits.number("picture_megapixels", {0.01, 269.0}, 1e-6 * static_cast<double>(defaults.picture_px)));
   }
+  options.trust = read_trust(root, path.parent_path());
   TRY(config.finish());
   if (const Status fine = validate(options); !fine) {
     return Error(fine.error()).while_doing(path.string());

@@ -18,10 +18,12 @@ namespace cyclorama {
 ///   [[scene]]                        # The first is the default.
 ///   name = "grotto"
 ///   path = "/srv/scenes/grotto"      # On the nodes' disks.
-///   [limits]                         # Each may be left out.
-///   nodes = 512
-///   visits = 64
-///   picture_megapixels = 67
+///   museums_file = "museums.toml"    # Who may see what (renderfarm/trust/grants.h); without it, all museums
+///   everything. audit = "/var/log/cyclorama/audit.jsonl"   # Without it, no audit log. insecure = false # true: ports
+///   beyond this machine need no TLS. [tls]                            # Without it the ports must be of this machine
+///   alone. authority = "tls/authority.crt"  # Files are sought in farm.toml's folder. certificate =
+///   "tls/certificate.crt" key = "tls/key.pem" revoked = "tls/crl.pem"          # Without it, no certificate is
+///   revoked. [limits]                         # Each may be left out. nodes = 512 visits = 64 picture_megapixels = 67
 ///
 /// Errors as Config's, and kInvalidArgument as validate(HeadOptions).
 Result<HeadOptions> read_head_config(const std::filesystem::path& path);

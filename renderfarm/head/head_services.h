@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "common/wire/farm.grpc.pb.h"
+#include "common/wire/identity.h"
 #include "common/wire/nodes.grpc.pb.h"
 #include "renderfarm/head/event_queue.h"
 #include "renderfarm/head/peer_stream.h"
@@ -23,6 +24,7 @@ using MuseumStream = PeerStream<wire::VisitRequest, wire::VisitReply>;
 struct NodeCame {
   std::uint64_t id;
   std::shared_ptr<NodeStream> stream;
+  Identity who;
 };
 struct NodeSaid {
   std::uint64_t id;
@@ -37,6 +39,7 @@ struct NodeDone {
 struct MuseumCame {
   std::uint64_t id;
   std::shared_ptr<MuseumStream> stream;
+  Identity who;
 };
 struct MuseumSaid {
   std::uint64_t id;
@@ -56,6 +59,7 @@ struct MuseumDone {
 struct ScenesAsked {
   wire::ListScenesReply* reply;
   grpc::ServerUnaryReactor* reactor;
+  Identity who;
 };
 struct StopAsked {};
 using Event = std::variant<NodeCame, NodeSaid, NodeClosed, NodeDone, MuseumCame, MuseumSaid, MuseumTook, MuseumClosed,
@@ -72,7 +76,7 @@ class NodesService final : public wire::Nodes::CallbackService,
     const std::uint64_t id = ++last_id_;
     auto stream = NodeStream::open(id, context, *this);
     NodeStream* const reactor = stream.get();
-    events_.post(NodeCame{id, std::move(stream)});
+    events_.post(NodeCame{id, std::move(stream), identity_of(*context)});
     reactor->read_next();
     return reactor;
   }
@@ -95,14 +99,14 @@ class FarmService final : public wire::Farm::CallbackService,
     const std::uint64_t id = ++last_id_;
     auto stream = MuseumStream::open(id, context, *this);
     MuseumStream* const reactor = stream.get();
-    events_.post(MuseumCame{id, std::move(stream)});
+    events_.post(MuseumCame{id, std::move(stream), identity_of(*context)});
     reactor->read_next();
     return reactor;
   }
   grpc::ServerUnaryReactor* ListScenes(grpc::CallbackServerContext* context, const wire::ListScenesRequest*,
                                        wire::ListScenesReply* reply) override {
     grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-    if (!events_.post(ScenesAsked{reply, reactor})) {
+    if (!events_.post(ScenesAsked{reply, reactor, identity_of(*context)})) {
       reactor->Finish({grpc::StatusCode::UNAVAILABLE, "the farm's head stops"});
     }
     return reactor;

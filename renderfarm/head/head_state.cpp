@@ -19,9 +19,10 @@ void HeadState::tick() {
   tick_visits();
 }
 
-wire::ListScenesReply HeadState::scenes() const {
+wire::ListScenesReply HeadState::scenes(const Grant& grant) const {
   wire::ListScenesReply reply;
   for (const FarmScene& scene : scenes_) {
+    if (!grant.allows(scene.name)) continue;
     wire::SceneSummary* const summary = reply.add_scenes();
     summary->set_name(scene.name);
     const wire::SceneDescription* const known = description(scene.name);

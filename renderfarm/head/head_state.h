@@ -14,6 +14,7 @@
 #include "renderfarm/head/ids.h"
 #include "renderfarm/head/peers.h"
 #include "renderfarm/head/session.h"
+#include "renderfarm/trust/grants.h"
 
 namespace cyclorama {
 
@@ -70,7 +71,8 @@ class HeadState {
   void node_reported(NodeId node, wire::NodeReport report);
   void node_gone(NodeId node);
 
-  void visit_came(SessionId session);
+  /// What the visit may do is in `grant`.
+  void visit_came(SessionId session, Grant grant = {});
   void visit_asked(SessionId session, const wire::VisitRequest& request, TimePoint received_at);
   /// The museum closed its side, or is gone.
   void visit_gone(SessionId session);
@@ -81,7 +83,7 @@ class HeadState {
   void tick();
   [[nodiscard]] TimePoint next_deadline() const;
 
-  [[nodiscard]] wire::ListScenesReply scenes() const;
+  [[nodiscard]] wire::ListScenesReply scenes(const Grant& grant = {}) const;
   [[nodiscard]] std::size_t nodes_with(const std::string& scene) const;
   [[nodiscard]] std::size_t nodes() const { return nodes_.size(); }
   [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }

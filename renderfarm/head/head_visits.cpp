@@ -10,7 +10,7 @@
 
 namespace cyclorama {
 
-void HeadState::visit_came(SessionId id) {
+void HeadState::visit_came(SessionId id, Grant grant) {
   if (sessions_.size() >= limits_.sessions) {
     peers_.end_visit(
         id, Error(ErrorCode::kBusy, fmt::format("this farm takes {} visits at once and has them", limits_.sessions)),
@@ -18,6 +18,9 @@ void HeadState::visit_came(SessionId id) {
     return;
   }
   Session session;
+  session.share.weight = grant.weight;
+  session.watermark = grant.watermark;
+  session.grant = std::move(grant);
   session.arrived_at = clock_.now();
   session.balancer = make_balancer(strategy_);
   sessions_.emplace(id, std::move(session));
@@ -71,9 +74,11 @@ Result<std::unique_ptr<Governed>> HeadState::governed_by(const wire::OpenVisit& 
 }
 
 Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& open) {
-  session.museum = printable(open.museum());
-  const std::string& wanted = open.scene().empty() ? scenes_.front().name : open.scene();
-  const auto scene = std::ranges::find(scenes_, wanted, &FarmScene::name);
+  session.museum = session.grant.museum.empty() ? printable(open.museum()) : session.grant.museum;
+  const std::string& wanted = open.scene();  // Empty: the first.
+  const auto scene = std::ranges::find_if(scenes_, [&](const FarmScene& known) {
+    return (wanted.empty() || known.name == wanted) && session.grant.allows(known.name);
+  });
   if (scene == scenes_.end()) {
     return Error(ErrorCode::kNotFound,
                  fmt::format("this farm has no scene '{}'; ask for the list of scenes", printable(wanted)));

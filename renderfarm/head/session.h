@@ -19,6 +19,7 @@
 #include "renderfarm/head/frame_assembly.h"
 #include "renderfarm/head/governed.h"
 #include "renderfarm/head/ids.h"
+#include "renderfarm/trust/grants.h"
 
 namespace cyclorama {
 
@@ -55,6 +56,7 @@ struct WrittenFrame {
 };
 
 struct Session {
+  Grant grant{};  ///< What it may do.
   std::string museum{};
   std::string scene{};  ///< Empty until the visit is opened.
   TimePoint arrived_at{};

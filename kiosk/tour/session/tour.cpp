@@ -23,6 +23,7 @@ Result<std::unique_ptr<Tour>> Tour::start(TourSettings settings, InspectionServi
   options.heads = settings.heads;
   options.scene = settings.scene;
   options.museum = settings.museum;
+  options.tls = settings.tls;
   options.frame_budget_ms = settings.picture.frame_budget_ms;
   options.reference_samples = settings.picture.reference_samples;
   auto tour = std::unique_ptr<Tour>(new Tour(std::move(settings), inspection));

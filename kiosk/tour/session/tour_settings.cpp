@@ -63,7 +63,12 @@ void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
       seconds(walk.number("guide_after_s", {0.0, 86400.0}, to_seconds(ret_settings->guide_after)));
 }
 
-Result<TourSettings> read_from(Config config) {
+std::optional<TlsFiles> read_tls(ConfigTable& farm, const std::filesystem::path& folder) {
+  if (!farm.has("authority") && !farm.has("certificate") && !farm.has("key")) return std::nullopt;
+  return TlsFiles{folder / farm.text("authority"), folder / farm.text("certificate"), folder / farm.text("key")};
+}
+
+Result<TourSettings> read_from(Config config, const std::filesystem::path& folder) {
   TourSettings settings;
   ConfigTable root = config.root();
   ConfigTable farm = root.table("farm");
@@ -71,6 +76,7 @@ Result<TourSettings> read_from(Config config) {
   if (settings.heads.empty()) farm.refuse("heads", "is empty; name the farm's head, such as [\"[::1]:7401\"]");
   settings.scene = farm.text("scene", settings.scene);
   settings.museum = farm.text("museum", settings.museum);
+  settings.tls = read_tls(farm, folder);
   read_walk(root.table("walk"), &settings.navigation);
   ConfigTable picture = root.table("picture");
   const bool is_fixed = picture.has("samples") || picture.has("jpeg_quality") || picture.has("subsample_chroma");
@@ -99,12 +105,12 @@ TourSettings default_tour_settings() {
 
 Result<TourSettings> read_tour_settings(const std::filesystem::path& path) {
   TRY_ASSIGN(Config config, Config::read(path));
-  return read_from(std::move(config));
+  return read_from(std::move(config), path.parent_path());
 }
 
 Result<TourSettings> parse_tour_settings(std::string_view text, std::string name) {
   TRY_ASSIGN(Config config, Config::parse(text, std::move(name)));
-  return read_from(std::move(config));
+  return read_from(std::move(config), {});
 }
 
 }  // namespace cyclorama

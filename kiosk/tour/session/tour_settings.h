@@ -5,6 +5,9 @@
 ///   heads = ["[2001:db8::1]:7401"]                  forward_m_per_s = 1.0        neutral_distance_m = 1.0
 ///   scene = "grotto"      # empty: the first        turn_deg_per_s = 40          guide_after_s = 45   # 0: never
 ///   museum = "Hall 3"                               ...
+///   authority = "tls/authority.crt"     # All three, or none: not encrypted.
+///   certificate = "tls/certificate.crt" # Files are sought in site.toml's folder.
+///   key = "tls/key.pem"
 ///   [picture]
 ///   frame_budget_ms = 50        # The farm chooses the quality that fits, and refines at rest;
 ///   reference_samples = 1024    # up to so many samples per pixel.
@@ -24,6 +27,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/wire/tls.h"
 #include "kiosk/tour/navigation/navigator.h"
 
 namespace cyclorama {
@@ -41,6 +45,7 @@ struct TourSettings {
   std::vector<std::string> heads{"[::1]:7401"};
   std::string scene;
   std::string museum = "museum";
+  std::optional<TlsFiles> tls{};  ///< Towards the farm.
   PictureSettings picture;
   NavigationSettings navigation;
 };

@@ -17,8 +17,8 @@ Result<HeadOptions> read(const std::string& text) {
   return read_head_config(path);
 }
 
-constexpr const char* kGood = R"(museums = "[::]:7401"
-nodes = "[::]:7402"
+constexpr const char* kGood = R"(museums = "[::1]:7401"
+nodes = "[::1]:7402"
 [[scene]]
 name = "grotto"
 path = "/srv/scenes/grotto"
@@ -30,7 +30,7 @@ path = "/srv/scenes/relic"
 TEST(HeadConfig, reads_what_it_says_and_defaults_for_the_rest) {
   const auto options = read(std::string(kGood) + "[limits]\nvisits = 3\n");
   ASSERT_TRUE(options) << options.error().message();
-  EXPECT_EQ(options->museums, "[::]:7401");
+  EXPECT_EQ(options->museums, "[::1]:7401");
   EXPECT_EQ(options->inspect, "");
   ASSERT_EQ(options->scenes.size(), 2u);
   EXPECT_EQ(options->scenes[1].path, "/srv/scenes/relic");
@@ -50,6 +50,25 @@ TEST(HeadConfig, refuses_scenes_that_cannot_be_told_apart) {
   EXPECT_THAT(read(std::string(kGood) + "[[scene]]\nname = \"grotto\"\npath = \"x\"\n").error().message(),
               HasSubstr("twice"));
   EXPECT_THAT(read("museums = \"[::]:1\"\nnodes = \"[::]:2\"\n").error().message(), HasSubstr("no scene"));
+}
+
+TEST(HeadConfig, lets_nobody_in_from_elsewhere_without_tls) {
+  const std::string scenes = "[[scene]]\nname = \"grotto\"\npath = \"x\"\n";
+  const std::string open = "museums = \"[::]:7401\"\nnodes = \"[::1]:7402\"\n";
+  EXPECT_THAT(read(open + scenes).error().message(), HasSubstr("cyclorama-authority"));
+  EXPECT_THAT(read("museums = \"localhost:1\"\nnodes = \"10.0.0.1:2\"\n" + scenes).error().message(),
+              HasSubstr("'10.0.0.1:2' can be reached"));
+  EXPECT_TRUE(read(open + "insecure = true\n" + scenes));
+  EXPECT_THAT(read(open + scenes + "[tls]\nauthority = \"a\"\ncertificate = \"c\"\n").error().message(),
+              HasSubstr("key"));
+  const auto safe = read(open + "museums_file = \"museums.toml\"\naudit = \"/var/log/audit\"\n" + scenes +
+                         "[tls]\nauthority = \"a\"\ncertificate = \"c\"\nkey = \"/etc/k\"\nrevoked = \"r\"\n");
+  ASSERT_TRUE(safe) << safe.error().message();
+  const std::filesystem::path folder(testing::TempDir());
+  EXPECT_EQ(safe->trust.tls, (TlsFiles{folder / "a", folder / "c", "/etc/k"}));
+  EXPECT_EQ(safe->trust.revoked, folder / "r");
+  EXPECT_EQ(safe->trust.museums, folder / "museums.toml");
+  EXPECT_EQ(safe->trust.audit, "/var/log/audit");
 }
 
 TEST(FarmScene, is_a_name_and_a_path) {

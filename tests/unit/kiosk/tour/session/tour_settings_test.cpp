@@ -107,6 +107,15 @@ TEST(TourSettings, name_line_and_remedy_of_every_mistake) {
   }
 }
 
+TEST(TourSettings, name_the_museums_certificate_or_none) {
+  EXPECT_FALSE(parse_tour_settings("", "site.toml")->tls);
+  const auto settings =
+      parse_tour_settings("[farm]\nauthority = \"/a\"\ncertificate = \"c\"\nkey = \"k\"", "site.toml");
+  ASSERT_TRUE(settings) << settings.error().message();
+  EXPECT_EQ(settings->tls, (TlsFiles{"/a", "c", "k"}));
+  EXPECT_FALSE(parse_tour_settings("[farm]\nauthority = \"/a\"\nkey = \"k\"", "site.toml"));
+}
+
 TEST(TourSettings, say_which_file_is_missing) {
   const auto settings = read_tour_settings("/nowhere/site.toml");
   ASSERT_FALSE(settings);

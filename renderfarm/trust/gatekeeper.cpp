@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/trust/gatekeeper.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/file.h"
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kLookEvery = std::chrono::milliseconds(500);
+constexpr Duration kSameRefusal = std::chrono::minutes(1);
+constexpr std::size_t kMostRefusals = 1000;
+/// A museum whose pictures are larger than its limit bears still gets one now and then.
+constexpr Duration kLongestWait = std::chrono::seconds(10);
+constexpr std::size_t kLargestAuthority = 1 << 20;
+
+/// As if there were none.
+Grant nothing_for(const std::string& museum) { return {.museum = museum, .scenes = {}}; }
+
+}  // namespace
+
+Result<std::unique_ptr<Gatekeeper>> Gatekeeper::open(TrustOptions options, const Clock& clock, Notice notice) {
+  if (!options.tls && !(options.revoked.empty() && options.museums.empty())) {
+    return Error(ErrorCode::kInvalidArgument,
+                 "'museums_file' and 'revoked' need [tls]: without certificates nobody knows who dials");
+  }
+  std::unique_ptr<Gatekeeper> made(new Gatekeeper(std::move(options), clock, std::move(notice)));
+  TRY(made->read_files());
+  return made;
+}
+
+Gatekeeper::Gatekeeper(TrustOptions options, const Clock& clock, Notice notice)
+    : options_(std::move(options)),
+      clock_(clock),
+      notice_(std::move(notice)),
+      grants_file_(options_.museums),
+      revocations_file_(options_.revoked) {}
+
+Status Gatekeeper::read_files() {
+  if (!options_.audit.empty()) {
+    TRY_ASSIGN(audit_, AuditLog::open(options_.audit));
+  }
+  TRY(read_grants());
+  TRY(read_revocations());
+  return Done{};
+}
+
+Result<bool> Gatekeeper::read_grants() {
+  if (options_.museums.empty()) return false;
+  auto changed = grants_file_.changed();
+  if (!changed) return false;
+  TRY_ASSIGN(const std::string text, *std::move(changed));
+  TRY_ASSIGN(grants_, Grants::parse(text, options_.museums.string()));
+  bytes_.clear();
+  record({.event = "grants read", .reason = fmt::format("{} museums", grants_->size())});
+  return true;
+}
+
+Result<bool> Gatekeeper::read_revocations() {
+  if (options_.revoked.empty()) return false;
+  auto changed = revocations_file_.changed();
+  if (!changed) return false;
+  TRY_ASSIGN(const std::string text, *std::move(changed));
+  TRY_ASSIGN(const std::string authority, read_text_file(options_.tls->authority, kLargestAuthority));
+  auto read = Revocations::parse(text, authority);
+  if (!read) {
+    return Error(ErrorCode::kBadData, fmt::format("'{}' {}", options_.revoked.string(), read.error().message()));
+  }
+  record({.event = "revocations read", .reason = fmt::format("{} certificates", read->size())});
+  told_out_of_date_ = false;
+  const std::lock_guard lock(mutex_);
+  revocations_ = *std::move(read);
+  return true;
+}
+
+std::optional<std::string> Gatekeeper::refusal(const Identity& who, Role wanted) {
+  std::string reason;
+  if (who.role != wanted) {
+    reason = fmt::format("this port is for the certificates of a {}, and this one is of a {}", to_text(wanted),
+                         to_text(who.role));
+  } else if (is_revoked(who)) {
+    reason = fmt::format("the certificate of '{}' was revoked; ask the farm for a new one", who.name);
+  } else {
+    return std::nullopt;
+  }
+  record_refusal({.event = fmt::format("{} refused", to_text(who.role)), .who = who, .reason = reason});
+  return reason;
+}
+
+bool Gatekeeper::is_revoked(const Identity& who) const {
+  const std::lock_guard lock(mutex_);
+  return revocations_.contains(who.serial);
+}
+
+Grant Gatekeeper::grant_of(const Identity& who) const {
+  if (who.role == Role::kNobody) return {};
+  if (!grants_) return {.museum = who.name};
+  const Grant* const found = grants_->find(who.name);
+  return found == nullptr ? nothing_for(who.name) : *found;
+}
+
+Result<Grant> Gatekeeper::visit_came(std::uint64_t id, const Identity& who) {
+  const Grant grant = grant_of(who);
+  const auto refuse = [&](ErrorCode code, const std::string& reason) {
+    record_refusal({.event = "visit refused", .who = who, .reason = reason});
+    return Error(code, reason);
+  };
+  if (grant.scenes.empty()) {
+    return refuse(ErrorCode::kNotFound,
+                  fmt::format("the farm has nothing for '{}'; its operator names it in museums.toml", who.name));
+  }
+  if (who.role != Role::kNobody) {
+    const auto open = std::ranges::count_if(visits_, [&](const auto& v) { return v.second.who.name == who.name; });
+    if (open >= grant.visits) {
+      return refuse(ErrorCode::kBusy, fmt::format("'{}' may have {} visits at once and has them", who.name, open));
+    }
+  }
+  visits_.insert_or_assign(id, Visit{.who = who, .grant = grant, .views = {options_.most_views_per_second, 1000.0}});
+  return grant;
+}
+
+void Gatekeeper::visit_opened(std::uint64_t id, const std::string& scene) {
+  const auto found = visits_.find(id);
+  if (found == visits_.end()) return;
+  found->second.scene = scene;
+  found->second.opened_at = clock_.now();
+  record({.event = "visit opened", .who = found->second.who, .scene = scene});
+}
+
+Status Gatekeeper::view_came(std::uint64_t id) {
+  const auto found = visits_.find(id);
+  const TimePoint now = clock_.now();
+  if (found == visits_.end() || found->second.views.take(1.0, now) <= now) return Done{};
+  return Error(ErrorCode::kInvalidArgument,
+               fmt::format("more than {:.0f} views per second were asked for", options_.most_views_per_second));
+}
+
+TimePoint Gatekeeper::took(std::uint64_t id, const wire::VisitReply& reply) {
+  const TimePoint now = clock_.now();
+  const auto found = visits_.find(id);
+  if (found == visits_.end()) return now;
+  Visit& visit = found->second;
+  if (reply.has_end() && reply.end().complete()) ++visit.summary.frames;
+  const std::size_t bytes = reply.has_tile() ? reply.tile().jpeg().size() : 0;
+  visit.summary.bytes += bytes;
+  const double limit = visit.grant.bytes_per_second;
+  if (limit <= 0.0) return now;
+  const auto bucket = bytes_.try_emplace(visit.who.name, limit, limit).first;
+  const TimePoint due = bucket->second.take(static_cast<double>(bytes), now);
+  // Only a frame's end holds the next one up.
+  return reply.has_end() ? std::min(due, now + kLongestWait) : now;
+}
+
+void Gatekeeper::visit_ended(std::uint64_t id, const std::string& reason) {
+  const auto found = visits_.find(id);
+  if (found == visits_.end()) return;
+  Visit visit = std::move(found->second);
+  visits_.erase(found);
+  if (visit.scene.empty()) {
+    if (!reason.empty()) record_refusal({.event = "visit refused", .who = visit.who, .reason = reason});
+    return;
+  }
+  visit.summary.seconds = to_seconds(clock_.now() - visit.opened_at);
+  record({.event = "visit ended", .who = visit.who, .scene = visit.scene, .reason = reason, .visit = visit.summary});
+}
+
+void Gatekeeper::node_came(std::uint64_t id, const Identity& who) {
+  record({.event = "node came", .who = who});
+  nodes_.insert_or_assign(id, who);
+}
+
+void Gatekeeper::node_gone(std::uint64_t id, const std::string& reason) {
+  const auto found = nodes_.find(id);
+  if (found == nodes_.end()) return;
+  record({.event = "node gone", .who = found->second, .reason = reason});
+  nodes_.erase(found);
+}
+
+std::optional<std::string> Gatekeeper::why_leave(const Visit& visit) const {
+  if (is_revoked(visit.who)) return "its certificate was revoked";
+  const Grant now = grant_of(visit.who);
+  if (now.scenes.empty()) return "the farm has nothing for it any more";
+  if (!visit.scene.empty() && !now.allows(visit.scene))
+    return fmt::format("scene '{}' is not granted any more", visit.scene);
+  return std::nullopt;
+}
+
+Gatekeeper::Leavers Gatekeeper::tick() {
+  if (clock_.now() < next_look_) return {};
+  next_look_ = clock_.now() + kLookEvery;
+  bool changed = false;
+  for (const Result<bool>& read : {read_grants(), read_revocations()}) {
+    if (read) {
+      changed = changed || *read;
+      continue;
+    }
+    const std::string sentence = read.error().message() + "; what it said before stays in force";
+    notice_(sentence);
+    record({.event = "settings refused", .reason = sentence});
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (!told_out_of_date_ && revocations_.is_out_of_date()) {
+      notice_(fmt::format("'{}' should have been replaced by {}; make a new one with cyclorama-authority refresh",
+                          options_.revoked.string(), revocations_.next_update()));
+      told_out_of_date_ = true;
+    }
+    if (const auto failure = std::exchange(audit_failure_, std::nullopt);
+        failure && !std::exchange(told_audit_fails_, true)) {
+      notice_(*failure + "; visits go on without it");
+    }
+  }
+  if (!changed) return {};
+  Leavers leavers;
+  for (const auto& [id, visit] : visits_) {
+    if (const auto reason = why_leave(visit)) leavers.visits.push_back({id, *reason});
+  }
+  for (const auto& [id, who] : nodes_) {
+    if (is_revoked(who)) leavers.nodes.push_back({id, "its certificate was revoked"});
+  }
+  notice_(fmt::format("trust: new files were read; {} visits and {} nodes must leave", leavers.visits.size(),
+                      leavers.nodes.size()));
+  return leavers;
+}
+
+void Gatekeeper::record(const AuditEvent& event) {
+  if (audit_ == nullptr) return;
+  if (const Status written = audit_->write(event); !written) {
+    const std::lock_guard lock(mutex_);
+    audit_failure_ = written.error().message();
+  }
+}
+
+void Gatekeeper::record_refusal(const AuditEvent& event) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (refused_at_.size() > kMostRefusals) refused_at_.clear();
+    TimePoint& last = refused_at_[fmt::format("{} {} {}", event.event, event.who.name, event.reason)];
+    if (last != TimePoint{} && clock_.now() - last < kSameRefusal) return;
+    last = clock_.now();
+  }
+  record(event);
+}
+
+}  // namespace cyclorama

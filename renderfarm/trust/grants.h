@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// What one museum may do. A value. The default is that of a farm without grants: everything.
+struct Grant {
+  std::string museum{};                  ///< The common name of its certificate; empty: it says its name itself.
+  std::vector<std::string> scenes{"*"};  ///< "*" alone: all.
+  double weight = 1.0;                   ///< Its share of the nodes, beside the others'.
+  int visits = 64;                       ///< At once.
+  double bytes_per_second = 0.0;         ///< Of all its visits together; 0: not limited.
+  std::uint64_t watermark = 0;           ///< Key of the mark in its pictures; 0: none.
+
+  [[nodiscard]] bool allows(std::string_view scene) const;
+  bool operator==(const Grant&) const = default;
+};
+
+/// The farm's museums.toml:
+///
+///   [[museum]]
+///   name = "hall-3"                  # As in its certificate.
+///   scenes = ["grotto", "relic"]     # Or ["*"].
+///   weight = 2.0                     # Left out: 1. From 0.01 to 100.
+///   visits = 4                       # Left out: 4. At once.
+///   megabytes_per_s = 20             # Left out: not limited. From 0.1.
+///   watermark = "9e1f2bad2af9ea4e"   # Left out: none. 16 hexadecimal digits, not all 0.
+///
+/// A museum that is not in it may do nothing. A value; thread-bound.
+class Grants {
+ public:
+  /// Errors as Config's.
+  static Result<Grants> parse(std::string_view text, const std::string& name);
+  /// Null: it has none.
+  [[nodiscard]] const Grant* find(std::string_view museum) const;
+  [[nodiscard]] std::size_t size() const { return grants_.size(); }
+
+ private:
+  std::map<std::string, Grant, std::less<>> grants_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// A small text file that somebody replaces while the program runs. Thread-bound.
+class WatchedFile {
+ public:
+  WatchedFile() = default;
+  explicit WatchedFile(std::filesystem::path path) : path_(std::move(path)) {}
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// What it says now, when it is another than at the last call or there was none; an error, as read_text_file(), also
+  /// only once. Nothing while nothing changes.
+  std::optional<Result<std::string>> changed();
+
+ private:
+  std::filesystem::path path_;
+  bool asked_ = false;
+  std::optional<struct ::stat> seen_;  ///< Nothing while it is missing.
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/trust/gatekeeper.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/file.h"
+#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/test_authority.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+constexpr const char* kGrants = R"([[museum]]
+name = "hall-3"
+scenes = ["grotto"]
+visits = 2
+[[museum]]
+name = "hall-4"
+scenes = ["*"]
+megabytes_per_s = 1
+)";
+
+class GatekeeperTest : public testing::Test {
+ protected:
+  void open() {
+    write(museums(), kGrants);
+    TrustOptions options;
+    options.tls = authority_.head();
+    options.revoked = authority_.revocations();
+    options.museums = museums();
+    options.audit = authority_.folder() / "audit.jsonl";
+    options.most_views_per_second = 100.0;
+    auto opened = Gatekeeper::open(options, clock_, [this](const std::string& said) { said_.push_back(said); });
+    ASSERT_TRUE(opened) << opened.error().message();
+    gate_ = *std::move(opened);
+    clock_.advance(std::chrono::seconds(1));
+    EXPECT_THAT(gate_->tick().visits, IsEmpty());
+  }
+  static void write(const std::filesystem::path& path, const std::string& text) {
+    ASSERT_TRUE(write_file_atomically(path, text));
+  }
+  Identity museum(const std::string& name) {
+    Identity who = *check(authority_.museum(name));
+    who.address = "ipv6:[::1]:1234";
+    return who;
+  }
+  Gatekeeper::Leavers tick() {
+    clock_.advance(std::chrono::seconds(1));
+    return gate_->tick();
+  }
+  [[nodiscard]] std::filesystem::path museums() const { return authority_.folder() / "museums.toml"; }
+  [[nodiscard]] std::string audit() const { return *read_text_file(authority_.folder() / "audit.jsonl", 1 << 20); }
+  static std::vector<std::uint64_t> ids(const std::vector<Gatekeeper::Leaver>& leavers) {
+    std::vector<std::uint64_t> ids;
+    for (const auto& leaver : leavers) ids.push_back(leaver.id);
+    return ids;
+  }
+
+  TestAuthority authority_;
+  ManualClock clock_;
+  std::vector<std::string> said_;
+  std::unique_ptr<Gatekeeper> gate_;
+};
+
+TEST_F(GatekeeperTest, lets_each_port_have_its_own_role) {
+  open();
+  const Identity hall = museum("hall-3");
+  EXPECT_FALSE(gate_->refusal(hall, Role::kMuseum));
+  EXPECT_THAT(*gate_->refusal(hall, Role::kNode), HasSubstr("certificates of a node"));
+  EXPECT_THAT(audit(), AllOf(HasSubstr("museum refused"), HasSubstr(hall.serial)));
+}
+
+TEST_F(GatekeeperTest, gives_a_museum_what_its_grant_says) {
+  open();
+  EXPECT_EQ(gate_->visit_came(1, museum("hall-3"))->scenes, std::vector<std::string>{"grotto"});
+  EXPECT_TRUE(gate_->visit_came(2, museum("hall-3")));
+  EXPECT_EQ(gate_->visit_came(3, museum("hall-3")).error().code(), ErrorCode::kBusy);
+  EXPECT_TRUE(gate_->visit_came(4, museum("hall-4")));
+  gate_->visit_ended(1, "");
+  EXPECT_TRUE(gate_->visit_came(5, museum("hall-3")));
+  EXPECT_EQ(gate_->visit_came(6, museum("stranger")).error().code(), ErrorCode::kNotFound);
+  EXPECT_FALSE(gate_->grant_of(museum("stranger")).allows("grotto"));
+}
+
+TEST_F(GatekeeperTest, lets_those_go_that_are_revoked) {
+  open();
+  const Identity hall = museum("hall-3");
+  const Identity node = *check(authority_.node("n1"));
+  ASSERT_TRUE(gate_->visit_came(1, hall));
+  ASSERT_TRUE(gate_->visit_came(2, museum("hall-4")));
+  gate_->node_came(7, node);
+  authority_.run("revoke hall-3");
+  authority_.run("revoke n1");
+  const auto leavers = tick();
+  EXPECT_THAT(ids(leavers.visits), ElementsAre(1));
+  EXPECT_THAT(ids(leavers.nodes), ElementsAre(7));
+  EXPECT_THAT(*gate_->refusal(hall, Role::kMuseum), HasSubstr("revoked"));
+  EXPECT_FALSE(gate_->refusal(museum("hall-4"), Role::kMuseum));
+}
+
+TEST_F(GatekeeperTest, lets_those_go_that_lost_the_scene_they_visit) {
+  open();
+  ASSERT_TRUE(gate_->visit_came(1, museum("hall-3")));
+  gate_->visit_opened(1, "grotto");
+  ASSERT_TRUE(gate_->visit_came(2, museum("hall-4")));
+  write(museums(), "[[museum]]\nname = \"hall-3\"\nscenes = [\"relic\"]\n");
+  const auto leavers = tick();
+  EXPECT_THAT(ids(leavers.visits), ElementsAre(1, 2));
+  EXPECT_THAT(leavers.visits[0].reason, HasSubstr("'grotto' is not granted"));
+  EXPECT_TRUE(gate_->grant_of(museum("hall-3")).allows("relic"));
+}
+
+TEST_F(GatekeeperTest, keeps_the_last_good_files_and_says_so_once) {
+  open();
+  authority_.run("revoke hall-4");
+  EXPECT_THAT(tick().visits, IsEmpty());
+  ASSERT_TRUE(gate_->refusal(museum("hall-3"), Role::kMuseum) == std::nullopt);
+  said_.clear();
+  write(museums(), "[[museum]]\nname = 3\n");
+  write(authority_.revocations(), "what?");
+  EXPECT_THAT(tick().visits, IsEmpty());
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("museums.toml:"), HasSubstr("crl.pem")));
+  EXPECT_THAT(tick().visits, IsEmpty());
+  std::filesystem::remove(authority_.revocations());
+  tick();
+  tick();
+  EXPECT_EQ(said_.size(), 3u) << "the list is missing now";
+  EXPECT_TRUE(gate_->grant_of(museum("hall-3")).allows("grotto"));
+  TestAuthority other;
+  write(authority_.revocations(), *read_text_file(other.revocations(), 1 << 20));
+  tick();
+  EXPECT_THAT(said_.back(), HasSubstr("was not signed by the farm's authority"));
+}
+
+TEST_F(GatekeeperTest, still_knows_the_revoked_when_the_list_is_gone) {
+  open();
+  const Identity hall = museum("hall-3");
+  authority_.run("revoke hall-3");
+  tick();
+  std::filesystem::remove(authority_.revocations());
+  tick();
+  EXPECT_TRUE(gate_->refusal(hall, Role::kMuseum));
+}
+
+TEST_F(GatekeeperTest, ends_a_flood_of_views) {
+  open();
+  ASSERT_TRUE(gate_->visit_came(1, museum("hall-3")));
+  int borne = 0;
+  while (borne < 5000 && gate_->view_came(1)) ++borne;
+  EXPECT_EQ(borne, 1000);
+  clock_.advance(std::chrono::seconds(2));
+  for (int i = 0; i < 190; ++i) EXPECT_TRUE(gate_->view_came(1));
+}
+
+TEST_F(GatekeeperTest, holds_a_museum_to_its_bytes_per_second) {
+  open();
+  ASSERT_TRUE(gate_->visit_came(1, museum("hall-3")));
+  ASSERT_TRUE(gate_->visit_came(2, museum("hall-4")));
+  wire::VisitReply tile;
+  tile.mutable_tile()->set_jpeg(std::string(1'000'000, 'x'));
+  wire::VisitReply end;
+  end.mutable_end()->set_complete(true);
+  for (int frame = 0; frame < 4; ++frame) {
+    EXPECT_EQ(gate_->took(1, tile), clock_.now());
+    EXPECT_EQ(gate_->took(1, end), clock_.now()) << "it has no limit";
+    gate_->took(2, tile);
+    EXPECT_NEAR(to_seconds(gate_->took(2, end) - clock_.now()), frame, 1e-6) << "the first second is a reserve";
+  }
+}
+
+TEST_F(GatekeeperTest, writes_one_line_per_coming_and_going) {
+  open();
+  const Identity hall = museum("hall-3");
+  ASSERT_TRUE(gate_->visit_came(1, hall));
+  gate_->visit_opened(1, "grotto");
+  wire::VisitReply reply;
+  reply.mutable_tile()->set_jpeg("0123456789");
+  gate_->took(1, reply);
+  reply.mutable_end()->set_complete(true);
+  gate_->took(1, reply);
+  clock_.advance(std::chrono::milliseconds(2500));
+  gate_->visit_ended(1, "it was \"long\"\n");
+  gate_->visit_ended(1, "again");
+  EXPECT_THAT(audit(), HasSubstr("\"event\":\"visit opened\",\"role\":\"museum\",\"name\":\"hall-3\",\"serial\":\"" +
+                                 hall.serial + "\",\"address\":\"ipv6:[::1]:1234\",\"scene\":\"grotto\"}\n"));
+  EXPECT_THAT(audit(), HasSubstr("\"reason\":\"it was \\\"long\\\"?\",\"seconds\":2.5,\"frames\":1,\"bytes\":10}\n"));
+  EXPECT_THAT(audit(), Not(HasSubstr("again")));
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(gate_->visit_came(2, museum("stranger")).has_value());
+  const std::string log = audit();
+  EXPECT_EQ(log.find("visit refused"), log.rfind("visit refused")) << "once a minute";
+}
+
+TEST_F(GatekeeperTest, begins_a_new_log_when_the_old_was_moved_away) {
+  open();
+  std::filesystem::rename(authority_.folder() / "audit.jsonl", authority_.folder() / "audit.jsonl.1");
+  gate_->node_came(1, *check(authority_.node("n1")));
+  EXPECT_THAT(audit(), HasSubstr("node came"));
+}
+
+TEST_F(GatekeeperTest, wants_good_files_to_begin_with) {
+  const auto refusal_of = [&](const TrustOptions& options) {
+    const auto opened = Gatekeeper::open(options, clock_, [](const std::string&) {});
+    return opened ? "" : opened.error().message();
+  };
+  EXPECT_EQ(refusal_of({}), "");
+  EXPECT_THAT(refusal_of({.museums = museums()}), HasSubstr("need [tls]"));
+  EXPECT_THAT(refusal_of({.tls = authority_.head(), .museums = museums()}), HasSubstr("museums.toml"));
+  EXPECT_THAT(refusal_of({.tls = authority_.head(), .revoked = "/nowhere/crl.pem"}), HasSubstr("/nowhere/crl.pem"));
+  EXPECT_THAT(refusal_of({.audit = "/nowhere/audit"}), HasSubstr("/nowhere/audit"));
+}
+
+TEST(Nobody, may_do_everything_where_there_is_no_tls) {
+  ManualClock clock;
+  const auto gate = *Gatekeeper::open({}, clock, [](const std::string&) {});
+  for (std::uint64_t id = 1; id < 100; ++id) EXPECT_TRUE(gate->visit_came(id, {})->allows("grotto"));
+}
+
+TEST(TokenBucket, lets_the_burst_go_and_then_the_rate) {
+  TokenBucket bucket(10.0, 5.0);
+  const TimePoint start = TimePoint{} + std::chrono::hours(1);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(bucket.take(1.0, start), start);
+  EXPECT_NEAR(to_seconds(bucket.take(1.0, start) - start), 0.1, 1e-6);
+  EXPECT_NEAR(to_seconds(bucket.take(2.0, start) - start), 0.3, 1e-6);
+  const TimePoint later = start + std::chrono::seconds(10);
+  EXPECT_EQ(bucket.take(5.0, later), later);
+}
+
+}  // namespace
+}  // namespace cyclorama

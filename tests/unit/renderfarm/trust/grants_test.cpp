@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/trust/grants.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+
+std::string refusal_of(const std::string& lines) {
+  const auto grants = Grants::parse("[[museum]]\nname = \"hall-3\"\n" + lines, "museums.toml");
+  return grants ? "" : grants.error().message();
+}
+
+TEST(Grants, say_what_a_museum_may_do) {
+  const auto grants = Grants::parse(R"(
+[[museum]]
+name = "hall-3"
+scenes = ["grotto", "relic"]
+weight = 2.0
+visits = 1
+megabytes_per_s = 20
+watermark = "9e1f2bad2af9ea4e"
+[[museum]]
+name = "hall-4"
+scenes = ["*"]
+)",
+                                    "museums.toml");
+  ASSERT_TRUE(grants) << grants.error().message();
+  const Grant* const first = grants->find("hall-3");
+  ASSERT_NE(first, nullptr);
+  EXPECT_TRUE(first->allows("grotto"));
+  EXPECT_FALSE(first->allows("cave"));
+  EXPECT_FALSE(first->allows("*"));
+  EXPECT_EQ(first->weight, 2.0);
+  EXPECT_EQ(first->visits, 1);
+  EXPECT_EQ(first->bytes_per_second, 20e6);
+  EXPECT_EQ(first->watermark, 0x9e1f2bad2af9ea4eu);
+  EXPECT_EQ(*grants->find("hall-4"), (Grant{.museum = "hall-4", .visits = 4}));
+  EXPECT_TRUE(grants->find("hall-4")->allows("cave"));
+  EXPECT_EQ(grants->find("hall-5"), nullptr);
+}
+
+TEST(Grants, of_an_empty_file_are_none) { EXPECT_EQ(Grants::parse("", "museums.toml")->size(), 0u); }
+
+TEST(Grants, name_the_line_of_a_mistake) {
+  EXPECT_EQ(refusal_of("scenes = [\"a\"]\n"), "");
+  EXPECT_THAT(refusal_of("scenes = []\n"), HasSubstr("museums.toml:3"));
+  EXPECT_THAT(refusal_of("scenes = [\"a\", \"*\"]\n"), HasSubstr("alone"));
+  EXPECT_THAT(refusal_of(""), HasSubstr("scenes"));
+  EXPECT_THAT(refusal_of("scenes = [\"a\"]\nweight = 0\n"), HasSubstr("museums.toml:4"));
+  EXPECT_THAT(refusal_of("scenes = [\"a\"]\nkings = 1\n"), HasSubstr("kings"));
+  for (const char* const key : {"", "0000000000000000", "9e1f", "9e1f2bad2af9ea4eff", "xe1f2bad2af9ea4e"}) {
+    EXPECT_THAT(refusal_of("scenes = [\"a\"]\nwatermark = \"" + std::string(key) + "\"\n"), HasSubstr("16 hex")) << key;
+  }
+  EXPECT_THAT(refusal_of("scenes = [\"a\"]\n[[museum]]\nname = \"hall-3\"\nscenes = [\"b\"]\n"), HasSubstr("twice"));
+}
+
+}  // namespace
+}  // namespace cyclorama

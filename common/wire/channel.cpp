@@ -40,10 +40,19 @@ Error cannot_listen(const std::string& address) {
                                              address));
 }
 
+/// What gRPC says of a peer that it does not believe, and what people should read.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kDistrust{{
+    {"certificate verify failed", "its certificate is not of this side's authority, or has run out"},
+    {"Hostname Verification Check failed", "its certificate does not name the address that was dialled"},
+}};
+
 /// Where nobody listens, gRPC tells a long story with the address in percent signs; its end says it all.
 std::string reason_of(const grpc::Status& status) {
   const std::string& message = status.error_message();
   if (message.empty()) return "the peer gave no reason";
+  for (const auto& [part, sentence] : kDistrust) {
+    if (message.find(part) != std::string::npos) return std::string(sentence);
+  }
   const std::size_t last = message.rfind(": ");
   if (!message.starts_with("failed to connect to all addresses") || last == std::string::npos) return message;
   return "it cannot be reached: " + message.substr(last + 2);

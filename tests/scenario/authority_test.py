@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""cyclorama-authority in an empty folder: what it makes, what it refuses, and who may read it.
+
+Run: authority_test.py BUILD_FOLDER
+"""
+import pathlib
+import subprocess
+import sys
+import tarfile
+import tempfile
+
+problems = []
+
+
+def expect(true, what):
+    if not true:
+        problems.append(what)
+
+
+class Authority:
+    def __init__(self, build, folder):
+        self.program = str(pathlib.Path(build).resolve() / "bin" / "cyclorama-authority")
+        self.folder = pathlib.Path(folder)
+        self.ca = self.folder / "ca"
+
+    def run(self, *words):
+        return subprocess.run([self.program, "--folder", str(self.ca), *words], cwd=self.folder, capture_output=True, text=True,
+                              timeout=30)
+
+    def ok(self, *words):
+        done = self.run(*words)
+        expect(done.returncode == 0, f"{words}: {done.stderr}")
+        return done.stdout
+
+    def refuses(self, because, *words):
+        done = self.run(*words)
+        expect(done.returncode == 1 and because in done.stderr and done.stderr.count("\n") == 1,
+               f"{words}: {done.returncode}, {done.stderr!r}, and not '{because}'")
+
+    def openssl(self, *words):
+        return subprocess.run(["openssl", *words], cwd=self.folder, capture_output=True, text=True, timeout=30).stdout
+
+    def unpack(self, bundle):
+        to = self.folder / bundle.removesuffix(".tar")
+        with tarfile.open(self.folder / bundle) as tar:
+            for member in tar:
+                expect(member.name == pathlib.PurePath(member.name).name, f"{bundle}: {member.name} is not a plain name")
+            tar.extractall(to)
+        return to
+
+
+def check(authority):
+    authority.refuses("make one with", "list")
+    authority.ok("init")
+    authority.refuses("has an authority already", "init")
+    authority.refuses("needs --address", "head", "farm")
+    authority.ok("head", "farm", "--address", "::1", "--address", "farm.example.org")
+    said = authority.ok("museum", "hall-3", "--scenes", "grotto,relic")
+    expect('scenes = ["grotto", "relic"]' in said, said)
+    authority.ok("node", "n1", "--days", "30")
+
+    for secret in ("farm.tar", "hall-3.tar", "ca/private/ca.key"):
+        expect((authority.folder / secret).stat().st_mode & 0o077 == 0, f"others may read {secret}")
+    expect((authority.ca / "crl.pem").stat().st_mode & 0o444 == 0o444, "the head cannot read crl.pem")
+    head = authority.unpack("farm.tar")
+    expect((head / "key.pem").stat().st_mode & 0o077 == 0, "others may read the head's key")
+    expect('revoked = "' in (head / "settings.toml").read_text(), "the head's lines name no list of revoked ones")
+    museum = authority.unpack("hall-3.tar")
+    expect("[farm]" in (museum / "settings.toml").read_text(), "the museum's lines are not for site.toml")
+    text = authority.openssl("x509", "-in", str(head / "certificate.crt"), "-noout", "-text")
+    for part in ("CN = farm", "OU = head", "DNS:farm.example.org", "IP Address:0:0:0:0:0:0:0:1", "TLS Web Server Authentication",
+                 "CA:FALSE", "prime256v1"):
+        expect(part in text, f"the head's certificate has no {part}")
+    verified = authority.openssl("verify", "-x509_strict", "-purpose", "sslclient", "-CAfile", str(authority.ca / "ca.crt"),
+                                 str(museum / "certificate.crt"))
+    expect(verified.endswith("OK\n"), f"openssl verify: {verified}")
+
+    authority.refuses("has a valid certificate", "museum", "hall-3")
+    authority.refuses("is there already", "renew", "hall-3")
+    authority.ok("renew", "hall-3", "--output", "next.tar")
+    expect((authority.unpack("next.tar") / "key.pem").read_text() != (museum / "key.pem").read_text(), "renewed with the old key")
+    authority.ok("revoke", "hall-3")
+    revoked = authority.openssl("crl", "-in", str(authority.ca / "crl.pem"), "-noout", "-text")
+    expect(revoked.count("Serial Number:") == 2, "both of hall-3's certificates are revoked")
+    authority.refuses("no valid certificate of 'hall-3'", "revoke", "hall-3")
+    authority.refuses("is revoked", "renew", "hall-3")
+    authority.ok("museum", "hall-3", "--replace")
+    listed = authority.ok("list").splitlines()
+    expect(len(listed) == 6 and sum("revoked" in line for line in listed) == 2, "\n".join(listed))
+
+    authority.refuses("is not a name", "museum", "../hall")
+    authority.refuses("is not a name", "node", "a/CN=b")
+    authority.refuses("neither an IP address nor", "head", "farm2", "--address", "a,DNS:b")
+    authority.refuses("not a list", "museum", "x", "--scenes", 'a"b')
+    authority.refuses("no command", "frobnicate")
+    authority.refuses("no option", "--frobnicate")
+    authority.refuses("needs a value", "node", "x", "--days")
+    expect(not list(authority.folder.glob("x*")), "a refusal left files")
+
+
+def main(build):
+    with tempfile.TemporaryDirectory() as folder:
+        check(Authority(build, folder))
+    print("\n".join(problems) or "authority: ok")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -7,7 +7,7 @@ import time
 from farm.museum import now
 from farm.processes import wait_until
 
-HELD_S = 2.5  # How long a fault that passes lasts: longer than a full rate takes to come back.
+HELD_S = 2.0  # How long a fault that passes lasts: longer than a full rate takes to come back.
 HANG_S = 10.0  # Without a frame, though there are nodes.
 LIMIT_S = 12.0  # Nobody waits longer for a full rate.
 SLOW_PERIOD_S = 0.05

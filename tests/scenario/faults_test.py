@@ -47,7 +47,7 @@ def run(farm, kinds, count, seed):
         record = faults.see_through(fault, farm, lots, LATE_AFTER_S)
         records.append(record)
         print(f"{number}/{count} {record['kind']}: full rate after {record['full_rate_s']:.2f} s, {record['late']} late, "
-              f"{record['lost_sessions']} lost, {record['hangs']} hangs", file=sys.stderr, flush=True)
+              f"{record['lost_sessions']} lost, {record['hangs']} hangs{''.join('; ' + r for r in record['reasons'])}", file=sys.stderr, flush=True)
     time.sleep(1.0)
     after = usage(farm)
     grown = {f"{name} {what}": after[name][what] - before[name][what] for name in after for what in GROWN}

@@ -30,6 +30,8 @@ using Json = nlohmann::json;
 struct Arguments {
   FarmClientOptions farm{};
   double rate_hz = 20.0;
+  double walk_s = 5.0;
+  double rest_s = 0.0;
   int width = 256;
   int height = 128;
   int samples = 1;
@@ -216,11 +218,13 @@ void walk(const Arguments& arguments, std::deque<std::uint64_t> list, Witness& w
   const auto period = std::chrono::duration_cast<Duration>(
       lockstep ? std::chrono::duration<double>(0.001) : std::chrono::duration<double>(1.0 / arguments.rate_hz));
   const SteadyClock clock;
-  TimePoint next = clock.now();
+  const TimePoint began = clock.now();
+  TimePoint next = began;
   std::uint64_t number = 1;
   for (int asked = 0; !stop.wait_until(next); next = std::max(next + period, clock.now())) {
     if (!lockstep) {
-      if (witness.ask(client, number)) ++number;
+      const bool rests = std::fmod(to_seconds(next - began), arguments.walk_s + arguments.rest_s) >= arguments.walk_s;
+      if (!rests && witness.ask(client, number)) ++number;
     } else if (asked <= witness.ended()) {
       if (list.empty()) return;
       if (!witness.ask(client, list.front())) continue;
@@ -259,6 +263,9 @@ int main(int argc, char** argv) {
   app.add_option("--reference-samples", arguments.farm.reference_samples, "Of the picture at rest");
   app.add_option("--patience-s", arguments.patience_s, "A head that says nothing for so long is given up");
   app.add_option("--rate-hz", arguments.rate_hz, "Of the views")->check(CLI::Range(0.01, 1000.0));
+  app.add_option("--walk-s", arguments.walk_s, "Between two rests")->check(CLI::Range(0.1, 1e6));
+  app.add_option("--rest-s", arguments.rest_s, "Ask for nothing for so long, again and again; 0: never")
+      ->check(CLI::Range(0.0, 1e6));
   app.add_option("--views", arguments.views, "Ask for the views of these numbers, each when the one before has come");
   app.add_option("--width", arguments.width, "Of the picture, in pixels");
   app.add_option("--height", arguments.height, "Of the picture, in pixels");

@@ -155,7 +155,13 @@ def reset_museum(farm, lots):
     return museum
 
 
+def nothing(farm, lots):
+    """What is seen of this is the machine's doing."""
+    time.sleep(HELD_S)
+
+
 ALL = [
+    Fault("nothing happens", nothing),
     Fault("node killed", kill_node, start_again, to_node=True, node_comes=True),
     Fault("node restarted", restart_node, to_node=True, node_comes=True),
     Fault("node stopped", stop_node, continue_, to_node=True),
@@ -220,11 +226,12 @@ def see_through(fault, farm, lots, late_after_s):
     seconds += [seconds_to_full_rate(museum, passed) for museum in farm.museums.values()]
     time.sleep(0.3)
     end = now()
+    # When it happened, and once more when it passed: each counts for itself.
+    late = [museum.late_frames(a, b, late_after_s) for museum in others for a, b in ((began, passed), (passed, end)) if a < b]
     return {
         "kind": fault.kind, "began_s": began, "to_node": fault.to_node, "full_rate_s": max(seconds), "joined_s": joined,
         "hangs": sum(m.longest_gap(passed if m is struck else began, end) >= HANG_S for m in farm.museums.values()),
-        # When it happened, and once more when it passed: each counts for itself.
-        "late": max((len(museum.late_frames(a, b, late_after_s)) for museum in others
-                     for a, b in ((began, passed), (passed, end)) if a < b), default=0),
+        "late": max(map(len, late), default=0),
+        "reasons": sorted({frame["reason"] or f"after {frame['at_s'] - frame['asked_s']:.1f} s" for some in late for frame in some}),
         "lost_sessions": sum(lost_by(m, fault, m is struck, began) for m in farm.museums.values()),
     }

@@ -123,6 +123,12 @@ std::vector<PixelRect> FrameAssembly::give_up(std::uint64_t block) {
   return orphans;
 }
 
+void FrameAssembly::excuse(std::uint64_t block) {
+  for (const PixelRect& tile : blocks_.at(block).tiles) {
+    if (missing_.contains(tile)) --attempts_[tile];
+  }
+}
+
 int FrameAssembly::attempts(const PixelRect& tile) const {
   const auto found = attempts_.find(tile);
   return found == attempts_.end() ? 0 : found->second;

@@ -59,9 +59,12 @@ class FrameAssembly {
   /// The block's node is gone or too slow: returns the tiles that nobody else was told to make, and wants it no more.
   std::vector<PixelRect> give_up(std::uint64_t block);
 
+  /// The block's node is only slow: what it has not delivered counts no attempt.
+  void excuse(std::uint64_t block);
+
   [[nodiscard]] bool has(std::uint64_t block) const { return blocks_.contains(block); }
   [[nodiscard]] const std::map<std::uint64_t, Block>& blocks() const { return blocks_; }
-  /// How often a tile was given out.
+  /// How often a tile was given out, to nodes that are at work on it or failed.
   [[nodiscard]] int attempts(const PixelRect& tile) const;
   /// All tiles came, and, unless blocks were given again, so did the end of each wanted block.
   [[nodiscard]] bool is_complete() const;

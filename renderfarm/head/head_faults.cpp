@@ -128,6 +128,10 @@ void HeadState::retire(NodeId id) {
   if (std::exchange(node.late, true)) return;
   peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over", printable(node.name)));
   const std::map<std::uint64_t, BlockPlace> blocks = node.blocks;  // A copy: what follows orders blocks.
+  for (const auto& [block, place] : blocks) {
+    FrameInFlight* const frame = find_frame(place);
+    if (frame != nullptr && !frame->failure) frame->assembly.excuse(block);
+  }
   lose_blocks(blocks, id);
 }
 

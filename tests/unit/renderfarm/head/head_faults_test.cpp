@@ -76,6 +76,18 @@ TEST_F(Faults, what_a_silent_node_owes_is_shared_by_all_who_are_done) {
   EXPECT_EQ(s.complete, 1);
 }
 
+TEST_F(Faults, nodes_that_are_only_slow_never_end_a_frame_however_many) {
+  open(12);
+  s.ask(visit, view_of(++number));
+  s.settle({nodes.back()});  // All others are silent, and so are those that are asked to help.
+  for (int i = 0; i < 12; ++i) {
+    pass(200ms);
+    s.settle({nodes.back()});
+  }
+  EXPECT_EQ(s.given_up, 0);
+  EXPECT_EQ(s.complete, 1);
+}
+
 TEST_F(Faults, the_second_frame_does_not_wait_for_a_node_that_held_up_the_first) {
   open(4);
   const NodeId stuck = nodes[2];

@@ -32,7 +32,8 @@ class Site:
         scene = make_scene(build, folder)
         at = hosts.address("head")
         self.parts = {"head": Process("head", [*hosts.on("head"), build / "bin/cyclorama-farm", "--scene", f"visit={scene}",
-                                               "--museums", f"[::]:{MUSEUMS}", "--nodes", f"[::]:{NODES}"], folder)}
+                                               "--museums", f"[::]:{MUSEUMS}", "--nodes", f"[::]:{NODES}",
+                                               "--insecure"], folder)}
         for name in RENDERERS:
             self.parts[name] = Process(name, [*hosts.on(name), build / "bin/cyclorama-node", "--head", f"[{at}]:{NODES}",
                                               "--threads", 1, "--name", name], folder)

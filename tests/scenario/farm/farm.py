@@ -91,11 +91,11 @@ class Farm:
         for node in self.nodes:
             wait_until(node.is_ready, 60, f"{node.name} has the scene")
 
-    def add_museum(self, name, *options, rate_hz=RATE_HZ):
+    def add_museum(self, name, *options, rate_hz=RATE_HZ, size=SIZE, poses=POSES):
         """Replaces the one of that name."""
         links = [Link(self.network, head.museums) for head in self.heads]
         museum = Museum(name, self.build / "tests" / "test-museum", self.folder, [link.address for link in links], rate_hz,
-                        [*SIZE, "--poses", POSES, *options])
+                        [*size, "--poses", poses, *options])
         museum.links, museum.options = links, options
         if name in self.museums:
             self.past.append(self.museums[name])
@@ -121,13 +121,13 @@ class Farm:
         return digests
 
 
-def render(build, folder, scene, numbers):
+def render(build, folder, scene, numbers, size=SIZE, poses=POSES):
     """The digests of these views' pictures, each rendered whole by one node that nothing happens to."""
     views = pathlib.Path(folder) / "views"
     views.write_text("\n".join(str(n) for n in sorted(numbers)) + "\n")
     with Farm(build, folder, nodes=1, scene=scene) as alone:
         alone.ready()
-        museum = alone.add_museum("reference", "--views", views)
+        museum = alone.add_museum("reference", "--views", views, size=size, poses=poses)
         assert museum.process.popen.wait(600) == 0, "the reference was not rendered"
         museum.reader.join()
         assert museum.wrong() == (0, []), museum.wrong()

@@ -112,21 +112,28 @@ def drain_node(farm, lots):
     return node
 
 
+def busiest_head(farm):
+    """Where most museums are."""
+    return max(farm.heads, key=lambda head: sum(
+        len(museum.links[farm.heads.index(head)].writers) for museum in farm.museums.values()))
+
+
 def restart_head(farm, lots):
     lose_head(farm, lots).start()
 
 
 def lose_head(farm, lots):
-    """The head that museums prefer; while it is away the other must take over."""
-    head = farm.heads[0]
+    """While it is away the other must take over."""
+    head = busiest_head(farm)
     head.process.kill()
     return head
 
 
 def pause_head(farm, lots):
-    farm.heads[0].process.send(signal.SIGSTOP)
+    head = busiest_head(farm)
+    head.process.send(signal.SIGSTOP)
     time.sleep(1.0)
-    farm.heads[0].process.send(signal.SIGCONT)
+    head.process.send(signal.SIGCONT)
 
 
 def restart_museum(farm, lots):

@@ -11,15 +11,16 @@
 
 int main(int argc, char** argv) {
   using namespace cyclorama;  // NOLINT(google-build-using-namespace)
-  Program program("cyclorama-grotto",
-                  "Makes a painted cave temple, or a museum hall, of any number of triangles, as a scene package.");
+  Program program(
+      "cyclorama-grotto",
+      "Makes a painted cave temple, a museum hall or a relic, of any number of triangles, as a scene package.");
   grotto::PackageOrder order;
   // More threads than large files bring nothing.
   order.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
   CLI::App& options = program.options();
   std::string kind = "grotto";
-  options.add_option("--kind", kind, "A grotto, or a matte museum hall for measuring")
-      ->check(CLI::IsMember({"grotto", "interior"}))
+  options.add_option("--kind", kind, "A grotto; for measuring, a matte museum hall, or a relic before nothing")
+      ->check(CLI::IsMember({"grotto", "interior", "relic"}))
       ->capture_default_str();
   options.add_option("--lamps", order.lamps, "Of an interior; all together give the same light")
       ->check(CLI::Range(1, grotto::kMostInteriorLamps))
@@ -34,7 +35,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
-    order.kind = kind == "interior" ? grotto::Kind::kInterior : grotto::Kind::kGrotto;
+    order.kind = kind == "interior" ? grotto::Kind::kInterior
+                 : kind == "relic"  ? grotto::Kind::kRelic
+                                    : grotto::Kind::kGrotto;
     Progress progress(kind);
     TRY_ASSIGN(const grotto::PackageReport report, grotto::write_package(order, [&](double fraction) {
                  progress.update(fraction);

@@ -17,7 +17,7 @@ namespace cyclorama::grotto {
 inline constexpr std::uint64_t kFewestTriangles = 10'000;
 inline constexpr std::uint64_t kMostTriangles = 60'000'000;
 
-enum class Kind { kGrotto, kInterior };
+enum class Kind { kGrotto, kInterior, kRelic };
 
 /// A value: what will be made, without a vertex of it.
 struct Grotto {

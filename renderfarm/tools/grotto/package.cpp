@@ -13,6 +13,7 @@
 #include "common/base/file.h"
 #include "renderfarm/tools/grotto/interior.h"
 #include "renderfarm/tools/grotto/ply_writer.h"
+#include "renderfarm/tools/grotto/relic.h"
 #include "renderfarm/tools/grotto/scene_writer.h"
 
 namespace cyclorama::grotto {
@@ -101,6 +102,7 @@ Status put_in_place(const Scaffold& scaffold, const fs::path& target) {
 
 Result<Grotto> plan(const PackageOrder& order) {
   if (order.kind == Kind::kInterior) return plan_interior(order.triangles, order.seed, order.lamps);
+  if (order.kind == Kind::kRelic) return plan_relic(order.triangles, order.seed);
   return plan_grotto(order.triangles, order.seed);
 }
 

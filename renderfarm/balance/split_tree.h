@@ -1,38 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The binary tree that cuts a picture into one block per node.
+/// The binary tree that cuts a picture into one block per leaf.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "common/image/pixel_rect.h"
-#include "renderfarm/balance/cost_field.h"
+#include "renderfarm/balance/work_sums.h"
 
 namespace cyclorama {
 
-/// A balanced binary tree over the nodes, with a direction of cut at each fork. Splitting moves the cuts so that at
-/// every fork the cost to the left is to the cost to the right as the speeds of their nodes are; cuts are at multiples
-/// of kCutPx. A fork keeps its direction from frame to frame while the region's shape allows, so that blocks do not
-/// jump about.
+/// A balanced binary tree over the leaves, with a direction of cut at each fork. Splitting moves the cuts so that at
+/// every fork the work to the left is to the work to the right as the speeds of their leaves are. A fork keeps its
+/// direction from frame to frame while the region's shape allows, so that blocks do not jump about.
 ///
 /// Source: Cordasco, Cosenza, De Chiara, Erra, Scarano, "Experiences with mesh-like computations using prediction
 /// binary trees", 2009. Thread-bound.
 class SplitTree {
  public:
-  explicit SplitTree(std::size_t nodes) : cut_across_(2 * nodes, Direction::kUnset) {}
+  explicit SplitTree(std::size_t leaves) : cuts_(2 * leaves) {}
 
   /// One rectangle per entry of `speeds` (all above 0), which together tile the picture exactly. Empty ones where the
-  /// picture has fewer cells of kCutPx than there are nodes. Precondition: as many speeds as nodes.
-  std::vector<PixelRect> split(PictureSize size, const CostField& cost, std::span<const double> speeds);
+  /// picture has fewer cells than there are leaves. Precondition: as many speeds as leaves.
+  std::vector<CellRect> split(const WorkSums& work, std::span<const double> speeds);
 
  private:
-  enum class Direction : unsigned char { kUnset, kAcross, kDown };
-  struct Region;
-  void split(Region region, const CostField& cost, std::span<const double> speeds, std::size_t fork,
-             std::span<PixelRect> ret_blocks);
-  Direction direction_for(const Region& region, std::size_t fork);
+  struct Fork {
+    CutDirection direction = CutDirection::kAcross;
+    bool is_chosen = false;
+  };
+  void split(CellRect region, const WorkSums& work, std::span<const double> speeds, std::size_t fork,
+             std::span<CellRect> ret_blocks);
+  CutDirection direction_for(const CellRect& region, std::size_t fork);
 
-  std::vector<Direction> cut_across_;  ///< By fork, in the order of a walk that goes left first.
+  std::vector<Fork> cuts_;  ///< In the order of a walk that goes left first.
 };
 
 }  // namespace cyclorama

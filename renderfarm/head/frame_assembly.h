@@ -9,7 +9,7 @@
 
 #include "common/image/pixel_rect.h"
 #include "common/wire/nodes.pb.h"
-#include "renderfarm/balance/cost_field.h"
+#include "renderfarm/balance/work_grid.h"
 #include "renderfarm/head/ids.h"
 
 namespace cyclorama {

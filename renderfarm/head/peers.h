@@ -10,7 +10,7 @@
 #include "common/base/error.h"
 #include "common/wire/farm.pb.h"
 #include "common/wire/nodes.pb.h"
-#include "renderfarm/balance/cost_field.h"
+#include "renderfarm/balance/work_grid.h"
 #include "renderfarm/head/ids.h"
 
 namespace cyclorama {

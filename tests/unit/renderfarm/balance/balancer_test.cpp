@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+// What every strategy promises. What each is good at: tests/unit/renderfarm/tools/balance/replay_test.cpp.
 #include "renderfarm/balance/balancer.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <set>
 
-#include "renderfarm/balance/tiles.h"
+#include "tests/doubles/block_tiling.h"
 
 namespace cyclorama {
 namespace {
@@ -18,209 +19,197 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::vector<PixelRect> split(Balancer& balancer, PictureSize size, const std::vector<double>& speeds,
-                             double heading_rad = 0.0) {
-  std::vector<PixelRect> rects(speeds.size());
-  for (const PlannedBlock& block : balancer.split({size, speeds, heading_rad, std::numbers::pi})) {
-    rects[block.node] = block.rect;
-  }
-  return rects;
-}
-
-/// That the blocks tile the picture: on the grid, inside, and each 16 px cell in exactly one.
-testing::AssertionResult tile_exactly(PictureSize size, const std::vector<PixelRect>& blocks) {
-  const int columns = (size.width + kCutPx - 1) / kCutPx;
-  const int rows = (size.height + kCutPx - 1) / kCutPx;
-  std::vector<char> taken(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  std::int64_t area = 0;
-  for (const PixelRect& b : blocks) {
-    if (b.empty()) continue;
-    const int right = b.x + b.width;
-    const int bottom = b.y + b.height;
-    if (b.x < 0 || b.y < 0 || right > size.width || bottom > size.height)
-      return testing::AssertionFailure() << "outside";
-    if (b.x % kCutPx != 0 || b.y % kCutPx != 0 || (right % kCutPx != 0 && right != size.width) ||
-        (bottom % kCutPx != 0 && bottom != size.height)) {
-      return testing::AssertionFailure() << "off the grid";
-    }
-    area += b.area();
-    for (int y = b.y / kCutPx; y * kCutPx < bottom; ++y) {
-      for (int x = b.x / kCutPx; x * kCutPx < right; ++x) {
-        char& cell =
-            taken[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x)];
-        if (cell++ != 0) return testing::AssertionFailure() << "overlap at cell " << x << ", " << y;
-      }
-    }
-  }
-  if (area != std::int64_t{size.width} * size.height) return testing::AssertionFailure() << "a hole";
-  return testing::AssertionSuccess();
-}
-
-/// Cost per pixel at a place in fractions of the picture.
-using CostFunction = std::function<double(double x, double y)>;
-
-double cost_of(const CostFunction& cost, PictureSize size, const PixelRect& block) {
-  double sum = 0.0;
-  for (int y = block.y; y < block.y + block.height; y += 4) {
-    for (int x = block.x; x < block.x + block.width; x += 4)
-      sum += cost((x + 2.0) / size.width, (y + 2.0) / size.height);
-  }
-  return sum;
-}
-
-struct Trial {
-  double last_efficiency = 0.0;
-  double mean_efficiency = 0.0;
-  int moves = 0;
+class EveryBalancer : public testing::TestWithParam<BalanceStrategy> {
+ protected:
+  std::unique_ptr<Balancer> balancer = make_balancer(GetParam());
 };
 
-Trial rendered(Balancer& balancer, PictureSize size, const std::vector<double>& speeds, int frames,
-               const std::function<CostFunction(int)>& cost_at, double radians_per_frame = 0.0) {
-  Trial result;
-  std::vector<PixelRect> before;
-  for (int frame = 0; frame < frames; ++frame) {
-    const double heading = radians_per_frame * frame;
-    const auto blocks = split(balancer, size, speeds, heading);
-    EXPECT_TRUE(tile_exactly(size, blocks));
-    std::vector<MeasuredBlock> measured;
-    std::vector<double> loads;
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      measured.push_back({blocks[i], cost_of(cost_at(frame), size, blocks[i])});
-      loads.push_back(measured.back().cpu_seconds / speeds[i]);
-    }
-    result.last_efficiency = balance_efficiency(loads);
-    result.mean_efficiency += result.last_efficiency / frames;
-    result.moves += blocks != before;
-    before = blocks;
-    balancer.learn({size, measured, heading});
-  }
-  return result;
+INSTANTIATE_TEST_SUITE_P(Strategies, EveryBalancer, testing::ValuesIn(kBalanceStrategies), [](const auto& strategy) {
+  std::string name(name_of(strategy.param));
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+SplitRequest request(PictureSize size, const std::vector<double>& speeds, double heading_rad = 0.0) {
+  return {size, speeds, heading_rad, std::numbers::pi};
 }
 
-/// A relic in the middle of nothing, the hard case: most of the cost on a tenth of the picture.
-double relic(double x, double y) {
-  const double r2 = (x - 0.4) * (x - 0.4) * 9.0 + (y - 0.5) * (y - 0.5) * 4.0;
-  return 0.1 + 4.0 * std::exp(-6.0 * r2);
-}
-double rough_wall(double x, double y) { return 1.0 + 0.6 * std::sin(9.0 * x) * std::cos(7.0 * y) + 0.8 * x; }
-
-TEST(Balancer, tiles_the_picture_exactly_for_1_to_300_nodes) {
-  std::mt19937 random(7);
+std::vector<MeasuredBlock> measured(const std::vector<PlannedBlock>& plan, std::mt19937* random, bool tells_cells) {
   std::uniform_real_distribution<double> cost(0.0, 3.0);
-  for (const BalanceStrategy strategy : {BalanceStrategy::kEqual, BalanceStrategy::kPbt}) {
-    for (const PictureSize size : {PictureSize{1920, 1080}, PictureSize{1000, 777}, PictureSize{4096, 300}}) {
-      for (std::size_t n = 1; n <= 300; ++n) {
-        const auto balancer = make_balancer(strategy);
-        const std::vector<double> speeds(n, 1.0);
-        for (int frame = 0; frame < 3; ++frame) {
-          const auto blocks = split(*balancer, size, speeds);
-          ASSERT_EQ(blocks.size(), n);
-          ASSERT_TRUE(tile_exactly(size, blocks)) << n << " nodes, " << size.width << "x" << size.height;
-          std::vector<MeasuredBlock> measured;
-          for (const PixelRect& block : blocks) measured.push_back({block, cost(random)});
-          balancer->learn({size, measured, 0.0});
-        }
+  std::vector<MeasuredBlock> out;
+  for (const PlannedBlock& block : plan) {
+    MeasuredBlock& m = out.emplace_back(MeasuredBlock{block.rect, cost(*random)});
+    if (!tells_cells) continue;
+    const std::size_t cells = cells_of(block.rect).count();
+    for (std::size_t i = 0; i < cells; ++i) {
+      m.cell_cpu_seconds.push_back(static_cast<float>(cost(*random) / static_cast<double>(cells)));
+    }
+  }
+  return out;
+}
+
+TEST_P(EveryBalancer, tiles_the_picture_exactly_for_1_to_4096_nodes) {
+  std::mt19937 random(7);
+  std::set<std::size_t> counts{299, 300, 511, 512, 513, 1000, 2047, 2048, 4095, 4096};
+  for (std::size_t n = 1; n <= 70; ++n) counts.insert(n);
+  for (const PictureSize size : {PictureSize{1920, 1080}, PictureSize{1000, 777}, PictureSize{2048, 160}}) {
+    for (const std::size_t n : counts) {
+      balancer = make_balancer(GetParam());
+      const std::vector<double> speeds(n, 1.0);
+      for (int frame = 0; frame < 2; ++frame) {
+        const auto plan = balancer->split(request(size, speeds));
+        ASSERT_TRUE(is_whole_plan(size, n, plan)) << n << " nodes, " << size.width << "x" << size.height;
+        balancer->learn({size, measured(plan, &random, n % 2 == 0)});
       }
     }
   }
 }
 
-TEST(Balancer, tiles_pictures_of_any_size) {
+TEST_P(EveryBalancer, tiles_pictures_of_any_size_with_more_nodes_than_cells_too) {
+  std::mt19937 random(7);
   for (const PictureSize size :
-       {PictureSize{1, 1}, PictureSize{1, 16384}, PictureSize{16384, 1}, PictureSize{16384, 16384}, PictureSize{17, 17},
-        PictureSize{33, 47}, PictureSize{48, 48}, PictureSize{16, 160}}) {
+       {PictureSize{1, 1}, PictureSize{1, 16384}, PictureSize{16384, 1}, PictureSize{17, 17}, PictureSize{33, 47},
+        PictureSize{48, 48}, PictureSize{16, 160}, PictureSize{640, 17}}) {
     for (const std::size_t n : {1u, 2u, 3u, 4u, 7u, 8u, 9u, 16u, 64u, 300u}) {
-      const auto blocks = split(*make_balancer(BalanceStrategy::kPbt), size, std::vector<double>(n, 1.0));
-      ASSERT_TRUE(tile_exactly(size, blocks)) << n << " nodes, " << size.width << "x" << size.height;
-      const std::size_t cells =
-          static_cast<std::size_t>((size.width + 15) / 16) * static_cast<std::size_t>((size.height + 15) / 16);
-      EXPECT_EQ(static_cast<std::size_t>(std::ranges::count_if(blocks, [](const auto& b) { return !b.empty(); })),
-                std::min(n, cells));
+      balancer = make_balancer(GetParam());
+      for (int frame = 0; frame < 2; ++frame) {
+        const std::vector<double> speeds(n, 1.0);
+        const auto plan = balancer->split(request(size, speeds));
+        ASSERT_TRUE(is_whole_plan(size, n, plan)) << n << " nodes, " << size.width << "x" << size.height;
+        balancer->learn({size, measured(plan, &random, true)});
+      }
     }
   }
 }
 
-TEST(Balancer, bears_costs_and_speeds_that_are_no_numbers) {
+TEST_P(EveryBalancer, bears_costs_speeds_and_views_that_are_no_numbers) {
+  const PictureSize size{1600, 900};
   for (const double bad : {0.0, kNan, kInfinity, -kInfinity, -1.0, 1e308, 5e-324}) {
     for (const bool all : {true, false}) {
-      const auto balancer = make_balancer(BalanceStrategy::kPbt);
-      const PictureSize size{1600, 900};
+      balancer = make_balancer(GetParam());
       for (int frame = 0; frame < 4; ++frame) {
-        const auto blocks = split(*balancer, size, {1.0, all ? bad : 1.0, 2.0, 1.0, bad}, frame == 2 ? bad : 0.0);
-        ASSERT_TRUE(tile_exactly(size, blocks)) << bad;
-        std::vector<MeasuredBlock> measured;
-        for (const PixelRect& block : blocks) measured.push_back({block, all || measured.size() == 2 ? bad : 1.0});
-        balancer->learn({size, measured, all ? bad : 0.0});
+        const std::vector<double> speeds{1.0, all ? bad : 1.0, 2.0, 1.0, bad};
+        SplitRequest asked = request(size, speeds, frame == 2 ? bad : 0.0);
+        asked.eye_m[1] = frame == 1 ? bad : 1.6;
+        asked.azimuth_span_rad = all ? bad : 1.0;
+        asked.effort = all ? bad : 1.0;
+        asked.block_overhead_seconds = asked.node_overhead_seconds = all ? bad : 0.0;
+        const auto plan = balancer->split(asked);
+        ASSERT_TRUE(is_whole_plan(size, speeds.size(), plan)) << bad;
+        std::vector<MeasuredBlock> blocks;
+        for (const PlannedBlock& block : plan) {
+          const double seconds = all || blocks.size() == 2 ? bad : 1.0;
+          blocks.push_back({block.rect, seconds, std::vector(cells_of(block.rect).count(), static_cast<float>(seconds)),
+                            all ? bad : 1.0});
+        }
+        balancer->learn({size, blocks, all ? bad : 0.0, {bad, 0.0, 0.0}, all ? bad : 1.0});
       }
     }
   }
 }
 
-TEST(Balancer, has_nothing_to_say_without_nodes) {
-  EXPECT_TRUE(split(*make_balancer(BalanceStrategy::kPbt), {640, 480}, {}).empty());
+TEST_P(EveryBalancer, bears_blocks_that_are_not_of_the_picture) {
+  const PictureSize size{640, 480};
+  const std::vector<double> speeds(4, 1.0);
+  const std::vector<MeasuredBlock> blocks{{{-16, 0, 64, 64}, 1.0},   {{0, 0, 64, 4096}, 1.0},
+                                          {{8, 8, 64, 64}, 1.0},     {{0, 0, 0, 0}, 1.0},
+                                          {{624, 464, 16, 16}, 1.0}, {{32, 32, 2147483647, 16}, 1.0}};
+  balancer->learn({size, blocks});
+  EXPECT_TRUE(is_whole_plan(size, 4, balancer->split(request(size, speeds))));
+  balancer->learn({{0, 0}, blocks});
+  balancer->learn({{-5, 7}, blocks});
+  EXPECT_TRUE(is_whole_plan(size, 4, balancer->split(request(size, speeds))));
 }
 
-TEST(Pbt, converges_on_uneven_costs_within_a_few_frames) {
-  for (const auto& [name, cost] : {std::pair("relic", CostFunction(relic)), {"rough_wall", CostFunction(rough_wall)}}) {
-    const auto pbt = make_balancer(BalanceStrategy::kPbt);
-    const Trial result =
-        rendered(*pbt, {1920, 1080}, std::vector<double>(8, 1.0), 10, [&, c = cost](int) { return c; });
-    EXPECT_GE(result.last_efficiency, 0.9);
-    RecordProperty(name, std::to_string(result.last_efficiency));
+TEST_P(EveryBalancer, has_nothing_to_say_without_nodes_or_pixels) {
+  const std::vector<double> none;
+  const std::vector<double> some(3, 1.0);
+  EXPECT_TRUE(balancer->split(request({640, 480}, none)).empty());
+  EXPECT_TRUE(balancer->split(request({0, 480}, some)).empty());
+  EXPECT_TRUE(balancer->split(request({640, -1}, some)).empty());
+}
+
+TEST_P(EveryBalancer, says_the_same_every_time) {
+  std::vector<std::vector<PlannedBlock>> plans[2];
+  for (auto& of_run : plans) {
+    std::mt19937 random(11);
+    balancer = make_balancer(GetParam());
+    for (int frame = 0; frame < 5; ++frame) {
+      const std::vector<double> speeds{1.0, 2.0, 1.0, 4.0, 1.0};
+      of_run.push_back(balancer->split(request({800, 448}, speeds, 0.1 * frame)));
+      balancer->learn({{800, 448}, measured(of_run.back(), &random, true), 0.1 * frame});
+    }
   }
+  EXPECT_EQ(plans[0], plans[1]);
 }
 
-TEST(Pbt, is_better_than_equal_blocks_on_a_picture_that_moves) {
-  const auto moving = [](int frame) {
-    return CostFunction([frame](double x, double y) { return relic(x + 0.3 * std::sin(0.05 * frame), y); });
-  };
-  for (const std::size_t n : {8u, 16u, 32u}) {
+TEST_P(EveryBalancer, goes_on_when_nodes_come_and_go_and_the_picture_changes) {
+  std::mt19937 random(5);
+  for (const auto& [n, size] : {std::pair(4u, PictureSize{800, 448}),
+                                {5u, {800, 448}},
+                                {3u, {1600, 900}},
+                                {64u, {1600, 900}},
+                                {1u, {320, 180}},
+                                {8u, {17, 4000}}}) {
     const std::vector<double> speeds(n, 1.0);
-    const Trial equal = rendered(*make_balancer(BalanceStrategy::kEqual), {1920, 1080}, speeds, 60, moving);
-    const Trial pbt = rendered(*make_balancer(BalanceStrategy::kPbt), {1920, 1080}, speeds, 60, moving);
-    EXPECT_GT(pbt.mean_efficiency, 1.3 * equal.mean_efficiency) << n << " nodes";
-    RecordProperty("pbt_" + std::to_string(n), std::to_string(pbt.mean_efficiency));
-    RecordProperty("equal_" + std::to_string(n), std::to_string(equal.mean_efficiency));
+    for (int frame = 0; frame < 3; ++frame) {
+      const auto plan = balancer->split(request(size, speeds));
+      ASSERT_TRUE(is_whole_plan(size, n, plan));
+      balancer->learn({size, measured(plan, &random, frame != 1)});
+    }
   }
 }
 
-TEST(Pbt, gives_a_faster_node_more) {
-  const std::vector<double> speeds{1.0, 4.0, 1.0, 2.0};
-  const Trial result = rendered(*make_balancer(BalanceStrategy::kPbt), {1920, 1080}, speeds, 10,
-                                [](int) { return CostFunction(rough_wall); });
-  EXPECT_GE(result.last_efficiency, 0.93);
+TEST(BalanceStrategy, has_a_name) {
+  for (const BalanceStrategy strategy : kBalanceStrategies) EXPECT_EQ(balance_strategy_of(name_of(strategy)), strategy);
+  EXPECT_EQ(balance_strategy_of("best"), std::nullopt);
 }
 
-TEST(Pbt, stands_still_when_times_only_tremble) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> tremble(1.0, 0.003);
-  const Trial result =
-      rendered(*make_balancer(BalanceStrategy::kPbt), {1920, 1080}, std::vector<double>(8, 1.0), 60, [&](int) {
-        return CostFunction([factor = tremble(random)](double x, double y) { return factor * rough_wall(x, y); });
-      });
-  EXPECT_LE(result.moves, 8);
+TEST(EqualBalancer, gives_area_by_speed) {
+  const auto balancer = make_balancer(BalanceStrategy::kEqual);
+  const std::vector<double> speeds{1.0, 3.0};
+  const auto plan = balancer->split(request({1600, 160}, speeds));
+  ASSERT_EQ(plan.size(), 2u);
+  EXPECT_EQ(plan[0].rect, (PixelRect{0, 0, 400, 160}));
 }
 
-TEST(Pbt, goes_on_when_nodes_come_and_go) {
-  const auto pbt = make_balancer(BalanceStrategy::kPbt);
-  for (const std::size_t n : {4u, 5u, 3u, 8u}) {
-    const Trial result =
-        rendered(*pbt, {1920, 1080}, std::vector<double>(n, 1.0), 10, [](int) { return CostFunction(relic); });
-    EXPECT_GE(result.last_efficiency, 0.88) << n;
+TEST(CostMapStealing, lists_a_few_ever_smaller_pieces_after_what_is_the_nodes_own) {
+  const auto balancer = make_balancer(BalanceStrategy::kCostMapStealing);
+  const std::vector<double> speeds(4, 1.0);
+  const PictureSize size{1920, 1080};
+  const auto plan = balancer->split(request(size, speeds));
+  double stealable = 0.0;
+  double all = 0.0;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    all += plan[i].predicted_seconds;
+    if (!plan[i].stealable) continue;
+    stealable += plan[i].predicted_seconds;
+    ASSERT_GT(i, 0u);
+    if (plan[i - 1].node == plan[i].node) {
+      EXPECT_LE(plan[i].predicted_seconds, plan[i - 1].predicted_seconds);
+    }
   }
+  EXPECT_NEAR(stealable / all, 0.2, 0.03);
+  EXPECT_EQ(plan.size(), 16u);
 }
 
-TEST(Pbt, takes_the_costs_along_when_the_visitor_turns) {
-  // The picture spans pi, so turning by r shifts its content left by r / pi.
-  const double turn = 0.06;
-  const auto turned = [&](int frame) {
-    return CostFunction(
-        [shift = turn * frame / std::numbers::pi](double x, double y) { return relic(x + shift - 0.4, y); });
-  };
-  const std::vector<double> speeds(8, 1.0);
-  const Trial told = rendered(*make_balancer(BalanceStrategy::kPbt), {1920, 1080}, speeds, 30, turned, turn);
-  const Trial untold = rendered(*make_balancer(BalanceStrategy::kPbt), {1920, 1080}, speeds, 30, turned, 0.0);
-  EXPECT_GT(told.mean_efficiency, untold.mean_efficiency);
+TEST(CostMapStealing, makes_no_pieces_that_cost_more_than_they_could_bring) {
+  const auto balancer = make_balancer(BalanceStrategy::kCostMapStealing);
+  const std::vector<double> speeds(4, 1.0);
+  SplitRequest asked = request({640, 352}, speeds);
+  asked.block_overhead_seconds = 1.0;
+  EXPECT_EQ(balancer->split(asked).size(), 4u);
+}
+
+TEST(CostMap, gives_no_work_to_nodes_that_would_make_the_frame_slower) {
+  const auto balancer = make_balancer(BalanceStrategy::kCostMap);
+  const std::vector<double> speeds(64, 1.0);
+  SplitRequest asked = request({640, 352}, speeds);
+  asked.node_overhead_seconds = 0.01;
+  const std::vector<MeasuredBlock> second{{{0, 0, 640, 352}, 1.0}};
+  balancer->learn({{640, 352}, second});
+  // One second of work: 1/n + n/100 is least with 10 nodes.
+  EXPECT_EQ(balancer->split(asked).size(), 10u);
 }
 
 TEST(BalanceEfficiency, is_mean_over_largest) {

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/balance/cut_search.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+
+namespace cyclorama {
+namespace {
+
+/// What a side as much longer again as the other costs: borders, which JPEG and the caches pay for.
+constexpr double kPerAspect = 0.01;
+constexpr double kFreeAspect = 2.0;
+/// Forks below a cut whose own best cuts decide about it.
+constexpr int kForksAhead = 1;
+
+using Speeds = std::span<const double>;
+
+double sum_of(Speeds speeds) { return std::accumulate(speeds.begin(), speeds.end(), 0.0); }
+
+double stretched(const CellRect& r) {
+  const double aspect = static_cast<double>(std::max(r.width, r.height)) / std::min(r.width, r.height);
+  return 1.0 + kPerAspect * std::max(0.0, aspect - kFreeAspect);
+}
+
+struct Cut {
+  CutDirection direction = CutDirection::kAcross;
+  int at = 0;
+  double seconds = std::numeric_limits<double>::infinity();  ///< Of the slowest part.
+};
+
+class CutSearch {
+ public:
+  explicit CutSearch(const WorkSums& work) : work_(work) {}
+
+  void cut(const CellRect& region, Speeds speeds, std::span<CellRect> ret) const {
+    if (speeds.size() == 1) {
+      ret[0] = region;
+      return;
+    }
+    if (region.count() == 1) {
+      ret[static_cast<std::size_t>(std::ranges::max_element(speeds) - speeds.begin())] = region;
+      return;
+    }
+    const std::size_t left = speeds.size() / 2;
+    const Cut best = best_cut(region, speeds, kForksAhead);
+    cut(before_cut(region, best.direction, best.at), speeds.first(left), ret.first(left));
+    cut(after_cut(region, best.direction, best.at), speeds.subspan(left), ret.subspan(left));
+  }
+
+ private:
+  /// Precondition: two nodes and two cells at least.
+  [[nodiscard]] Cut best_cut(const CellRect& region, Speeds speeds, int forks_ahead) const {
+    const std::size_t left = speeds.size() / 2;
+    const double wanted = work_.of(region) * sum_of(speeds.first(left)) / sum_of(speeds);
+    Cut best;
+    for (const CutDirection d : {CutDirection::kAcross, CutDirection::kDown}) {
+      if (length_of(region, d) < 2) continue;
+      const int reaches = first_cut_with(work_, region, d, wanted);
+      for (const int at : {reaches, reaches - 1}) {
+        if (at < 1) continue;
+        const double first = seconds(before_cut(region, d, at), speeds.first(left), forks_ahead);
+        if (first >= best.seconds) continue;
+        const double slowest = std::max(first, seconds(after_cut(region, d, at), speeds.subspan(left), forks_ahead));
+        if (slowest < best.seconds) best = {d, at, slowest};
+      }
+    }
+    return best;
+  }
+
+  /// Until the last of these nodes is done with the region.
+  [[nodiscard]] double seconds(const CellRect& region, Speeds speeds, int forks_ahead) const {
+    if (speeds.size() == 1 || region.count() == 1 || forks_ahead == 0) {
+      return stretched(region) * work_.of(region) / sum_of(speeds);
+    }
+    return best_cut(region, speeds, forks_ahead - 1).seconds;
+  }
+
+  const WorkSums& work_;
+};
+
+}  // namespace
+
+std::vector<CellRect> cut_for_nodes(const WorkSums& work, Speeds speeds) {
+  std::vector<CellRect> parts(speeds.size());
+  if (!speeds.empty() && !work.whole().empty()) CutSearch(work).cut(work.whole(), speeds, parts);
+  return parts;
+}
+
+std::vector<CellRect> cut_by_shares(const WorkSums& work, const CellRect& region, std::span<const double> shares) {
+  std::vector<CellRect> parts;
+  CellRect rest = region;
+  double left = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (std::size_t i = 0; i + 1 < shares.size() && rest.count() > 1; ++i) {
+    const CutDirection d = longer_side(rest);
+    const int at = nearest_cut(work, rest, d, work.of(rest) * shares[i] / left);
+    parts.push_back(before_cut(rest, d, at));
+    rest = after_cut(rest, d, at);
+    left -= shares[i];
+  }
+  parts.push_back(rest);
+  return parts;
+}
+
+}  // namespace cyclorama

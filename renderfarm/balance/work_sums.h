@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "renderfarm/balance/work_grid.h"
+
+namespace cyclorama {
+
+/// Summed-area table: the work of any rectangle of cells in four look-ups. A value; reentrant.
+class WorkSums {
+ public:
+  /// Cells that are no number, or below 0, count as 0.
+  explicit WorkSums(const WorkGrid& work);
+
+  [[nodiscard]] PictureSize size() const { return size_; }
+  [[nodiscard]] CellRect whole() const { return {0, 0, columns_, rows_}; }
+  /// Precondition: inside of the picture.
+  [[nodiscard]] double of(const CellRect& r) const {
+    // What rounding leaves below 0 of cells without work is none.
+    const double sum =
+        up_to(r.x + r.width, r.y + r.height) - up_to(r.x, r.y + r.height) - up_to(r.x + r.width, r.y) + up_to(r.x, r.y);
+    return sum > 0.0 ? sum : 0.0;
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_ + 1) + static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] double up_to(int x, int y) const { return sums_[index(x, y)]; }
+
+  PictureSize size_;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<double> sums_;  ///< Of all cells above and to the left; one row and column more.
+};
+
+enum class CutDirection : unsigned char { kAcross, kDown };
+
+[[nodiscard]] constexpr int length_of(const CellRect& r, CutDirection d) {
+  return d == CutDirection::kAcross ? r.width : r.height;
+}
+[[nodiscard]] constexpr CutDirection longer_side(const CellRect& r) {
+  return r.width >= r.height ? CutDirection::kAcross : CutDirection::kDown;
+}
+/// The first `cut` columns, or rows; and all but those.
+[[nodiscard]] CellRect before_cut(CellRect r, CutDirection d, int cut);
+[[nodiscard]] CellRect after_cut(CellRect r, CutDirection d, int cut);
+
+/// The least cut in [1, length - 1] before which there is at least `work`; length - 1 where none has that.
+/// Precondition: the length is at least 2.
+[[nodiscard]] int first_cut_with(const WorkSums& sums, const CellRect& r, CutDirection d, double work);
+/// The cut in [1, length - 1] before which there is most nearly `work`. Precondition: the length is at least 2.
+[[nodiscard]] int nearest_cut(const WorkSums& sums, const CellRect& r, CutDirection d, double work);
+
+}  // namespace cyclorama

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/tools/render_command.h"
+
+namespace cyclorama {
+
+/// Figure 9 of the paper that this project grew from: frame rate against nodes, for scenes of several sizes.
+RenderCommand add_figure9_command(CLI::App* program);
+
+}  // namespace cyclorama

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/tools/render_command.h"
+
+namespace cyclorama {
+
+/// Renders a way through a scene on this machine and records what each cell cost.
+RenderCommand add_record_command(CLI::App* program);
+
+}  // namespace cyclorama

@@ -78,8 +78,8 @@ int main(int argc, char** argv) {
   app.add_option("--museums", arguments.museums, "Where museums dial (default [::1]:7401)");
   app.add_option("--nodes", arguments.nodes, "Where nodes dial (default [::1]:7402)");
   app.add_option("--inspect", arguments.inspect, "Where the operator looks (default: nowhere)");
-  app.add_option("--balance", arguments.balance, "How pictures are split: pbt (default) or equal")
-      ->check(CLI::IsMember({"pbt", "equal"}));
+  app.add_option("--balance", arguments.balance, "How pictures are split; the others are there for comparison")
+      ->check(CLI::IsMember({"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}));
   app.add_flag("--insecure", arguments.insecure, "Let others than this machine dial without TLS");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

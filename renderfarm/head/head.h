@@ -22,7 +22,7 @@ struct HeadOptions {
   std::string museums = "[::1]:7401";  ///< Where museums dial; port 0 takes a free one.
   std::string nodes = "[::1]:7402";    ///< Where nodes dial.
   std::string inspect{};               ///< Where the operator looks; empty: nowhere.
-  BalanceStrategy strategy = BalanceStrategy::kPbt;
+  BalanceStrategy strategy = BalanceStrategy::kCostMapStealing;
   HeadLimits limits{};
   TrustOptions trust{};
 };

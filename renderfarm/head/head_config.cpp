@@ -35,7 +35,8 @@ Result<HeadOptions> read_head_config(const std::filesystem::path& path) {
   options.museums = root.text("museums");
   options.nodes = root.text("nodes");
   options.inspect = root.text("inspect", "");
-  options.strategy = *balance_strategy_of(root.choice("balance", {"pbt", "equal"}, "pbt"));
+  options.strategy = *balance_strategy_of(
+      root.choice("balance", {"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}, "cost-map-stealing"));
   for (ConfigTable& scene : root.tables("scene")) options.scenes.push_back({scene.text("name"), scene.text("path")});
   if (root.has("limits")) {
     const HeadLimits defaults;

@@ -14,7 +14,7 @@ namespace cyclorama {
 ///   museums = "[::]:7401"            # Where museums dial.
 ///   nodes = "[::]:7402"              # Where nodes dial.
 ///   inspect = "[::1]:7403"           # Where the operator looks; without it, nowhere.
-///   balance = "pbt"                  # Or "equal".
+///   balance = "cost-map-stealing"    # For comparison: "cost-map", "pbt-leaves", "pbt" or "equal".
 ///   [[scene]]                        # The first is the default.
 ///   name = "grotto"
 ///   path = "/srv/scenes/grotto"      # On the nodes' disks.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/wire/convert.h"
@@ -26,6 +27,8 @@ PictureSize size_of(const wire::View& view) {
   return {static_cast<int>(view.panorama().width_px()), static_cast<int>(view.panorama().height_px())};
 }
 
+std::array<double, 3> eye_of(const wire::View& view) { return {view.eye_m().x(), view.eye_m().y(), view.eye_m().z()}; }
+
 }  // namespace
 
 FrameInFlight* HeadState::find_frame(const BlockPlace& place) {
@@ -46,8 +49,12 @@ std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& vi
     thread_speeds.push_back(node.scenes.at(session.scene).speed);
   }
   std::vector<PlacedBlock> blocks;
-  for (const PlannedBlock& block :
-       session.balancer->split({size_of(view), speeds, view.heading_rad(), view.panorama().azimuth_span_rad()})) {
+  for (const PlannedBlock& block : session.balancer->split({.size = size_of(view),
+                                   .speeds = speeds,
+                                   .heading_rad = view.heading_rad(),
+                                   .azimuth_span_rad = view.panorama().azimuth_span_rad(),
+                                   .eye_m = eye_of(view),
+                                   .effort = static_cast<double>(view.samples())})) {
     blocks.push_back(
         {nodes[block.node], block.rect, {block.predicted_seconds, thread_speeds[block.node], block.stealable}});
   }
@@ -192,7 +199,8 @@ void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
     finish_refined(id, session, frame, report);
   } else {
     if (!report.costs.empty()) {
-      session.balancer->learn({size_of(frame.view), report.costs, frame.view.heading_rad()});
+      session.balancer->learn({size_of(frame.view), report.costs, frame.view.heading_rad(), eye_of(frame.view),
+                               static_cast<double>(frame.view.samples())});
     }
     if (report.complete) {
       session.frame_cpu_seconds = std::max(report.cpu_seconds, kLeastCost);

@@ -36,7 +36,7 @@ TEST(HeadConfig, reads_what_it_says_and_defaults_for_the_rest) {
   EXPECT_EQ(options->scenes[1].path, "/srv/scenes/relic");
   EXPECT_EQ(options->limits.sessions, 3u);
   EXPECT_EQ(options->limits.nodes, HeadLimits{}.nodes);
-  EXPECT_EQ(options->strategy, BalanceStrategy::kPbt);
+  EXPECT_EQ(options->strategy, BalanceStrategy::kCostMapStealing);
 }
 
 TEST(HeadConfig, names_the_line_of_a_mistake) {

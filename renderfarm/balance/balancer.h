@@ -31,6 +31,8 @@ struct SplitRequest {
   std::array<double, 3> eye_m{};
   /// What a pixel of this picture's quality costs, as far as is known beforehand, in any unit that stays: samples, say.
   double effort = 1.0;
+  /// One block per node, none stealable: where a block costs more when it is cut, as the denoiser looks around it.
+  bool whole_blocks = false;
 };
 
 /// Part of the picture for one node.

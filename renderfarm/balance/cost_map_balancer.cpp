@@ -36,6 +36,7 @@ class CostMapBalancer final : public Balancer {
     const WorkSums work(map_.predict(request));
     const double total = work.of(work.whole());
     block_overhead_ = usable(request.block_overhead_seconds);
+    stealing_ = options_.stealing && !request.whole_blocks;
     // What nothing is known of may be worth any number of nodes.
     node_overhead_ = map_.is_known() ? usable(request.node_overhead_seconds) : 0.0;
     const std::vector<double> speeds = usable_speeds(request.speeds);
@@ -69,9 +70,11 @@ class CostMapBalancer final : public Balancer {
     Plan plan{std::vector<std::vector<PlannedBlock>>(count)};
     for (std::size_t i = 0; i < count; ++i) {
       if (!parts[i].empty())
-        plan.blocks[i] = pieces_of(parts[i], nodes[i], work, kPieceWorth * block_overhead_ * speeds[i]);
+        plan.blocks[i] =
+            pieces_of(parts[i], nodes[i], work, stealing_ && count > 1 ? options_.shares : std::vector{1.0},
+                      kPieceWorth * block_overhead_ * speeds[i]);
     }
-    if (options_.stealing)
+    if (stealing_)
       level_out(&plan, nodes, speeds,
                 kMoveWorth * work.of(work.whole()) / std::accumulate(speeds.begin(), speeds.end(), 0.0));
     double ordered_at = 0.0;
@@ -86,9 +89,8 @@ class CostMapBalancer final : public Balancer {
 
   /// `least`: no piece may be worth less.
   [[nodiscard]] std::vector<PlannedBlock> pieces_of(const CellRect& part, std::size_t node, const WorkSums& work,
-                                                    double least) const {
-    std::vector<double> shares = options_.shares;
-    while (shares.size() > 1 && (!options_.stealing || shares.back() * work.of(part) < least)) {
+                                                    std::vector<double> shares, double least) const {
+    while (shares.size() > 1 && shares.back() * work.of(part) < least) {
       shares[shares.size() - 2] += shares.back();
       shares.pop_back();
     }
@@ -127,7 +129,8 @@ class CostMapBalancer final : public Balancer {
 
   CostMapBalancerOptions options_;
   CostMap map_;
-  double block_overhead_ = 0.0;  ///< Of the request at hand.
+  bool stealing_ = false;        ///< In the request at hand.
+  double block_overhead_ = 0.0;  ///< Likewise.
   double node_overhead_ = 0.0;
 };
 

@@ -18,6 +18,7 @@ struct Arguments {
   std::string inspect{};
   std::string balance{};
   bool insecure = false;
+  std::string record{};
 };
 
 /// The file first; what the command line says overrules it.
@@ -36,6 +37,7 @@ Result<HeadOptions> options_from(const Arguments& arguments) {
   if (!arguments.inspect.empty()) options.inspect = arguments.inspect;
   if (!arguments.balance.empty()) options.strategy = *balance_strategy_of(arguments.balance);
   options.trust.insecure = options.trust.insecure || arguments.insecure;
+  options.record = arguments.record;
   return options;
 }
 
@@ -80,6 +82,7 @@ int main(int argc, char** argv) {
   app.add_option("--inspect", arguments.inspect, "Where the operator looks (default: nowhere)");
   app.add_option("--balance", arguments.balance, "How pictures are split; the others are there for comparison")
       ->check(CLI::IsMember({"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}));
+  app.add_option("--record", arguments.record, "Write what each frame costs into this folder, for cyclorama-balance");
   app.add_flag("--insecure", arguments.insecure, "Let others than this machine dial without TLS");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

@@ -10,6 +10,7 @@
 #include "common/base/text.h"
 #include "common/wire/channel.h"
 #include "common/wire/inspection_service.h"
+#include "renderfarm/head/cost_log.h"
 #include "renderfarm/head/head_meters.h"
 #include "renderfarm/head/head_services.h"
 
@@ -65,6 +66,9 @@ class Head::Loop final : private Peers {
   ~Loop() override { stop(); }
 
   Status start() {
+    if (!options_.record.empty()) {
+      TRY_ASSIGN(cost_log_, CostLog::open(options_.record, notice_));
+    }
     TRY_ASSIGN(gate_, Gatekeeper::open(options_.trust, clock_, notice_));
     thread_ = std::thread(
         [this] { run(); });  // Before the servers: every call that a server takes needs somebody to finish it.
@@ -237,7 +241,10 @@ class Head::Loop final : private Peers {
     gate_->visit_ended(static_cast<std::uint64_t>(session), reason.message());
     end_stream(museums_.at(static_cast<std::uint64_t>(session)), to_grpc(reason), at_once);
   }
-  void frame_ended(const FrameReport& report) override { meters_.add(report); }
+  void frame_ended(const FrameReport& report) override {
+    meters_.add(report);
+    if (cost_log_) cost_log_->add(report);
+  }
   void frame_relayed(double seconds) override { meters_.add_relay(seconds); }
   void notice(const std::string& sentence) override { notice_(sentence); }
 
@@ -249,6 +256,7 @@ class Head::Loop final : private Peers {
   Events events_;
   InspectionService inspection_{"head"};
   HeadMeters meters_{inspection_};
+  std::unique_ptr<CostLog> cost_log_;
   HeadState state_;
   std::unique_ptr<Gatekeeper> gate_;
   std::multimap<TimePoint, MuseumTook> held_;

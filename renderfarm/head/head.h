@@ -25,6 +25,7 @@ struct HeadOptions {
   BalanceStrategy strategy = BalanceStrategy::kCostMapStealing;
   HeadLimits limits{};
   TrustOptions trust{};
+  std::string record{};  ///< Folder for what frames cost, for cyclorama-balance; empty: not kept.
 };
 
 /// That names, paths and addresses can work, and that nothing listens to the world without TLS. kInvalidArgument names

@@ -51,7 +51,7 @@ TimePoint HeadState::due_at(const Session& session, const FrameInFlight& frame,
   if (frame.refines) {
     return since + std::max(kAtRestLeast, duration_of(kAtRest * frame.assembly.summary().render_seconds));
   }
-  const double expected = block.forecast.seconds / speed_of(node->second, session.scene);
+  const double expected = session.costs_known ? block.forecast.seconds / speed_of(node->second, session.scene) : 0.0;
   return since + std::max({kSilentLeast, duration_of(kExpected * expected),
                            duration_of(kSilent * to_seconds(measure_of(session)))});
 }

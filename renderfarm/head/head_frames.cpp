@@ -14,6 +14,8 @@ namespace {
 
 /// Unfinished or unwritten, per session: while one goes to the museum, the next is rendered.
 constexpr std::size_t kFramesAtWork = 2;
+/// What an order and its answer cost beside the pixels: one tile and its acknowledgement through gRPC with TLS.
+constexpr double kOrderSeconds = 0.0003;
 /// Cpu-seconds: a frame that cost nothing still takes its turn.
 constexpr double kLeastCost = 1e-4;
 
@@ -29,6 +31,9 @@ PictureSize size_of(const wire::View& view) {
 
 std::array<double, 3> eye_of(const wire::View& view) { return {view.eye_m().x(), view.eye_m().y(), view.eye_m().z()}; }
 
+/// What a pixel costs grows with its samples; how much more a bounce costs, only the scene knows.
+double effort_of(const wire::View& view) { return view.samples(); }
+
 }  // namespace
 
 FrameInFlight* HeadState::find_frame(const BlockPlace& place) {
@@ -39,7 +44,7 @@ FrameInFlight* HeadState::find_frame(const BlockPlace& place) {
   return frame == frames.end() ? nullptr : &*frame;
 }
 
-std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& view) const {
+std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& view, bool whole_blocks) const {
   const std::vector<NodeId> nodes = nodes_for(session.scene);
   std::vector<double> speeds;
   std::vector<double> thread_speeds;
@@ -48,13 +53,13 @@ std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& vi
     speeds.push_back(speed_of(node, session.scene));
     thread_speeds.push_back(node.scenes.at(session.scene).speed);
   }
+  SplitRequest request{size_of(view), speeds, view.heading_rad(), view.panorama().azimuth_span_rad()};
+  request.eye_m = eye_of(view);
+  request.effort = effort_of(view);
+  request.block_overhead_seconds = request.node_overhead_seconds = kOrderSeconds;
+  request.whole_blocks = whole_blocks;
   std::vector<PlacedBlock> blocks;
-  for (const PlannedBlock& block : session.balancer->split({.size = size_of(view),
-                                   .speeds = speeds,
-                                   .heading_rad = view.heading_rad(),
-                                   .azimuth_span_rad = view.panorama().azimuth_span_rad(),
-                                   .eye_m = eye_of(view),
-                                   .effort = static_cast<double>(view.samples())})) {
+  for (const PlannedBlock& block : session.balancer->split(request)) {
     blocks.push_back(
         {nodes[block.node], block.rect, {block.predicted_seconds, thread_speeds[block.node], block.stealable}});
   }
@@ -70,7 +75,7 @@ void HeadState::plan(SessionId id, Session& session) {
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   if (session.governed) govern(*session.governed, &frame);
   frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
-  for (const PlacedBlock& block : split(session, frame.view)) {
+  for (const PlacedBlock& block : split(session, frame.view, frame.view.denoise())) {
     frame.assembly.plan(++last_block_, block.node, block.rect, block.forecast);
     order_block(id, session, frame, last_block_, block.node, block.rect);
   }
@@ -199,8 +204,9 @@ void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
     finish_refined(id, session, frame, report);
   } else {
     if (!report.costs.empty()) {
-      session.balancer->learn({size_of(frame.view), report.costs, frame.view.heading_rad(), eye_of(frame.view),
-                               static_cast<double>(frame.view.samples())});
+      session.costs_known = true;
+      session.balancer->learn(
+          {size_of(frame.view), report.costs, frame.view.heading_rad(), eye_of(frame.view), effort_of(frame.view)});
     }
     if (report.complete) {
       session.frame_cpu_seconds = std::max(report.cpu_seconds, kLeastCost);

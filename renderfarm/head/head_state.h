@@ -159,7 +159,7 @@ class HeadState {
 
   // Frames: head_frames.cpp
   void plan(SessionId id, Session& session);
-  [[nodiscard]] std::vector<PlacedBlock> split(Session& session, const wire::View& view) const;
+  [[nodiscard]] std::vector<PlacedBlock> split(Session& session, const wire::View& view, bool whole_blocks) const;
   [[nodiscard]] NodeId idlest(const std::vector<NodeId>& nodes) const;
   void order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
                    const PixelRect& rect);

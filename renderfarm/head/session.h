@@ -71,6 +71,7 @@ struct Session {
   std::unique_ptr<Balancer> balancer{};
   std::unique_ptr<Governed> governed{};  ///< Null: each view says its own quality.
   FairShare::Flow share{};
+  bool costs_known = false;               ///< A frame was measured: forecasts are no guesses.
   double frame_cpu_seconds = 0.05;        ///< What its last frame cost: what the next one will.
   double pace_seconds = kFirstPace;       ///< What a frame takes: the most of the last few.
   TimePoint next_due = TimePoint::max();  ///< When a deadline of the foremost frame is met or missed.

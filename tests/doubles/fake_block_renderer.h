@@ -51,6 +51,9 @@ class FakeRendering {
 /// Draws a pattern that depends on the pixel and on every field of the view, and on nothing else.
 class FakeBlockRenderer final : public BlockRenderer {
  public:
+  /// What it says it took: as long as a ray tracer, so that more nodes are worth their overhead.
+  static constexpr double kSecondsPerSample = 1e-7;
+
   explicit FakeBlockRenderer(std::shared_ptr<FakeRendering> shared) : shared_(std::move(shared)) {}
 
   RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
@@ -61,8 +64,8 @@ class FakeBlockRenderer final : public BlockRenderer {
       for (int x = 0; x < rect.width; ++x) colour(view, rect.x + x, rect.y + y, ret_pixels->at(x, y));
     }
     ++shared_->renders;
-    return {1e-9 * static_cast<double>(rect.area()), 1e-9 * static_cast<double>(rect.area()),
-            static_cast<std::uint64_t>(rect.area())};
+    const double seconds = kSecondsPerSample * static_cast<double>(rect.area());
+    return {seconds, seconds, static_cast<std::uint64_t>(rect.area())};
   }
   /// The negative of the pattern.
   RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
@@ -90,7 +93,7 @@ class FakeBlockRenderer final : public BlockRenderer {
     }
     ++shared_->renders;
     shared_->samples += samples.end - samples.first;
-    const double seconds = 1e-9 * static_cast<double>(rect.area() * (samples.end - samples.first));
+    const double seconds = kSecondsPerSample * static_cast<double>(rect.area() * (samples.end - samples.first));
     return {seconds, seconds, static_cast<std::uint64_t>(rect.area())};
   }
   [[nodiscard]] RgbImage developed(const Film& film) const override {

@@ -35,7 +35,7 @@ inline wire::View view_of(std::uint64_t number, std::uint32_t width = 1024, std:
 class FarmSimulation {
  public:
   explicit FarmSimulation(HeadLimits limits = {})
-      : state({{"grotto", "path"}}, BalanceStrategy::kPbt, limits, clock, peers) {}
+      : state({{"grotto", "path"}}, BalanceStrategy::kCostMapStealing, limits, clock, peers) {}
 
   FakeClock clock;
   FakePeers peers;

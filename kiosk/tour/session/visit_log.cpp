@@ -72,6 +72,7 @@ void VisitLog::add_end(const wire::FrameEnd& end, TimePoint now) {
   const std::lock_guard lock(mutex_);
   const double bytes = std::exchange(frame_bytes_, 0.0);
   if (!end.complete()) {
+    if (end.late()) inspection_.count("late_frames");
     drop_view(end.view_number(), end.reason().empty() ? "the farm gave no reason" : end.reason());
     return;
   }

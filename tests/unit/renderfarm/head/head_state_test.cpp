@@ -37,7 +37,7 @@ TEST(HeadState, relays_the_older_frame_first_and_holds_the_newer_ones_tiles) {
   s.settle({a, b});
   EXPECT_EQ(s.complete, 2);
   EXPECT_EQ(s.last_end.nodes(), 2u);
-  EXPECT_DOUBLE_EQ(s.last_end.balance_efficiency(), 1.0);
+  EXPECT_GT(s.last_end.balance_efficiency(), 0.7);  // The quicker one took a little of the other's.
 }
 
 TEST(HeadState, keeps_at_most_two_frames_for_a_museum_that_takes_nothing) {

@@ -27,15 +27,18 @@ class BlockRenderer {
   /// The same with the noise taken out. It looks around the rect: one for a block costs less than one for each tile.
   virtual RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                                      const std::function<bool()>& cancelled) = 0;
-  /// Only these samples of the view, whatever number of samples it asks for, into `ret_film`, made anew. Sums of films
-  /// of the ranges of cut_samples(), added in that order, are bit-identical on any node.
+  /// Only these samples of the view, whatever number of samples it asks for, into `film`, of the rect's size and
+  /// without features. Cells that have samples stay as they are: a film that was cancelled is gone on with. Sums of
+  /// films of the ranges of cut_samples(), added in that order, are bit-identical on any node.
   virtual RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples,
-                                 Film* ret_film, const std::function<bool()>& cancelled) = 0;
+                                 Film* film, const std::function<bool()>& cancelled) = 0;
   /// What render() makes of a film, to the last bit.
   [[nodiscard]] virtual RgbImage developed(const Film& film) const = 0;
   /// All but the name, which the head gives.
   [[nodiscard]] virtual wire::SceneDescription description() const = 0;
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
+  /// Thread time per megapixel of a small fixed picture from the scene's start: how fast this host is with it.
+  [[nodiscard]] virtual double probe_cpu_seconds() = 0;
 
  protected:
   BlockRenderer() = default;

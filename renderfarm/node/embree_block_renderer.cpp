@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/embree_block_renderer.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "common/wire/convert.h"
 #include "renderfarm/denoise/denoising_renderer.h"
 #include "renderfarm/render/tone.h"
@@ -27,12 +30,12 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     return denoising_.render(view, rect, ret_pixels, cancelled);
   }
 
-  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* ret_film,
+  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* film,
                          const std::function<bool()>& cancelled) override {
     PanoramaView part = view;
     part.quality.first_sample = samples.first;
     part.quality.samples = samples.end - samples.first;
-    return renderer_->render_film(part, rect, false, ret_film, cancelled);
+    return renderer_->finish_film(part, rect, film, cancelled);
   }
 
   [[nodiscard]] RgbImage developed(const Film& film) const override {
@@ -66,6 +69,21 @@ class EmbreeBlockRenderer final : public BlockRenderer {
 
   [[nodiscard]] std::uint64_t memory_bytes() const override {
     return renderer_->scene().memory_bytes() + renderer_->shading_bytes() + renderer_->bvh_bytes();
+  }
+
+  [[nodiscard]] double probe_cpu_seconds() override {
+    PanoramaView view;
+    view.eye = renderer_->scene().info.start_eye;
+    view.heading_rad = renderer_->scene().info.start_heading_rad;
+    view.panorama = {64, 32, 2.0, 0.5, -0.5};
+    view.quality.samples = 1;
+    const PixelRect whole{0, 0, view.panorama.width_px, view.panorama.height_px};
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i) {  // The first one warms the caches; whatever else the host does makes one slower.
+      RgbImage picture;
+      least = std::min(least, renderer_->render(view, whole, &picture, nullptr).cpu_seconds);
+    }
+    return least / (1e-6 * static_cast<double>(whole.area()));
   }
 
  private:

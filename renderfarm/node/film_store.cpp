@@ -13,7 +13,7 @@ std::size_t bytes_of(const Film& film) {
 
 }  // namespace
 
-FilmStore::Kept FilmStore::take(std::uint64_t visit, const std::string& picture, const PixelRect& tile) {
+FilmStore::Kept FilmStore::take(const Visit& visit, const std::string& picture, const PixelRect& tile) {
   const auto found = visits_.find(visit);
   if (found == visits_.end() || found->second.name != picture) return {};
   const auto kept = found->second.tiles.find(tile);
@@ -24,7 +24,7 @@ FilmStore::Kept FilmStore::take(std::uint64_t visit, const std::string& picture,
   return taken;
 }
 
-void FilmStore::put(std::uint64_t visit, const std::string& picture, const PixelRect& tile, Kept kept) {
+void FilmStore::put(const Visit& visit, const std::string& picture, const PixelRect& tile, Kept kept) {
   auto place = visits_.try_emplace(visit).first;
   if (place->second.name != picture) {
     drop(place);
@@ -43,13 +43,19 @@ void FilmStore::put(std::uint64_t visit, const std::string& picture, const Pixel
   slot = std::move(kept);
 }
 
-void FilmStore::forget(std::uint64_t visit) {
+void FilmStore::forget(const Visit& visit) {
   if (const auto found = visits_.find(visit); found != visits_.end()) drop(found);
 }
 
-void FilmStore::drop(std::map<std::uint64_t, Picture>::iterator visit) {
+void FilmStore::forget_link(LinkId link) {
+  for (auto visit = visits_.lower_bound({link, 0}); visit != visits_.end() && visit->first.link == link;) {
+    visit = drop(visit);
+  }
+}
+
+FilmStore::Pictures::iterator FilmStore::drop(Pictures::iterator visit) {
   for (const auto& [tile, kept] : visit->second.tiles) bytes_ -= bytes_of(kept.film);
-  visits_.erase(visit);
+  return visits_.erase(visit);
 }
 
 }  // namespace cyclorama

@@ -1,30 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the node's threads share while one stream to the head is open.
+/// What the node's threads share while one stream to a head is open.
 #pragma once
 
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <map>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <variant>
 
+#include "common/base/clock.h"
 #include "common/image/image.h"
 #include "common/image/jpeg.h"
 #include "common/image/pixel_rect.h"
 #include "common/wire/nodes.pb.h"
+#include "renderfarm/node/link_id.h"
 #include "renderfarm/render/renderer.h"
 
 namespace cyclorama {
-
-/// A block that the head wants, until it has had its `end`.
-struct BlockOrder {
-  wire::RenderBlock block;
-  std::atomic<bool> cancelled = false;
-};
 
 /// Pixels on their way to the encoder.
 struct RenderedTile {
@@ -41,31 +35,37 @@ struct RenderedBlock {
   std::string error{};
 };
 
-/// One per stream, shared by the reader, the render thread and the sender; when the stream ends it is closed, and
-/// whoever works for it stops. Thread-safe.
+/// What is on its way to one head. One per stream; the sender takes what the others push.
+///
+///   open ──finish()──► finishing: what is there is still sent ──close()──► closed: all who work for it stop
+///     └───────────────────────────────close()───────────────────────────────┘
+///
+/// Thread-safe.
 class NodeLink {
  public:
   using Outgoing = std::variant<wire::NodeReport, RenderedTile, RenderedBlock>;
 
-  /// False when the number is in use or too many blocks wait: the head is broken.
-  bool take_order(const wire::RenderBlock& block);
-  void cancel(std::uint64_t block);
-  /// Null for an unknown number.
-  [[nodiscard]] std::shared_ptr<const BlockOrder> order(std::uint64_t block) const;
-  void forget(std::uint64_t block);
+  explicit NodeLink(LinkId id) : id_(id) {}
+  [[nodiscard]] LinkId id() const { return id_; }
 
-  /// Waits while a few tiles are on their way already; false once the link is closed.
-  bool push(Outgoing item);
-  /// Waits for an item; nothing once the link is closed.
-  std::optional<Outgoing> pop();
+  /// Never waits; nothing happens once the link finishes.
+  void push(Outgoing item);
+  /// False while a few tiles are on their way already: an encoder or a network that does not keep up stops the rays.
+  [[nodiscard]] bool takes_tiles() const;
+  /// Waits for an item; nothing at the deadline, when the link is closed, and when it finishes and all was taken.
+  std::optional<Outgoing> pop(TimePoint deadline);
+
+  void finish();
   void close();
+  [[nodiscard]] bool is_finished() const;  ///< All was taken, and no more will come.
   [[nodiscard]] bool is_closed() const { return closed_; }
 
  private:
+  const LinkId id_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Outgoing> outgoing_;
-  std::map<std::uint64_t, std::shared_ptr<BlockOrder>> orders_;
+  bool finishing_ = false;
   std::atomic<bool> closed_ = false;  ///< Written under mutex_; read without it from the render threads.
 };
 

@@ -1,54 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <array>
 #include <cstdlib>
-#include <thread>
+#include <utility>
 
-#include "common/config/config.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
 #include "renderfarm/node/embree_block_renderer.h"
 #include "renderfarm/node/farm_node.h"
+#include "renderfarm/node/node_config.h"
 
 namespace cyclorama {
 namespace {
 
-constexpr int kMostThreads = 4096;
-
 struct Arguments {
   std::string config{};
-  std::string head{};
-  std::string name{};
-  int threads = 0;
+  FarmNodeOptions options{.threads = 0};
+  double memory_gib = 0.0;
 };
 
-std::string host_name() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "node";
-}
-
 /// node.toml's keys are the options' names; what the command line says overrules it.
-Result<FarmNodeOptions> options_from(Arguments arguments) {
+Result<FarmNodeOptions> options_from(const Arguments& arguments) {
+  FarmNodeOptions said = arguments.options;
+  said.memory_limit_bytes = bytes_of_gib(arguments.memory_gib);
   if (!arguments.config.empty()) {
-    TRY_ASSIGN(Config config, Config::read(arguments.config));
-    ConfigTable root = config.root();
-    const std::string head = root.text("head");
-    const std::string name = root.text("name", "");
-    const int threads = root.integer("threads", {0, kMostThreads}, 0);
-    TRY(config.finish());
-    if (arguments.head.empty()) arguments.head = head;
-    if (arguments.name.empty()) arguments.name = name;
-    if (arguments.threads == 0) arguments.threads = threads;
+    TRY_ASSIGN(const FarmNodeOptions file, read_node_config(arguments.config));
+    if (said.heads.empty()) said.heads = file.heads;
+    if (said.name.empty()) said.name = file.name;
+    if (said.threads == 0) said.threads = file.threads;
+    if (said.memory_limit_bytes == 0) said.memory_limit_bytes = file.memory_limit_bytes;
   }
-  if (arguments.head.empty()) {
-    return Error(ErrorCode::kInvalidArgument, "no head is given; write --head [::1]:7402, or 'head' in node.toml");
-  }
-  const int all_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  return FarmNodeOptions{arguments.head, arguments.name.empty() ? host_name() : arguments.name,
-                         arguments.threads > 0 ? arguments.threads : all_threads};
+  return complete(std::move(said));
 }
 
 Status run(const Arguments& arguments, const StopSignal& stop) {
@@ -69,6 +50,8 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
     }
   }
   notify.stopping();
+  log(LogLevel::kInfo, "draining: renders the blocks that it has, then stops");
+  node->drain(std::chrono::seconds(5));
   if (node->is_loading()) {
     // A load cannot be broken off and may take minutes; a node holds nothing that is worth the wait.
     log(LogLevel::kNotice, "stopping in the middle of loading a scene");
@@ -89,9 +72,13 @@ int main(int argc, char** argv) {
   CLI::App& app = program.options();
   app.add_option("--config", arguments.config, "Read this node.toml; the other options overrule it")
       ->check(CLI::ExistingFile);
-  app.add_option("--head", arguments.head, "The farm's head, such as [::1]:7402");
-  app.add_option("--threads", arguments.threads, "Threads that render (default: all)")
-      ->check(CLI::Range(1, kMostThreads));
-  app.add_option("--name", arguments.name, "How people call this node (default: the host's name)");
+  FarmNodeOptions& options = arguments.options;
+  app.add_option("--head", options.heads, "A farm's head, such as [::1]:7402; given again, all are served at once");
+  app.add_option("--threads", options.threads, "Threads that render (default: all)")
+      ->check(CLI::Range(1, kMostNodeThreads));
+  app.add_option("--memory-gib", arguments.memory_gib,
+                 "What scenes and pictures at rest may take together (default: scenes are not limited)")
+      ->check(CLI::Range(kLeastMemoryGib, kMostMemoryGib));
+  app.add_option("--name", options.name, "How people call this node (default: the host's name)");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -27,38 +28,88 @@ Result<std::string> front_of(const std::filesystem::path& scene) {
   TRY(parse_front(text, file.string()));
   return text;
 }
-}  // namespace
 
-wire::SceneLoaded SceneStore::load(const wire::LoadScene& order, const std::function<void(double)>& progress) {
-  if (const auto known = scenes_.find(order.scene()); known != scenes_.end()) {
-    if (known->second.path == order.path()) return known->second.answer;
-    scenes_.erase(known);  // First, so that memory never holds both.
+/// What the scene will take at least, as a rule: geometry takes no less in memory, and pictures take more.
+std::uint64_t bytes_on_disk(const std::filesystem::path& scene) {
+  std::error_code none;
+  if (!std::filesystem::is_directory(scene, none)) {
+    const auto bytes = std::filesystem::file_size(scene, none);
+    return none ? 0 : bytes;
   }
+  std::uint64_t sum = 0;
+  for (std::filesystem::recursive_directory_iterator file(scene, none), end; !none && file != end;
+       file.increment(none)) {
+    std::error_code unknown;
+    if (const auto bytes = file->file_size(unknown); !unknown) sum += bytes;
+  }
+  return sum;
+}
+
+double gibibytes(std::uint64_t bytes) { return static_cast<double>(bytes) / static_cast<double>(1 << 30); }
+
+wire::SceneLoaded failed(const wire::LoadScene& order, const std::string& why) {
   wire::SceneLoaded answer;
   answer.set_scene(order.scene());
-  const TimePoint begun = SteadyClock().now();
-  const auto front = front_of(order.path());
-  auto renderer = front ? load_guarded(order.path(), progress) : Error(front.error());
-  if (!renderer) {
-    answer.set_error(printable(renderer.error().message(), kLongestError));  // May quote a file's bytes.
-    return answer;
-  }
-  answer.set_front(*front);
-  *answer.mutable_description() = (*renderer)->description();
-  answer.mutable_description()->set_name(order.scene());
-  if (const Status fine = validate(answer.description()); !fine) {
-    answer.set_error(fmt::format("'{}' cannot be walked in: {}", order.path(), fine.error().message()));
-    return answer;
-  }
-  answer.set_load_seconds(to_seconds(SteadyClock().now() - begun));
-  answer.set_memory_bytes((*renderer)->memory_bytes());
-  scenes_[order.scene()] = {order.path(), *std::move(renderer), answer};
+  answer.set_error(printable(why, kLongestError));  // May quote a file's bytes.
   return answer;
 }
 
-BlockRenderer* SceneStore::find(const std::string& scene) const {
-  const auto known = scenes_.find(scene);
-  return known == scenes_.end() ? nullptr : known->second.renderer.get();
+}  // namespace
+
+wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, const std::string& path,
+                                   const std::function<void(double)>& progress, std::vector<Name>* ret_left) {
+  const Name name{link, order.scene()};
+  const auto named = [&](Loaded& loaded) {
+    paths_[name] = path;
+    loaded.used = ++uses_;
+    wire::SceneLoaded answer = loaded.answer;
+    answer.set_scene(order.scene());
+    answer.mutable_description()->set_name(order.scene());
+    return answer;
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    in_use_[link] = {order.in_use().begin(), order.in_use().end()};
+    if (const auto known = scenes_.find(path); known != scenes_.end()) return named(known->second);
+    if (const auto other = paths_.find(name); other != paths_.end()) {
+      // First, so that memory never holds both; unless somebody else wants it.
+      const std::string other_path = other->second;
+      paths_.erase(other);
+      const auto scene = scenes_.find(other_path);
+      const bool known = std::ranges::any_of(paths_, [&](const auto& entry) { return entry.second == other_path; });
+      if (scene != scenes_.end() && !known && may_leave(*scene)) scenes_.erase(scene);
+    }
+  }
+  const std::uint64_t guess = most_bytes_ > 0 ? bytes_on_disk(path) : 0;
+  {
+    const std::lock_guard lock(mutex_);
+    make_room(guess, ret_left);
+  }
+  auto loaded = loaded_from(order.scene(), path, progress);
+  if (!loaded) return failed(order, loaded.error().message());
+  const std::uint64_t needed = loaded->answer.memory_bytes();
+  const std::lock_guard lock(mutex_);
+  if (!make_room(needed, ret_left)) {
+    return failed(order, fmt::format("'{}' takes {:.2f} GiB of memory, and this node may use {:.2f} GiB for scenes, of "
+                                     "which {:.2f} GiB are in use; give it more (memory_gib), or end other visits",
+                                     path, gibibytes(needed), gibibytes(most_bytes_), gibibytes(bytes())));
+  }
+  return named(scenes_.emplace(path, *std::move(loaded)).first->second);
+}
+
+std::shared_ptr<BlockRenderer> SceneStore::find(LinkId link, const std::string& scene) {
+  const std::lock_guard lock(mutex_);
+  const auto path = paths_.find({link, scene});
+  if (path == paths_.end()) return nullptr;
+  Loaded& loaded = scenes_.at(path->second);
+  loaded.used = ++uses_;
+  return loaded.renderer;
+}
+
+void SceneStore::forget_link(LinkId link) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(paths_, [&](const auto& entry) { return entry.first.link == link; });
+  in_use_.erase(link);
 }
 
 Result<std::unique_ptr<BlockRenderer>> SceneStore::load_guarded(const std::string& path,
@@ -72,6 +123,63 @@ Result<std::unique_ptr<BlockRenderer>> SceneStore::load_guarded(const std::strin
   } catch (const std::exception& error) {
     return Error(ErrorCode::kSystem, fmt::format("'{}': unexpected: {}", path, error.what()));
   }
+}
+
+Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, const std::string& path,
+                                                   const std::function<void(double)>& progress) {
+  const TimePoint begun = SteadyClock().now();
+  TRY_ASSIGN(std::string front, front_of(path));
+  TRY_ASSIGN(std::shared_ptr<BlockRenderer> renderer, load_guarded(path, progress));
+  wire::SceneLoaded answer;
+  answer.set_front(std::move(front));
+  *answer.mutable_description() = renderer->description();
+  answer.mutable_description()->set_name(name);
+  if (const Status fine = validate(answer.description()); !fine) {
+    return Error(fine.error()).while_doing(fmt::format("'{}' cannot be walked in", path));
+  }
+  answer.set_load_seconds(to_seconds(SteadyClock().now() - begun));
+  answer.set_memory_bytes(renderer->memory_bytes());
+  answer.set_probe_cpu_seconds(renderer->probe_cpu_seconds());
+  return Loaded{std::move(renderer), std::move(answer)};
+}
+
+bool SceneStore::make_room(std::uint64_t needed, std::vector<Name>* ret_left) {
+  if (most_bytes_ == 0) return true;
+  std::uint64_t staying = 0;
+  for (const auto& scene : scenes_) staying += may_leave(scene) ? 0 : scene.second.answer.memory_bytes();
+  if (staying + needed > most_bytes_) return false;  // Nobody leaves for nothing.
+  while (bytes() + needed > most_bytes_) {
+    auto oldest = scenes_.end();
+    for (auto scene = scenes_.begin(); scene != scenes_.end(); ++scene) {
+      if (!may_leave(*scene)) continue;
+      if (oldest == scenes_.end() || scene->second.used < oldest->second.used) oldest = scene;
+    }
+    drop(oldest, ret_left);
+  }
+  return true;
+}
+
+void SceneStore::drop(Scenes::iterator scene, std::vector<Name>* ret_left) {
+  std::erase_if(paths_, [&](const auto& entry) {
+    if (entry.second != scene->first) return false;
+    ret_left->push_back(entry.first);
+    return true;
+  });
+  scenes_.erase(scene);
+}
+
+bool SceneStore::may_leave(const Scenes::value_type& scene) const {
+  if (scene.second.renderer.use_count() > 1) return false;  // Blocks wait for it.
+  return std::ranges::none_of(paths_, [&](const auto& entry) {
+    const auto used = in_use_.find(entry.first.link);
+    return entry.second == scene.first && used != in_use_.end() && used->second.contains(entry.first.scene);
+  });
+}
+
+std::uint64_t SceneStore::bytes() const {
+  std::uint64_t sum = 0;
+  for (const auto& [path, loaded] : scenes_) sum += loaded.answer.memory_bytes();
+  return sum;
 }
 
 }  // namespace cyclorama

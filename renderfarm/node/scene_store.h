@@ -1,39 +1,76 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/node/block_renderer.h"
+#include "renderfarm/node/link_id.h"
 
 namespace cyclorama {
 
-/// The scenes that a node has in memory. They stay when the head goes away, so that a new head need not wait.
-/// Thread-bound.
+/// The scenes that a node has in memory, each once, whichever heads know it and however they call it. They stay when a
+/// head goes away, so that it need not wait when it comes back. When memory is short, the scene that was used longest
+/// ago leaves, but none that a head said is in use and none that blocks wait for.
+/// Thread-safe; one load() at a time, which holds nobody else up.
 class SceneStore {
  public:
-  explicit SceneStore(SceneLoader loader) : loader_(std::move(loader)) {}
+  /// A scene as one head calls it.
+  struct Name {
+    LinkId link = 0;
+    std::string scene;
+    friend auto operator<=>(const Name&, const Name&) = default;
+  };
 
-  /// Loads, or finds that it is loaded from that very path, and says what the head must hear. A load that fails for
-  /// whatever reason, memory included, is an answer with `error`; it is tried again when it is asked for again.
-  wire::SceneLoaded load(const wire::LoadScene& order, const std::function<void(double)>& progress);
-  /// Null when it is not loaded.
-  [[nodiscard]] BlockRenderer* find(const std::string& scene) const;
+  /// `most_bytes`: what the scenes may take together; 0: not limited. While a scene is being loaded it cannot be known,
+  /// so for that time they may take more.
+  explicit SceneStore(SceneLoader loader, std::uint64_t most_bytes = 0)
+      : loader_(std::move(loader)), most_bytes_(most_bytes) {}
+
+  /// Loads from `path` what the head calls order.scene(), or finds that it is loaded from there, and says what the head
+  /// must hear. A load that fails for whatever reason, memory included, is an answer with `error`; it is tried again
+  /// when it is asked for again. `ret_left`: what had to leave; their heads must hear of it, too.
+  wire::SceneLoaded load(LinkId link, const wire::LoadScene& order, const std::string& path,
+                         const std::function<void(double)>& progress, std::vector<Name>* ret_left);
+  /// Null when it is not loaded. It stays as long as somebody holds it.
+  [[nodiscard]] std::shared_ptr<BlockRenderer> find(LinkId link, const std::string& scene);
+  /// The head has gone: what it calls its scenes is forgotten, not they.
+  void forget_link(LinkId link);
 
  private:
   struct Loaded {
-    std::string path;
-    std::unique_ptr<BlockRenderer> renderer;
+    std::shared_ptr<BlockRenderer> renderer;
     wire::SceneLoaded answer;
+    std::uint64_t used = 0;  ///< Grows: the smallest was used longest ago.
   };
+  using Scenes = std::map<std::string, Loaded>;  ///< By path.
+
   Result<std::unique_ptr<BlockRenderer>> load_guarded(const std::string& path,
                                                       const std::function<void(double)>& progress);
+  Result<Loaded> loaded_from(const std::string& name, const std::string& path,
+                             const std::function<void(double)>& progress);
+  // With mutex_ held:
+  bool make_room(std::uint64_t bytes, std::vector<Name>* ret_left);
+  void drop(Scenes::iterator scene, std::vector<Name>* ret_left);
+  [[nodiscard]] bool may_leave(const Scenes::value_type& scene) const;
+  [[nodiscard]] std::uint64_t bytes() const;
 
   const SceneLoader loader_;
-  std::map<std::string, Loaded> scenes_;
+  const std::uint64_t most_bytes_;
+
+  mutable std::mutex mutex_;  ///< Guards the following.
+  Scenes scenes_;
+  std::map<Name, std::string> paths_;
+  std::map<LinkId, std::set<std::string>> in_use_;
+  std::uint64_t uses_ = 0;
 };
 
 }  // namespace cyclorama

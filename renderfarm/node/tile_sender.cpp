@@ -15,6 +15,7 @@ wire::NodeReport TileSender::report_of(NodeLink::Outgoing item) {
 
 wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
   const double begun = thread_cpu_seconds();
+  Encoding& encoding = blocks_[tile.block];
   wire::NodeReport report;
   wire::BlockTile* const message = report.mutable_tile();
   message->set_block(tile.block);
@@ -26,9 +27,9 @@ wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
   if (const auto jpeg = encoder_.encode(tile.pixels, tile.options)) {
     message->mutable_tile()->set_jpeg(jpeg->data(), jpeg->size());
   } else {
-    error_ = jpeg.error().message();  // The head refuses an empty tile; the block's end says why it is empty.
+    encoding.error = jpeg.error().message();  // The head refuses an empty tile; the block's end says why it is empty.
   }
-  encode_cpu_seconds_ += thread_cpu_seconds() - begun;
+  encoding.cpu_seconds += thread_cpu_seconds() - begun;
   return report;
 }
 
@@ -39,9 +40,10 @@ wire::NodeReport TileSender::end_of(const RenderedBlock& block) {
   end->set_render_cpu_seconds(block.cost.cpu_seconds);
   end->set_wall_seconds(block.cost.wall_seconds);
   end->set_rays(block.cost.rays);
-  end->set_encode_cpu_seconds(std::exchange(encode_cpu_seconds_, 0.0));
-  const std::string encode_error = std::exchange(error_, {});
-  end->set_error(block.error.empty() ? encode_error : block.error);
+  for (const float seconds : block.cost.cell_cpu_seconds) end->add_cell_cpu_seconds(seconds);
+  const auto encoding = blocks_.extract(block.block);
+  end->set_encode_cpu_seconds(encoding ? encoding.mapped().cpu_seconds : 0.0);
+  end->set_error(block.error.empty() && encoding ? encoding.mapped().error : block.error);
   return report;
 }
 

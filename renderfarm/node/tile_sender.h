@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 
 #include "common/base/clock.h"
@@ -20,9 +22,13 @@ class TileSender {
   wire::NodeReport encoded(const RenderedTile& tile);
   wire::NodeReport end_of(const RenderedBlock& block);
 
+  struct Encoding {
+    double cpu_seconds = 0.0;
+    std::string error{};
+  };
+
   JpegEncoder encoder_;
-  double encode_cpu_seconds_ = 0.0;  ///< Of the block whose tiles come now.
-  std::string error_;                ///< Likewise.
+  std::map<std::uint64_t, Encoding> blocks_;  ///< Whose end has not come: tiles of several may come by turns.
 };
 
 }  // namespace cyclorama

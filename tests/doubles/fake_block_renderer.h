@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "common/image/cells.h"
 #include "renderfarm/node/block_renderer.h"
-#include "tests/doubles/fake_farm.h"
+#include "tests/doubles/fake_scene.h"
 
 namespace cyclorama {
 
@@ -38,12 +42,27 @@ class FakeRendering {
     if (rects_left_ > 0) --rects_left_;
     return true;
   }
+  /// Called before each cell of a film, by the thread that renders; null for nothing.
+  void set_before_cell(std::function<void()> call) {
+    const std::lock_guard lock(mutex_);
+    before_cell_ = std::move(call);
+  }
+  void before_cell() {
+    std::function<void()> call;
+    {
+      const std::lock_guard lock(mutex_);
+      call = before_cell_;
+    }
+    if (call) call();
+  }
   std::atomic<int> renders = 0;
-  std::atomic<int> samples = 0;  ///< Of all films together.
+  std::atomic<int> samples = 0;     ///< Of all films together.
+  std::atomic<int> film_cells = 0;  ///< Cells of films that were rendered, each as often as it was.
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
+  std::function<void()> before_cell_;
   bool gate_open_ = true;
   int rects_left_ = -1;
 };
@@ -51,10 +70,8 @@ class FakeRendering {
 /// Draws a pattern that depends on the pixel and on every field of the view, and on nothing else.
 class FakeBlockRenderer final : public BlockRenderer {
  public:
-  /// What it says it took: as long as a ray tracer, so that more nodes are worth their overhead.
-  static constexpr double kSecondsPerSample = 1e-7;
-
-  explicit FakeBlockRenderer(std::shared_ptr<FakeRendering> shared) : shared_(std::move(shared)) {}
+  explicit FakeBlockRenderer(std::shared_ptr<FakeRendering> shared, std::uint64_t memory_bytes = 1000)
+      : shared_(std::move(shared)), memory_bytes_(memory_bytes) {}
 
   RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                     const std::function<bool()>& cancelled) override {
@@ -64,8 +81,7 @@ class FakeBlockRenderer final : public BlockRenderer {
       for (int x = 0; x < rect.width; ++x) colour(view, rect.x + x, rect.y + y, ret_pixels->at(x, y));
     }
     ++shared_->renders;
-    const double seconds = kSecondsPerSample * static_cast<double>(rect.area());
-    return {seconds, seconds, static_cast<std::uint64_t>(rect.area())};
+    return cost_of(rect, std::vector<float>(static_cast<std::size_t>(cells_touched(rect).area()), kCellSeconds));
   }
   /// The negative of the pattern.
   RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
@@ -74,27 +90,32 @@ class FakeBlockRenderer final : public BlockRenderer {
     for (std::uint8_t& value : ret_pixels->data()) value = static_cast<std::uint8_t>(255 - value);
     return cost;
   }
-  /// Every range has a pattern of its own, in sums that are not exact.
-  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* ret_film,
+  /// Every range has a pattern of its own, in sums that are not exact. Asks before each cell, as the real one does.
+  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* film,
                          const std::function<bool()>& cancelled) override {
-    *ret_film = Film(rect.width, rect.height, false);
     PanoramaView one = view;
     one.quality.samples = 1;
-    if (!shared_->pass_gate(cancelled)) return {};
-    for (int sample = samples.first; sample < samples.end; ++sample) {
-      for (int y = 0; y < rect.height; ++y) {
-        for (int x = 0; x < rect.width; ++x) {
-          std::uint8_t rgb[3];
-          colour(one, rect.x + x + 37 * sample, rect.y + y + 11 * sample, rgb);
-          for (int c = 0; c < 3; ++c) ret_film->sum.at(x, y)[c] += static_cast<float>(rgb[c]) / 255.0f;
-          ++*ret_film->samples.at(x, y);
-        }
+    const PixelRect cells = cells_touched(rect);
+    std::vector<float> seconds(static_cast<std::size_t>(cells.area()));
+    if (!shared_->pass_gate(cancelled)) return cost_of(rect, seconds);
+    bool stopped = false;
+    for (int row = cells.y; row < cells.y + cells.height; ++row) {
+      for (int column = cells.x; column < cells.x + cells.width; ++column) {
+        const PixelRect cell{column * kCostCellPx, row * kCostCellPx, kCostCellPx, kCostCellPx};
+        if (*film->samples.at(std::max(cell.x, rect.x) - rect.x, std::max(cell.y, rect.y) - rect.y) > 0) continue;
+        shared_->before_cell();
+        stopped = stopped || (cancelled && cancelled());
+        if (stopped) continue;
+        add_samples(one, rect, cell, samples, film);
+        seconds[cell_index(cells, column, row)] = kCellSeconds * static_cast<float>(samples.end - samples.first);
+        ++shared_->film_cells;
       }
     }
-    ++shared_->renders;
-    shared_->samples += samples.end - samples.first;
-    const double seconds = kSecondsPerSample * static_cast<double>(rect.area() * (samples.end - samples.first));
-    return {seconds, seconds, static_cast<std::uint64_t>(rect.area())};
+    if (!stopped) {
+      ++shared_->renders;
+      shared_->samples += samples.end - samples.first;
+    }
+    return cost_of(rect, seconds);
   }
   [[nodiscard]] RgbImage developed(const Film& film) const override {
     const RadianceImage mean = film.mean();
@@ -103,10 +124,37 @@ class FakeBlockRenderer final : public BlockRenderer {
                            [](float value) { return static_cast<std::uint8_t>(255.0f * value + 0.5f); });
     return picture;
   }
-  [[nodiscard]] wire::SceneDescription description() const override { return fake_scene("unnamed"); }
-  [[nodiscard]] std::uint64_t memory_bytes() const override { return 1000; }
+  [[nodiscard]] wire::SceneDescription description() const override { return fake_scene(""); }
+  [[nodiscard]] std::uint64_t memory_bytes() const override { return memory_bytes_; }
+  [[nodiscard]] double probe_cpu_seconds() override { return 0.25; }
+
+  /// What a sample of each pixel of a cell is said to cost: as much as a ray tracer's, so that more nodes are worth
+  /// their overhead.
+  static constexpr float kCellSeconds = 0x1p-15f;
 
  private:
+  static RenderCost cost_of(const PixelRect& rect, std::vector<float> seconds) {
+    RenderCost cost;
+    cost.rays = static_cast<std::uint64_t>(rect.area());
+    for (const float cell : seconds) cost.cpu_seconds += static_cast<double>(cell);
+    cost.wall_seconds = cost.cpu_seconds;
+    cost.cell_cpu_seconds = std::move(seconds);
+    return cost;
+  }
+  static void add_samples(const PanoramaView& view, const PixelRect& rect, const PixelRect& cell,
+                          const SampleRange& samples, Film* film) {
+    for (int y = std::max(cell.y, rect.y); y < std::min(cell.y + cell.height, rect.y + rect.height); ++y) {
+      for (int x = std::max(cell.x, rect.x); x < std::min(cell.x + cell.width, rect.x + rect.width); ++x) {
+        for (int sample = samples.first; sample < samples.end; ++sample) {
+          std::uint8_t rgb[3];
+          colour(view, x + 37 * sample, y + 11 * sample, rgb);
+          float* const sum = film->sum.at(x - rect.x, y - rect.y);
+          for (int c = 0; c < 3; ++c) sum[c] += static_cast<float>(rgb[c]) / 255.0f;
+          ++*film->samples.at(x - rect.x, y - rect.y);
+        }
+      }
+    }
+  }
   static void colour(const PanoramaView& view, int x, int y, std::uint8_t* ret_rgb) {
     const int turn = static_cast<int>(view.heading_rad * 100.0 + view.eye.sum() * 10.0) + view.quality.samples;
     ret_rgb[0] = static_cast<std::uint8_t>(x / 2 + turn);
@@ -114,6 +162,7 @@ class FakeBlockRenderer final : public BlockRenderer {
     ret_rgb[2] = static_cast<std::uint8_t>((x * y) / 64);
   }
   const std::shared_ptr<FakeRendering> shared_;
+  const std::uint64_t memory_bytes_;
 };
 
 /// Loads everything but what is called "missing" or "huge".

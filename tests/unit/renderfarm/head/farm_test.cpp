@@ -79,8 +79,8 @@ class Farm : public testing::Test {
   }
   TestNode add_node(const std::string& name = "node") {
     TestNode made;
-    auto started =
-        FarmNode::start({"[::1]:" + std::to_string(head->node_port()), name, 1}, fake_loader(made.rendering));
+    auto started = FarmNode::start({.heads = {"[::1]:" + std::to_string(head->node_port())}, .name = name},
+                                   fake_loader(made.rendering));
     EXPECT_TRUE(started);
     made.node = *std::move(started);
     return made;

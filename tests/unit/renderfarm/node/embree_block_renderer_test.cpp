@@ -44,7 +44,7 @@ Film accumulated(BlockRenderer& renderer, const PanoramaView& view, const PixelR
   int have = 0;
   for (const int end : steps) {
     for (const SampleRange& range : cut_samples({have, end})) {
-      Film part;
+      Film part(rect.width, rect.height, false);
       renderer.render_film(view, rect, range, &part, nullptr);
       film.add(part);
     }
@@ -89,7 +89,7 @@ TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_by_the_scenes_o
     view.quality.samples = 7;  // A division that rounds.
     RgbImage picture;
     (*loaded)->render(view, kRect, &picture, nullptr);
-    Film film;
+    Film film(kRect.width, kRect.height, false);
     (*loaded)->render_film(view, kRect, {0, 7}, &film, nullptr);
     EXPECT_EQ((*loaded)->developed(film), picture) << curve;
     const bool shoulder = cyclorama::developed(film.mean(), ToneCurve::kShoulder) == picture;
@@ -101,7 +101,7 @@ TEST(EmbreeBlockRenderer, accumulates_up_to_float_rounding_what_one_render_of_al
   const auto renderer = folded_sheet();
   const PanoramaView view = view_of_sheet();
   const RadianceImage pieces = accumulated(*renderer, view, kRect, {64}).mean();
-  Film whole;
+  Film whole(kRect.width, kRect.height, false);
   renderer->render_film(view, kRect, {0, 64}, &whole, nullptr);
   const RadianceImage once = whole.mean();
   for (std::size_t i = 0; i < once.data().size(); ++i) {
@@ -128,6 +128,12 @@ TEST(EmbreeBlockRenderer, errs_less_from_picture_to_picture_by_at_least_the_squa
   // Mean squared error falls with the samples, or faster, for they are stratified: slope -1 from 4 to 256.
   const double slope = std::log(last / first) / std::log(kReference / 4.0);
   EXPECT_LT(slope, -0.9);
+}
+
+TEST(EmbreeBlockRenderer, says_how_fast_this_host_is_with_it) {
+  const auto renderer = folded_sheet();
+  EXPECT_GT(renderer->probe_cpu_seconds(), 0.0);
+  EXPECT_TRUE(std::isfinite(renderer->probe_cpu_seconds()));
 }
 
 }  // namespace

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/block_view.h"
+
+#include "common/wire/convert.h"
+
+namespace cyclorama {
+namespace {
+
+/// Precondition: validate(view).
+RenderQuality quality_of(const wire::View& view) {
+  RenderQuality quality;
+  quality.samples = static_cast<int>(view.samples());
+  quality.first_sample = static_cast<int>(view.first_sample());
+  quality.sequence = static_cast<int>(view.sequence());
+  quality.bounces = static_cast<int>(view.bounces());
+  if (view.light_samples() > 0) quality.light_samples = static_cast<int>(view.light_samples());
+  quality.firefly_limit = view.firefly_limit();
+  quality.adaptive_error = view.adaptive_error();
+  if (view.adaptive_minimum() > 0) quality.adaptive_minimum = static_cast<int>(view.adaptive_minimum());
+  return quality;
+}
+
+}  // namespace
+
+Result<PanoramaView> view_of(const wire::RenderBlock& block) {
+  TRY(validate(block.view()));
+  TRY_ASSIGN(const Panorama panorama, from_wire(block.view().panorama()));
+  wire::Tile whole;
+  whole.set_x_px(block.x_px());
+  whole.set_y_px(block.y_px());
+  whole.set_width_px(block.width_px());
+  whole.set_height_px(block.height_px());
+  TRY(validate(whole, panorama));
+  // A view's own number is the seed: noise changes from frame to frame and is the same on every node.
+  return PanoramaView{from_wire(block.view().eye_m()), block.view().heading_rad(), panorama, quality_of(block.view()),
+                      block.view().number()};
+}
+
+PixelRect rect_of(const wire::RenderBlock& block) {
+  return {static_cast<int>(block.x_px()), static_cast<int>(block.y_px()), static_cast<int>(block.width_px()),
+          static_cast<int>(block.height_px())};
+}
+
+JpegOptions jpeg_options_of(const wire::RenderBlock& block) {
+  return {static_cast<int>(block.view().jpeg_quality()), block.view().subsample_chroma()};
+}
+
+std::string picture_name_of(const wire::RenderBlock& block) {
+  wire::View view = block.view();
+  view.clear_samples();
+  view.clear_first_sample();
+  return block.scene() + '\n' + view.SerializeAsString();
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/block_work.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/image/cells.h"
+#include "common/image/cropped.h"
+#include "renderfarm/balance/tiles.h"
+#include "renderfarm/node/block_view.h"
+
+namespace cyclorama {
+
+Result<BlockWork> BlockWork::begin(std::shared_ptr<const BlockOrder> order) {
+  TRY_ASSIGN(const PanoramaView view, view_of(order->block));
+  if (order->renderer == nullptr) {
+    return Error(ErrorCode::kNotFound, fmt::format("scene '{}' is not loaded", order->block.scene()));
+  }
+  return BlockWork(std::move(order), view);
+}
+
+BlockWork::BlockWork(std::shared_ptr<const BlockOrder> order, const PanoramaView& view)
+    : order_(std::move(order)), view_(view), tiles_(tiles_of(rect_of(block()))) {
+  cost_.cell_cpu_seconds.resize(static_cast<std::size_t>(cells_touched(rect_of(block())).area()));
+}
+
+std::optional<RenderedTile> BlockWork::next_tile(FilmStore& films, const Interrupts& interrupts) {
+  CHECK(!is_done());
+  const PixelRect& rect = tiles_[next_];
+  BlockRenderer& renderer = *order_->renderer;
+  RgbImage pixels;
+  if (block().keep()) {
+    pixels = refined(rect, films, interrupts);
+  } else if (block().view().denoise()) {
+    const PixelRect whole = rect_of(block());
+    if (denoised_.empty()) {
+      add_cost(renderer.render_denoised(view_, whole, &denoised_, interrupts.cancelled), whole);
+    }
+    pixels = cropped(denoised_, {rect.x - whole.x, rect.y - whole.y, rect.width, rect.height});
+  } else {
+    add_cost(renderer.render(view_, rect, &pixels, interrupts.cancelled), rect);
+  }
+  if (pixels.empty() || interrupts.cancelled()) return std::nullopt;
+  ++next_;
+  return RenderedTile{block().block(), block().view().number(), rect, std::move(pixels), jpeg_options_of(block())};
+}
+
+RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Interrupts& interrupts) {
+  const std::string picture = picture_name_of(block());
+  if (!refining_) {
+    const int wanted = static_cast<int>(block().view().first_sample() + block().view().samples());
+    refining_.emplace();
+    refining_->kept = films.take({order_->link, block().visit()}, picture, tile);
+    FilmStore::Kept& kept = refining_->kept;
+    // Beyond what is wanted: the head asks for an earlier picture again.
+    if (kept.samples == 0 || kept.samples > wanted) kept = {Film(tile.width, tile.height, false), 0};
+    for (const SampleRange& range : cut_samples({kept.samples, wanted})) refining_->ranges.push_back(range);
+    kept.samples = wanted;
+  }
+  // Once it has stopped a cell, it stays: else a film with holes would be taken for a whole one.
+  std::atomic<bool> stopped = false;
+  const auto stop = [&] {
+    if (!stopped && (interrupts.cancelled() || interrupts.gives_way())) stopped = true;
+    return stopped.load();
+  };
+  while (!refining_->ranges.empty()) {
+    Film& part = refining_->part;
+    if (part.width() == 0) part = Film(tile.width, tile.height, false);
+    add_cost(order_->renderer->render_film(view_, tile, refining_->ranges.front(), &part, stop), tile);
+    if (stopped) return {};
+    refining_->kept.film.add(part);
+    part = {};
+    refining_->ranges.pop_front();
+  }
+  RgbImage pixels = order_->renderer->developed(refining_->kept.film);
+  films.put({order_->link, block().visit()}, picture, tile, std::move(refining_->kept));
+  refining_.reset();
+  return pixels;
+}
+
+void BlockWork::add_cost(const RenderCost& cost, const PixelRect& rect) {
+  cost_.cpu_seconds += cost.cpu_seconds;
+  cost_.wall_seconds += cost.wall_seconds;
+  cost_.rays += cost.rays;
+  const PixelRect all = cells_touched(rect_of(block()));
+  const PixelRect cells = cells_touched(rect);
+  if (cost.cell_cpu_seconds.size() != static_cast<std::size_t>(cells.area())) return;  // Not measured.
+  auto seconds = cost.cell_cpu_seconds.begin();
+  for (int row = cells.y; row < cells.y + cells.height; ++row) {
+    for (int column = cells.x; column < cells.x + cells.width; ++column) {
+      cost_.cell_cpu_seconds[cell_index(all, column, row)] += *seconds++;
+    }
+  }
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/head_dialler.h"
+
+#include <fmt/format.h>
+#include <grpcpp/client_context.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/wire/channel.h"
+#include "common/wire/nodes.grpc.pb.h"
+#include "renderfarm/node/tile_sender.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kFirstRetry = std::chrono::milliseconds(100);
+constexpr Duration kSlowestRetry = std::chrono::seconds(2);
+constexpr Duration kStatusPeriod = std::chrono::seconds(1);
+
+using Stream = grpc::ClientReaderWriter<wire::NodeReport, wire::NodeCommand>;
+
+/// Until the link closes or finishes, or the stream breaks; the latter closes the link, so that nothing is rendered in
+/// vain.
+void send_reports(Stream& stream, NodeLink& link, NodeDesk& desk) {
+  const SteadyClock clock;
+  TileSender sender;
+  TimePoint next_status = clock.now();
+  bool fine = true;
+  while (fine && !link.is_finished()) {
+    if (auto item = link.pop(next_status)) {
+      desk.renders().link_moved();
+      fine = stream.Write(sender.report_of(*std::move(item)));
+    }
+    if (fine && clock.now() >= next_status) {
+      fine = stream.Write(desk.status());
+      next_status = clock.now() + kStatusPeriod;
+    }
+  }
+  if (fine && !link.is_closed()) {
+    stream.WritesDone();  // The head ends the stream, and so the reader.
+  } else {
+    link.close();
+  }
+}
+
+}  // namespace
+
+HeadDialler::HeadDialler(std::string address, std::shared_ptr<grpc::Channel> channel, wire::NodeReport hello,
+                         NodeDesk& desk)
+    : address_(std::move(address)),
+      channel_(std::move(channel)),
+      hello_(std::move(hello)),
+      desk_(desk),
+      state_(fmt::format("dialling the head at {}", address_)),
+      thread_([this] { run(); }) {}
+
+HeadDialler::~HeadDialler() { stop(); }
+
+void HeadDialler::finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    if (link_ != nullptr) link_->finish();
+  }
+  changed_.notify_all();
+}
+
+bool HeadDialler::wait_until_ended(TimePoint deadline) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_until(lock, deadline, [this] { return ended_; });
+}
+
+void HeadDialler::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    if (context_ != nullptr) context_->TryCancel();
+    if (link_ != nullptr) link_->close();
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+std::string HeadDialler::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void HeadDialler::set_state(std::string sentence) {
+  const std::lock_guard lock(mutex_);
+  state_ = std::move(sentence);
+}
+
+void HeadDialler::run() {
+  Duration delay = kFirstRetry;
+  for (bool stopped = false; !stopped;) {
+    bool served = false;
+    const Error reason = serve(&served);
+    delay = served ? kFirstRetry : std::min(2 * delay, kSlowestRetry);
+    std::unique_lock lock(mutex_);
+    state_ = fmt::format("no head: {}; dialling again", reason.message());
+    stopped = changed_.wait_for(lock, delay, [this] { return stopping_; });
+    ended_ = stopped;
+  }
+  changed_.notify_all();
+}
+
+Error HeadDialler::serve(bool* ret_served) {
+  const auto link = desk_.open();
+  const auto stub = wire::Nodes::NewStub(channel_);
+  grpc::ClientContext context;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) context.TryCancel();
+    context_ = &context;
+    link_ = link;
+  }
+  const auto stream = stub->Work(&context);
+  Status fine = Done{};
+  if (stream->Write(hello_)) {
+    std::thread send([&] { send_reports(*stream, *link, desk_); });
+    wire::NodeCommand command;
+    while (fine && stream->Read(&command)) {
+      if (!std::exchange(*ret_served, true)) set_state(fmt::format("serving the head at {}", address_));
+      fine = desk_.take(link, command);
+    }
+    if (!fine) context.TryCancel();
+    desk_.close(*link);
+    send.join();
+  }
+  desk_.close(*link);
+  const grpc::Status status = finish_after_read(context, [&] { return stream->Finish(); });
+  const std::lock_guard lock(mutex_);
+  context_ = nullptr;
+  link_ = nullptr;
+  if (!fine) return std::move(fine).error().while_doing(address_);
+  return status.ok() ? Error(ErrorCode::kUnavailable, address_ + " ended the stream") : from_grpc(status, address_);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "common/base/clock.h"
+#include "common/base/error.h"
+#include "common/wire/nodes.pb.h"
+#include "renderfarm/node/node_desk.h"
+
+namespace grpc {
+class Channel;
+class ClientContext;
+}  // namespace grpc
+
+namespace cyclorama {
+
+/// Keeps a stream to one head open, for ever.
+///
+///   dialling ──stream open──► serving ──stream ends──► dialling ...
+///
+/// Threads: `link` dials and reads orders, and, while a stream is open, `send` encodes and writes, and says once a
+/// second how the node is. Keeps a reference to the desk, which must outlive it. Thread-safe.
+class HeadDialler {
+ public:
+  /// Starts to dial. `address` is how people call the head; `hello` is what each stream begins with.
+  HeadDialler(std::string address, std::shared_ptr<grpc::Channel> channel, wire::NodeReport hello, NodeDesk& desk);
+  ~HeadDialler();
+  HeadDialler(const HeadDialler&) = delete;
+  HeadDialler& operator=(const HeadDialler&) = delete;
+
+  /// Dials no more, and ends the stream when all is sent that was rendered.
+  void finish();
+  /// Waits for the end that finish() asked for; false at the deadline.
+  bool wait_until_ended(TimePoint deadline);
+  /// Ends the stream now and joins. Idempotent.
+  void stop();
+
+  /// One sentence for an operator: "serving the head at [::1]:7402".
+  [[nodiscard]] std::string state() const;
+
+ private:
+  void run();
+  Error serve(bool* ret_served);
+  void set_state(std::string sentence);
+
+  const std::string address_;
+  const std::shared_ptr<grpc::Channel> channel_;
+  const wire::NodeReport hello_;
+  NodeDesk& desk_;
+
+  mutable std::mutex mutex_;  ///< Guards the following.
+  std::condition_variable changed_;
+  bool stopping_ = false;
+  bool ended_ = false;
+  grpc::ClientContext* context_ = nullptr;  ///< Of the current stream, so that stop() can cancel it.
+  std::shared_ptr<NodeLink> link_;          ///< Likewise.
+  std::string state_;
+
+  std::thread thread_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/load_desk.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+constexpr std::size_t kMostWaiting = 4096;
+/// Names and paths, and the names of all scenes of a large farm.
+constexpr std::size_t kMostOrderBytes = std::size_t{1} << 20;
+}  // namespace
+
+Status LoadDesk::take(std::shared_ptr<NodeLink> link, const wire::LoadScene& order) {
+  if (order.ByteSizeLong() > kMostOrderBytes) return Error(ErrorCode::kBadData, "the head sent a load of many bytes");
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() >= kMostWaiting) return Error(ErrorCode::kBadData, "the head sent too many loads at once");
+    waiting_.push_back({std::move(link), order});
+  }
+  changed_.notify_all();
+  return Done{};
+}
+
+std::string LoadDesk::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void LoadDesk::set_state(std::string sentence) {
+  const std::lock_guard lock(mutex_);
+  state_ = std::move(sentence);
+}
+
+void LoadDesk::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+}
+
+bool LoadDesk::wait() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
+  return !stopping_;
+}
+
+bool LoadDesk::work() {
+  Waiting next;
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return false;
+    next = std::move(waiting_.front());
+    waiting_.pop_front();
+  }
+  if (next.link->is_closed()) return true;
+  loading_ = true;
+  wire::NodeReport report;
+  *report.mutable_scene_loaded() = load(*next.link, next.order);
+  loading_ = false;
+  // It may have closed meanwhile, and then nobody else forgets what it calls the scene.
+  if (next.link->is_closed()) scenes_.forget_link(next.link->id());
+  tell_(next.link->id(), std::move(report));
+  return true;
+}
+
+Result<std::string> LoadDesk::path_of(const NodeLink&, const wire::LoadScene& order) {
+  if (!order.path().empty()) return order.path();
+  return Error(ErrorCode::kInvalidArgument, "the head names no folder on this node's disk; give the scene a path");
+}
+
+wire::SceneLoaded LoadDesk::load(const NodeLink& link, const wire::LoadScene& order) {
+  const std::string name = printable(order.scene());
+  set_state(fmt::format("loading scene '{}'", name));
+  wire::SceneLoaded loaded;
+  std::vector<SceneStore::Name> left;
+  if (const auto path = path_of(link, order)) {
+    const auto progress = [&](double fraction) {
+      set_state(fmt::format("loading scene '{}': {:.0f} %", name, 100.0 * fraction));
+    };
+    loaded = scenes_.load(link.id(), order, *path, progress, &left);
+  } else {
+    loaded.set_scene(order.scene());
+    loaded.set_error(path.error().message());
+  }
+  for (const SceneStore::Name& scene : left) {
+    wire::NodeReport report;
+    report.mutable_scene_dropped()->set_scene(scene.scene);
+    tell_(scene.link, std::move(report));
+  }
+  set_state(loaded.error().empty()
+                ? fmt::format("scene '{}' of {:.1f} M triangles loaded in {:.1f} s", name,
+                              1e-6 * static_cast<double>(loaded.description().triangles_seen()), loaded.load_seconds())
+                : fmt::format("cannot load scene '{}': {}", name, loaded.error()));
+  return loaded;
+}
+
+}  // namespace cyclorama

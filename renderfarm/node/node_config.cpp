@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/node_config.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <thread>
+
+#include "common/config/config.h"
+
+namespace cyclorama {
+namespace {
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "node";
+}
+
+}  // namespace
+
+Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path) {
+  TRY_ASSIGN(Config config, Config::read(path));
+  ConfigTable root = config.root();
+  FarmNodeOptions options;
+  options.heads = root.texts("heads", std::vector<std::string>{});
+  if (root.has("head")) {
+    if (root.has("heads")) root.refuse("head", "stands beside 'heads'; write all of them there");
+    options.heads = {root.text("head")};
+  }
+  options.name = root.text("name", "");
+  options.threads = root.integer("threads", {0, kMostNodeThreads}, 0);
+  if (root.has("memory_gib")) {
+    options.memory_limit_bytes = bytes_of_gib(root.number("memory_gib", {kLeastMemoryGib, kMostMemoryGib}));
+  }
+  TRY(config.finish());
+  return options;
+}
+
+Result<FarmNodeOptions> complete(FarmNodeOptions options) {
+  if (options.heads.empty()) {
+    return Error(ErrorCode::kInvalidArgument, "no head is given; write --head [::1]:7402, or 'heads' in node.toml");
+  }
+  if (options.name.empty()) options.name = host_name();
+  if (options.threads == 0) options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return options;
+}
+
+std::uint64_t bytes_of_gib(double gib) { return static_cast<std::uint64_t>(std::llround(gib * (1 << 30))); }
+
+}  // namespace cyclorama

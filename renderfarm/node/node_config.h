@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+/// node.toml: docs/operations/settings.md.
+#pragma once
+
+#include <filesystem>
+
+#include "common/base/result.h"
+#include "renderfarm/node/farm_node.h"
+
+namespace cyclorama {
+
+inline constexpr int kMostNodeThreads = 4096;
+inline constexpr double kLeastMemoryGib = 0.25;
+inline constexpr double kMostMemoryGib = 65536.0;
+
+/// What the file says; what it does not say is empty or 0, and complete() fills it in.
+/// kNotFound, kSystem, kBadData  as Config: file, line, remedy.
+Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path);
+
+/// The host's name and all of its threads where nothing is said. kInvalidArgument  there is no head.
+Result<FarmNodeOptions> complete(FarmNodeOptions options);
+
+[[nodiscard]] std::uint64_t bytes_of_gib(double gib);
+
+}  // namespace cyclorama

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/node_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/file.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Result<FarmNodeOptions> read(const std::string& text) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "node_config_test_node.toml";
+  EXPECT_TRUE(write_file_atomically(path, text));
+  return read_node_config(path);
+}
+
+TEST(NodeConfig, reads_what_it_says_and_leaves_the_rest_to_the_host) {
+  const auto full = read("heads = [\"[::1]:1\", \"[::1]:2\"]\nname = \"r7\"\nthreads = 3\nmemory_gib = 1.5\n");
+  ASSERT_TRUE(full) << full.error().message();
+  EXPECT_THAT(full->heads, ElementsAre("[::1]:1", "[::1]:2"));
+  EXPECT_EQ(full->name, "r7");
+  EXPECT_EQ(full->threads, 3);
+  EXPECT_EQ(full->memory_limit_bytes, std::uint64_t{3} << 29);
+  const auto short_one = read("head = \"[::1]:1\"\n");
+  ASSERT_TRUE(short_one) << short_one.error().message();
+  EXPECT_THAT(short_one->heads, ElementsAre("[::1]:1"));
+  EXPECT_EQ(short_one->memory_limit_bytes, 0u);
+  const auto done = complete(*short_one);
+  ASSERT_TRUE(done);
+  EXPECT_NE(done->name, "");
+  EXPECT_GE(done->threads, 1);
+}
+
+TEST(NodeConfig, says_what_is_wrong_and_where) {
+  const auto refusal_of = [](const std::string& text) {
+    const auto options = read(text);
+    return options ? std::string() : options.error().message();
+  };
+  EXPECT_THAT(refusal_of("head = \"a:1\"\nheads = [\"b:1\"]\n"), HasSubstr("beside 'heads'"));
+  EXPECT_THAT(refusal_of("head = \"a:1\"\nmemory_gib = 0.1\n"), HasSubstr("memory_gib"));
+  EXPECT_THAT(refusal_of("head = \"a:1\"\nmemory_mib = 100\n"), HasSubstr("memory_mib"));
+  EXPECT_THAT(refusal_of("heads = 7\n"), HasSubstr("heads"));
+  EXPECT_THAT(complete(*read("threads = 2\n")).error().message(), HasSubstr("no head is given"));
+}
+
+}  // namespace
+}  // namespace cyclorama

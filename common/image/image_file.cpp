@@ -73,4 +73,10 @@ Result<GreyImage> read_grey_image(const std::filesystem::path& path, std::size_t
   return grey;
 }
 
+RgbImage without_alpha(const RgbaImage& picture) {
+  RgbImage rgb(picture.width(), picture.height());
+  for (std::size_t i = 0; i < rgb.data().size(); ++i) rgb.data()[i] = picture.data()[i / 3 * 4 + i % 3];
+  return rgb;
+}
+
 }  // namespace cyclorama

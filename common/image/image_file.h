@@ -20,5 +20,6 @@ Result<RgbaImage> decode_image(std::span<const std::byte> bytes, std::size_t lim
 Result<RgbaImage> read_image(const std::filesystem::path& path, std::size_t limit_px);
 /// Luma (Rec. 601, as JPEG's own), for detectors.
 Result<GreyImage> read_grey_image(const std::filesystem::path& path, std::size_t limit_px);
+[[nodiscard]] RgbImage without_alpha(const RgbaImage& picture);
 
 }  // namespace cyclorama

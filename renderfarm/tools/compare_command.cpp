@@ -23,12 +23,6 @@ struct Picture {
   RgbImage codes;
 };
 
-RgbImage without_alpha(const RgbaImage& picture) {
-  RgbImage rgb(picture.width(), picture.height());
-  for (std::size_t i = 0; i < rgb.data().size(); ++i) rgb.data()[i] = picture.data()[i / 3 * 4 + i % 3];
-  return rgb;
-}
-
 Result<Picture> decode(std::span<const std::byte> bytes) {
   const bool is_pfm = bytes.size() > 2 && bytes[0] == std::byte{'P'} && (bytes[1] | std::byte{0x20}) == std::byte{'f'};
   Picture picture;

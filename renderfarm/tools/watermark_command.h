@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/image/watermark_detector.h"
+#include "renderfarm/tools/render_command.h"
+#include "renderfarm/trust/grants.h"
+
+namespace cyclorama {
+
+struct WatermarkVerdict {
+  std::string museum;
+  WatermarkFind find;
+  int cell_px = kWatermarkCellPx;  ///< Half of it: the picture was scaled down to half.
+};
+
+/// The best score of every museum that has a key, the highest first: at every place, in full and in half size.
+/// Reentrant.
+std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const Grants& grants);
+
+/// `cyclorama-render watermark PICTURE --museums FILE`: for which museum a picture was made. `--curve`: what the mark
+/// costs and gives, strength by strength.
+[[nodiscard]] RenderCommand add_watermark_command(CLI::App* program);
+
+}  // namespace cyclorama

@@ -275,7 +275,8 @@ class Head::Loop final : private Peers {
 
 Status validate(const HeadOptions& options) {
   const auto refuse = [](const std::string& what) { return Error(ErrorCode::kInvalidArgument, what); };
-  if (options.scenes.empty()) return refuse("no scene is given; write --scene NAME=PATH");
+  if (options.scenes.empty())
+    return refuse("no scene is given; write --scene NAME=PATH, or a [[scene]] with name and path in farm.toml");
   for (const FarmScene& scene : options.scenes) {
     const bool plain = std::ranges::all_of(scene.name, [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||

@@ -26,10 +26,7 @@ TrustOptions read_trust(ConfigTable& root, const std::filesystem::path& folder) 
   return trust;
 }
 
-}  // namespace
-
-Result<HeadOptions> read_head_config(const std::filesystem::path& path) {
-  TRY_ASSIGN(Config config, Config::read(path));
+Result<HeadOptions> options_of(Config config, const std::string& name) {
   ConfigTable root = config.root();
   HeadOptions options;
   options.museums = root.text("museums");
@@ -48,12 +45,24 @@ Result<HeadOptions> read_head_config(const std::filesystem::path& path) {
     options.limits.picture_px = static_cast<std::int64_t>(
         1e6 * limits.number("picture_megapixels", {0.01, 269.0}, 1e-6 * static_cast<double>(defaults.picture_px)));
   }
-  options.trust = read_trust(root, path.parent_path());
+  options.trust = read_trust(root, std::filesystem::path(name).parent_path());
   TRY(config.finish());
   if (const Status fine = validate(options); !fine) {
-    return Error(fine.error()).while_doing(path.string());
+    return Error(fine.error()).while_doing(name);
   }
   return options;
+}
+
+}  // namespace
+
+Result<HeadOptions> read_head_config(const std::filesystem::path& path) {
+  TRY_ASSIGN(Config config, Config::read(path));
+  return options_of(std::move(config), path.string());
+}
+
+Result<HeadOptions> parse_head_config(std::string_view text, const std::string& name) {
+  TRY_ASSIGN(Config config, Config::parse(text, name));
+  return options_of(std::move(config), name);
 }
 
 Result<FarmScene> parse_farm_scene(const std::string& text) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "common/base/result.h"
 #include "renderfarm/head/head.h"
@@ -18,15 +19,23 @@ namespace cyclorama {
 ///   [[scene]]                        # The first is the default.
 ///   name = "grotto"
 ///   path = "/srv/scenes/grotto"      # On the nodes' disks.
-///   museums_file = "museums.toml"    # Who may see what (renderfarm/trust/grants.h); without it, all museums
-///   everything. audit = "/var/log/cyclorama/audit.jsonl"   # Without it, no audit log. insecure = false # true: ports
-///   beyond this machine need no TLS. [tls]                            # Without it the ports must be of this machine
-///   alone. authority = "tls/authority.crt"  # Files are sought in farm.toml's folder. certificate =
-///   "tls/certificate.crt" key = "tls/key.pem" revoked = "tls/crl.pem"          # Without it, no certificate is
-///   revoked. [limits]                         # Each may be left out. nodes = 512 visits = 64 picture_megapixels = 67
+///   museums_file = "museums.toml"    # Who may see what (renderfarm/trust/grants.h); without it, all museums everything.
+///   audit = "/var/log/cyclorama-farm/audit.jsonl"   # Without it, no audit log.
+///   insecure = false                 # true: ports beyond this machine need no TLS.
+///   [tls]                            # Without it the ports must be of this machine alone.
+///   authority = "tls/authority.crt"  # Files are sought in farm.toml's folder.
+///   certificate = "tls/certificate.crt"
+///   key = "tls/key.pem"
+///   revoked = "tls/crl.pem"          # Without it, no certificate is revoked.
+///   [limits]                         # Each may be left out.
+///   nodes = 512
+///   visits = 64
+///   picture_megapixels = 67
 ///
 /// Errors as Config's, and kInvalidArgument as validate(HeadOptions).
 Result<HeadOptions> read_head_config(const std::filesystem::path& path);
+/// The same of a text; `name` stands in errors for the file's.
+Result<HeadOptions> parse_head_config(std::string_view text, const std::string& name);
 
 /// NAME=PATH, as on the command line. kInvalidArgument.
 Result<FarmScene> parse_farm_scene(const std::string& text);

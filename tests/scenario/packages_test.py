@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The .deb files, unpacked into a bare root: every part is there and fits the others, the services say in one sentence
+what the operator must fill in, and with it they start, report to systemd, and end when told to.
+
+Run: packages_test.py SOURCE_ROOT BUILD_FOLDER [COMPONENT ...]
+"""
+import configparser
+import os
+import pathlib
+import random
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator"], "tools": []}
+PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
+            "museum": ["cyclorama", "cyclorama-display", "cyclorama-operator", "cyclorama-tour", "cyclorama-tracker"],
+            "tools": ["cyclorama-grotto", "cyclorama-render", "cyclorama-visit"]}
+problems = []
+
+
+def expect(so, what):
+    if not so:
+        problems.append(what)
+
+
+def run(*command, **options):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, **options)
+
+
+class Unit:
+    def __init__(self, path):
+        parser = configparser.ConfigParser(strict=False, interpolation=None)
+        parser.optionxform = str
+        parser.read(path)
+        self.name, self.service = path.name, parser["Service"]
+
+
+def unpack(build, component, folder):
+    """Makes the package and returns its root; its control files are in DEBIAN."""
+    made = run("cpack", "--config", pathlib.Path(build) / "CPackConfig.cmake", "-G", "DEB", "-B", folder, "-D",
+               f"CPACK_COMPONENTS_ALL={component}", "-D", "CPACK_DEBIAN_DEBUGINFO_PACKAGE=OFF", cwd=folder)
+    debs = list(pathlib.Path(folder).glob(f"cyclorama-{component}_*.deb"))
+    assert made.returncode == 0 and len(debs) == 1, f"cpack {component}: {made.stdout}\n{made.stderr}"
+    root = pathlib.Path(folder) / f"root-{component}"
+    assert run("dpkg-deb", "--raw-extract", debs[0], root).returncode == 0
+    return root
+
+
+def check_files(component, root):
+    for program in PROGRAMS[component]:
+        file = root / "usr/bin" / program
+        expect(os.access(file, os.X_OK), f"{component}: no program {program}")
+        expect((root / f"usr/share/man/man1/{program}.1.gz").exists(), f"{component}: no man page of {program}")
+    names = {path.name for path in (root / "usr/bin").iterdir()}
+    expect(names == set(PROGRAMS[component]), f"{component}: usr/bin has {sorted(names)}")
+    for file in ("copyright", "changelog.gz"):
+        expect((root / f"usr/share/doc/cyclorama-{component}" / file).exists(), f"{component}: no {file}")
+    foreign = [str(p.relative_to(root)) for p in root.rglob("*") if p.is_file() and
+               not re.match(r"(DEBIAN|usr/bin|usr/lib/(systemd|sysusers\.d)|usr/share/(man|doc)|etc/(cyclorama|logrotate\.d))/", str(p.relative_to(root)))]
+    expect(not foreign, f"{component}: unexpected files {foreign}")
+    control = (root / "DEBIAN/control").read_text()
+    expect(re.search(r"^Depends: .*libc6", control, re.M), f"{component}: its libraries are no dependencies:\n{control}")
+    settings = sorted("/" + str(p.relative_to(root)) for p in root.glob("etc/*/*"))
+    conffiles = root / "DEBIAN/conffiles"
+    listed = conffiles.read_text().split() if conffiles.exists() else []
+    expect(listed == settings, f"{component}: conffiles {listed}, but in etc lies {settings}")
+    for script in ("postinst", "prerm", "postrm"):
+        file = root / "DEBIAN" / script
+        expect(file.exists() == bool(SERVICES[component]), f"{component}: {script}")
+        if file.exists():
+            expect(os.access(file, os.X_OK) and run("sh", "-n", file).returncode == 0, f"{component}: {script} does not run")
+            expect("@" not in file.read_text(), f"{component}: {script} is not filled in")
+
+
+def check_units(component, root):
+    units = [Unit(path) for path in sorted(root.glob("usr/lib/systemd/system/*.service"))]
+    expect([u.name for u in units] == sorted(f"cyclorama-{s}.service" for s in SERVICES[component]), f"{component}: units")
+    presets = "".join(p.read_text() for p in root.glob("usr/lib/systemd/system-preset/*"))
+    (root / "etc").mkdir(exist_ok=True)
+    made = run("systemd-sysusers", f"--root={root}")
+    passwd = root / "etc/passwd"
+    users = {line.split(":")[0] for line in passwd.read_text().splitlines()} if passwd.exists() else set()
+    expect(made.returncode == 0, f"{component}: {made.stderr}")
+    for unit in units:
+        command = unit.service["ExecStart"].split()
+        expect((root / command[0].lstrip("/")).exists(), f"{unit.name}: {command[0]} is not in the package")
+        expect(unit.service["User"] in users, f"{unit.name}: nobody makes the user {unit.service['User']}")
+        expect(f"disable {unit.name}" in presets, f"{unit.name}: starts before it is set up")
+        expect(unit.service["Type"] == "notify" and "WatchdogSec" in unit.service, f"{unit.name}: no watchdog")
+
+
+def fill_in(file, changes):
+    """As an operator would: takes the '#' away from the lines that begin so, and writes other values."""
+    text = file.read_text()
+    for wanted, value in changes.items():
+        text, count = re.subn(rf"^#?{re.escape(wanted)}.*$", value, text, flags=re.M)
+        expect(count == 1, f"{file.name}: {count} lines begin with {wanted}")
+    filled = file.with_name("filled.toml")
+    filled.write_text(text)
+    return filled
+
+
+def check_service(component, root, missing, changes):
+    program, settings = root / f"usr/bin/cyclorama-{component}", root / f"etc/cyclorama/{component}.toml"
+    bare = run(program, "--config", settings, timeout=20)
+    expect(bare.returncode == 1 and missing in bare.stderr and bare.stderr.count("\n") == 1,
+           f"{component}: as it ships it says {bare.returncode}: {bare.stderr}")
+    with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as told:
+        told.bind(f"{folder}/notify")
+        told.settimeout(20)
+        process = subprocess.Popen([program, "--config", fill_in(settings, changes)], stderr=subprocess.PIPE, text=True,
+                                   env={**os.environ, "NOTIFY_SOCKET": f"{folder}/notify", "WATCHDOG_USEC": "2000000"})
+        seen = ""
+        try:
+            until = time.monotonic() + 20
+            while not all(word in seen for word in ("READY=1", "WATCHDOG=1")) and time.monotonic() < until:
+                seen += told.recv(4096).decode() + "\n"
+            process.send_signal(signal.SIGTERM)
+            process.wait(20)
+            told.setblocking(False)
+            while "STOPPING=1" not in seen:
+                seen += told.recv(4096).decode() + "\n"
+        except (OSError, subprocess.TimeoutExpired) as error:
+            problems.append(f"{component}: {error!r}; systemd was told:\n{seen}")
+        finally:
+            process.kill()
+            said = process.communicate()[1]
+        expect(process.returncode == 0, f"{component}: ends with {process.returncode}: {said}")
+
+
+def main(root, build, *components):
+    port = random.randrange(10000, 19000)
+    with tempfile.TemporaryDirectory() as folder:
+        for component in components or SERVICES:
+            try:
+                unpacked = unpack(build, component, folder)
+                check_files(component, unpacked)
+                check_units(component, unpacked)
+                if component == "farm":
+                    check_service("farm", unpacked, "[[scene]]", {
+                        'museums = "': f'museums = "[::1]:{port}"', 'nodes = "': f'nodes = "[::1]:{port + 1}"',
+                        "[[scene]]": "[[scene]]", "name = ": 'name = "a"', "path = ": 'path = "/srv/a"'})
+                if component == "node":
+                    check_service("node", unpacked, "head", {"head": f'head = "[::1]:{port + 1}"'})
+            except AssertionError as error:
+                problems.append(str(error))
+    print("\n".join(problems) or "packages: ok")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -9,6 +9,7 @@
 #include "common/base/check.h"
 #include "common/image/cells.h"
 #include "common/image/cropped.h"
+#include "common/image/watermark.h"
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/node/block_view.h"
 
@@ -45,6 +46,7 @@ std::optional<RenderedTile> BlockWork::next_tile(FilmStore& films, const Interru
   }
   if (pixels.empty() || interrupts.cancelled()) return std::nullopt;
   ++next_;
+  add_watermark(block().watermark(), rect, &pixels);
   return RenderedTile{block().block(), block().view().number(), rect, std::move(pixels), jpeg_options_of(block())};
 }
 

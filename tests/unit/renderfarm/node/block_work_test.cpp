@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/block_work.h"
+
+#include <gtest/gtest.h>
+
+#include "common/image/watermark.h"
+#include "tests/doubles/fake_block_renderer.h"
+
+namespace cyclorama {
+namespace {
+
+enum class Kind { kMoving, kDenoised, kAtRest };
+
+std::vector<RenderedTile> tiles(Kind kind, std::uint64_t watermark) {
+  auto order = std::make_shared<BlockOrder>();
+  order->renderer = std::make_shared<FakeBlockRenderer>(std::make_shared<FakeRendering>());
+  wire::RenderBlock& block = order->block;
+  block.set_block(1);
+  block.set_x_px(64);
+  block.set_y_px(32);
+  block.set_width_px(600);
+  block.set_height_px(300);
+  block.set_keep(kind == Kind::kAtRest);
+  block.set_watermark(watermark);
+  wire::View& view = *block.mutable_view();
+  view.set_number(1);
+  view.set_samples(2);
+  view.set_jpeg_quality(85);
+  view.set_denoise(kind == Kind::kDenoised);
+  view.mutable_panorama()->set_width_px(1024);
+  view.mutable_panorama()->set_height_px(512);
+  view.mutable_panorama()->set_azimuth_span_rad(2.0);
+  view.mutable_panorama()->set_tan_elevation_top(0.5);
+  view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
+  auto work = BlockWork::begin(order);
+  EXPECT_TRUE(work) << work.error().message();
+  FilmStore films;
+  std::vector<RenderedTile> made;
+  while (!work->is_done()) made.push_back(*work->next_tile(films, {[] { return false; }, [] { return false; }}));
+  return made;
+}
+
+class BlockWorkMarks : public testing::TestWithParam<Kind> {};
+
+TEST_P(BlockWorkMarks, every_tile_by_its_place_in_the_picture_if_there_is_a_key) {
+  constexpr std::uint64_t kKey = 0x9e1f2bad2af9ea4e;
+  const std::vector<RenderedTile> plain = tiles(GetParam(), 0);
+  const std::vector<RenderedTile> marked = tiles(GetParam(), kKey);
+  ASSERT_GT(plain.size(), 1u);
+  ASSERT_EQ(marked.size(), plain.size());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_NE(marked[i].pixels, plain[i].pixels);
+    RgbImage expected = plain[i].pixels;
+    add_watermark(kKey, plain[i].rect, &expected);
+    EXPECT_EQ(marked[i].pixels, expected);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfAllKinds, BlockWorkMarks, testing::Values(Kind::kMoving, Kind::kDenoised, Kind::kAtRest));
+
+}  // namespace
+}  // namespace cyclorama

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include "common/config/config.h"
 
@@ -18,10 +19,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "node";
 }
 
-}  // namespace
-
-Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path) {
-  TRY_ASSIGN(Config config, Config::read(path));
+Result<FarmNodeOptions> options_of(Config config) {
   ConfigTable root = config.root();
   FarmNodeOptions options;
   options.heads = root.texts("heads", std::vector<std::string>{});
@@ -36,6 +34,18 @@ Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path) {
   }
   TRY(config.finish());
   return options;
+}
+
+}  // namespace
+
+Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path) {
+  TRY_ASSIGN(Config config, Config::read(path));
+  return options_of(std::move(config));
+}
+
+Result<FarmNodeOptions> parse_node_config(std::string_view text, const std::string& name) {
+  TRY_ASSIGN(Config config, Config::parse(text, name));
+  return options_of(std::move(config));
 }
 
 Result<FarmNodeOptions> complete(FarmNodeOptions options) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "common/base/result.h"
 #include "renderfarm/node/farm_node.h"
@@ -16,6 +18,8 @@ inline constexpr double kMostMemoryGib = 65536.0;
 /// What the file says; what it does not say is empty or 0, and complete() fills it in.
 /// kNotFound, kSystem, kBadData  as Config: file, line, remedy.
 Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path);
+/// The same of a text; `name` stands in errors for the file's.
+Result<FarmNodeOptions> parse_node_config(std::string_view text, const std::string& name);
 
 /// The host's name and all of its threads where nothing is said. kInvalidArgument  there is no head.
 Result<FarmNodeOptions> complete(FarmNodeOptions options);

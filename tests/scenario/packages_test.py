@@ -147,7 +147,7 @@ def main(root, build, *components):
                         'museums = "': f'museums = "[::1]:{port}"', 'nodes = "': f'nodes = "[::1]:{port + 1}"',
                         "[[scene]]": "[[scene]]", "name = ": 'name = "a"', "path = ": 'path = "/srv/a"'})
                 if component == "node":
-                    check_service("node", unpacked, "head", {"head": f'head = "[::1]:{port + 1}"'})
+                    check_service("node", unpacked, "no head is given", {"heads = ": f'heads = ["[::1]:{port + 1}"]'})
             except AssertionError as error:
                 problems.append(str(error))
     print("\n".join(problems) or "packages: ok")

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the packages install as settings (systemd/settings): as they are, they lack one thing, and say so; each line
+// that they show as a comment is right.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <regex>
+
+#include "common/base/file.h"
+#include "renderfarm/head/head_config.h"
+#include "renderfarm/node/node_config.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+
+std::string shipped(const char* name) {
+  const char* const source = std::getenv("CYCLORAMA_SOURCE");  // NOLINT(concurrency-mt-unsafe)
+  const auto text = read_text_file(std::filesystem::path(source) / "systemd/settings" / name, 1 << 20);
+  EXPECT_TRUE(text);
+  return *text;
+}
+
+/// As an operator would who takes the '#' away from every line that shows a key.
+std::string uncommented(const std::string& text) {
+  return std::regex_replace(text, std::regex("(^|\n)#(\\[|[a-z_]+ = )"), "$1$2");
+}
+
+TEST(ShippedSettings, of_the_head_lack_the_scenes_and_nothing_else) {
+  const auto options = parse_head_config(shipped("farm.toml"), "/etc/cyclorama/farm.toml");
+  ASSERT_FALSE(options);
+  EXPECT_THAT(options.error().message(), HasSubstr("[[scene]]"));
+  EXPECT_THAT(options.error().message(), HasSubstr("/etc/cyclorama/farm.toml"));
+  EXPECT_TRUE(parse_head_config(shipped("farm.toml") + "\n[[scene]]\nname = \"a\"\npath = \"/srv/a\"\n", "farm.toml"));
+}
+
+TEST(ShippedSettings, of_a_node_lack_the_head_and_nothing_else) {
+  const auto options = parse_node_config(shipped("node.toml"), "node.toml");
+  ASSERT_TRUE(options) << options.error().message();
+  const auto whole = complete(*options);
+  ASSERT_FALSE(whole);
+  EXPECT_THAT(whole.error().message(), HasSubstr("'heads' in node.toml"));
+}
+
+TEST(ShippedSettings, show_only_keys_that_there_are) {
+  const auto head = parse_head_config(uncommented(shipped("farm.toml")), "/etc/cyclorama/farm.toml");
+  ASSERT_TRUE(head) << head.error().message();
+  EXPECT_EQ(head->limits.nodes, HeadLimits{}.nodes);
+  EXPECT_EQ(head->limits.sessions, HeadLimits{}.sessions);
+  const auto node = parse_node_config(uncommented(shipped("node.toml")), "/etc/cyclorama/node.toml");
+  ASSERT_TRUE(node) << node.error().message();
+  EXPECT_TRUE(complete(*node));
+}
+
+}  // namespace
+}  // namespace cyclorama

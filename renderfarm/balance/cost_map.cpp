@@ -16,9 +16,22 @@ constexpr double kLeast = 0.01;
 constexpr double kStill_m = 1e-4;
 
 double usable(double value, double otherwise) { return std::isfinite(value) && value > 0.0 ? value : otherwise; }
+double usable_effort(double effort) { return std::clamp(usable(effort, 1.0), 1e-6, 1e6); }
 
-float cost_per_px(const WorkGrid& work, int x, int y) {
-  return work.at(x, y) / static_cast<float>(work.width_px(x) * work.height_px(y));
+/// Times `factor`, and times each cell's pixels.
+void to_work(WorkGrid* cost_per_px, double factor) {
+  for (int y = 0; y < cost_per_px->rows(); ++y) {
+    const auto row = static_cast<float>(factor * cost_per_px->height_px(y));
+    for (int x = 0; x < cost_per_px->columns(); ++x) {
+      cost_per_px->at(x, y) *= row * static_cast<float>(cost_per_px->width_px(x));
+    }
+  }
+}
+void to_cost_per_px(WorkGrid* work, double factor) {
+  for (int y = 0; y < work->rows(); ++y) {
+    const auto row = static_cast<float>(factor * work->height_px(y));
+    for (int x = 0; x < work->columns(); ++x) work->at(x, y) /= row * static_cast<float>(work->width_px(x));
+  }
 }
 
 /// Between the middles of cells, linearly: where in cells a place lies, given in cells from the edge.
@@ -33,43 +46,33 @@ Between between(double place, int cells) {
   return {first, std::min(first + 1, cells - 1), static_cast<float>(from - first)};
 }
 
-/// No cell below kLeast of the mean, nothing that is no number; false if there is no work at all.
-bool mend(WorkGrid* work) {
-  const PictureSize size = work->size();
-  const double mean = work->total() / (double(size.width) * size.height);
+/// No cell below kLeast of the mean, nothing that is no number; false if there is no cost at all.
+bool mend(WorkGrid* cost) {
+  const double mean = cost->total() / static_cast<double>(cost->cells().size());
   if (!(mean > 0.0 && std::isfinite(mean))) return false;
-  for (int y = 0; y < work->rows(); ++y) {
-    for (int x = 0; x < work->columns(); ++x) {
-      const double least = kLeast * mean * work->width_px(x) * work->height_px(y);
-      float& cell = work->at(x, y);
-      cell = std::max(cell, static_cast<float>(least));
-    }
-  }
+  const auto least = static_cast<float>(kLeast * mean);
+  for (float& cell : cost->cells()) cell = std::max(cell, least);
   return true;
 }
 
-/// Each cell gives a ninth of `part` of its cost per pixel to itself and to each of its neighbours.
-WorkGrid spread(const WorkGrid& work, double part) {
-  WorkGrid density(work.size());
-  for (int y = 0; y < work.rows(); ++y) {
-    for (int x = 0; x < work.columns(); ++x) density.at(x, y) = cost_per_px(work, x, y);
-  }
-  WorkGrid rows(work.size());  // Sums of three, along.
-  const int last_x = work.columns() - 1;
-  const int last_y = work.rows() - 1;
+/// Each cell gives a ninth of `part` of its cost to itself and to each of its neighbours.
+WorkGrid spread(const WorkGrid& cost, double part) {
+  WorkGrid rows(cost.size());  // Sums of three, along.
+  const int last_x = cost.columns() - 1;
+  const int last_y = cost.rows() - 1;
   for (int y = 0; y <= last_y; ++y) {
     for (int x = 0; x <= last_x; ++x) {
-      rows.at(x, y) = density.at(std::max(x - 1, 0), y) + density.at(x, y) + density.at(std::min(x + 1, last_x), y);
+      rows.at(x, y) = cost.at(std::max(x - 1, 0), y) + cost.at(x, y) + cost.at(std::min(x + 1, last_x), y);
     }
   }
-  WorkGrid out(work.size());
+  WorkGrid out(cost.size());
   const auto own = static_cast<float>(1.0 - part);
   const auto ninth = static_cast<float>(part / 9.0);
   for (int y = 0; y <= last_y; ++y) {
+    const int above = std::max(y - 1, 0);
+    const int below = std::min(y + 1, last_y);
     for (int x = 0; x <= last_x; ++x) {
-      const float around = rows.at(x, std::max(y - 1, 0)) + rows.at(x, y) + rows.at(x, std::min(y + 1, last_y));
-      out.at(x, y) =
-          (own * density.at(x, y) + ninth * around) * static_cast<float>(work.width_px(x) * work.height_px(y));
+      out.at(x, y) = own * cost.at(x, y) + ninth * (rows.at(x, above) + rows.at(x, y) + rows.at(x, below));
     }
   }
   return out;
@@ -92,26 +95,23 @@ double CostMap::turn_seen(const Place& at, double part) const {
 }
 
 WorkGrid CostMap::moved(double fraction, PictureSize size) const {
-  if (fraction == 0.0 && size == work_.size()) return work_;
+  if (fraction == 0.0 && size == cost_.size()) return cost_;
   WorkGrid out(size);
   // Where the middle of a cell of the new picture was in the old one, in cells.
   const auto place = [](double px, int to, int from) { return px * from / to / kCutPx; };
   std::vector<Between> across;
   for (int x = 0; x < out.columns(); ++x) {
     const double middle = x * kCutPx + 0.5 * out.width_px(x) + fraction * size.width;
-    across.push_back(between(place(middle, size.width, work_.size().width), work_.columns()));
+    across.push_back(between(place(middle, size.width, cost_.size().width), cost_.columns()));
   }
   for (int y = 0; y < out.rows(); ++y) {
-    const Between down =
-        between(place(y * kCutPx + 0.5 * out.height_px(y), size.height, work_.size().height), work_.rows());
+    const double middle = y * kCutPx + 0.5 * out.height_px(y);
+    const Between down = between(place(middle, size.height, cost_.size().height), cost_.rows());
     for (int x = 0; x < out.columns(); ++x) {
       const Between& a = across[static_cast<std::size_t>(x)];
-      const float above =
-          (1.0f - a.t) * cost_per_px(work_, a.first, down.first) + a.t * cost_per_px(work_, a.second, down.first);
-      const float below =
-          (1.0f - a.t) * cost_per_px(work_, a.first, down.second) + a.t * cost_per_px(work_, a.second, down.second);
-      out.at(x, y) =
-          ((1.0f - down.t) * above + down.t * below) * static_cast<float>(out.width_px(x) * out.height_px(y));
+      const float above = (1.0f - a.t) * cost_.at(a.first, down.first) + a.t * cost_.at(a.second, down.first);
+      const float below = (1.0f - a.t) * cost_.at(a.first, down.second) + a.t * cost_.at(a.second, down.second);
+      out.at(x, y) = (1.0f - down.t) * above + down.t * below;
     }
   }
   return out;
@@ -119,23 +119,17 @@ WorkGrid CostMap::moved(double fraction, PictureSize size) const {
 
 WorkGrid CostMap::predict(const SplitRequest& request) {
   azimuth_span_rad_ = usable(request.azimuth_span_rad, 1.0);
-  WorkGrid work(request.size);
-  if (!is_known()) {
-    for (int y = 0; y < work.rows(); ++y) {
-      for (int x = 0; x < work.columns(); ++x) {
-        work.at(x, y) = static_cast<float>(kFirstGuess * work.width_px(x) * work.height_px(y));
-      }
-    }
-    return work;
+  WorkGrid cost(request.size, static_cast<float>(kFirstGuess));
+  double effort = 1.0;
+  if (is_known() && !cost.cells().empty()) {
+    const Place at{request.heading_rad, request.eye_m};
+    cost = moved(turn_seen(at, moves_eye(at) ? part_of_turn_ : 1.0), request.size);
+    const bool moves = moves_eye(at) || at.heading_rad != place_.heading_rad;
+    if (moves && options_.spreads > 0.0) cost = spread(cost, options_.spreads);
+    effort = usable_effort(request.effort);
   }
-  if (work.cells().empty()) return work;
-  const Place at{request.heading_rad, request.eye_m};
-  work = moved(turn_seen(at, moves_eye(at) ? part_of_turn_ : 1.0), request.size);
-  const bool moves = moves_eye(at) || at.heading_rad != place_.heading_rad;
-  if (moves && options_.spreads > 0.0) work = spread(work, options_.spreads);
-  const auto effort = static_cast<float>(std::clamp(usable(request.effort, 1.0), 1e-9, 1e9));
-  for (float& cell : work.cells()) cell *= effort;
-  return work;
+  to_work(&cost, effort);
+  return cost;
 }
 
 bool CostMap::moves_eye(const Place& at) const {
@@ -164,35 +158,33 @@ void CostMap::watch_motion(const WorkGrid& measured, const Place& at) {
 void CostMap::learn(const MeasuredFrame& frame) {
   if (frame.size.width <= 0 || frame.size.height <= 0) return;
   const Place at{std::isfinite(frame.heading_rad) ? frame.heading_rad : place_.heading_rad, frame.eye_m};
-  WorkGrid expected;
+  WorkGrid expected(frame.size, static_cast<float>(kFirstGuess));
   if (is_known()) expected = moved(turn_seen(at, moves_eye(at) ? part_of_turn_ : 1.0), frame.size);
-  WorkGrid measured = work_of(frame.size, frame.blocks, options_.times, is_known() ? &expected : nullptr);
-  const auto effort = static_cast<float>(std::clamp(usable(frame.effort, 1.0), 1e-9, 1e9));
-  for (float& cell : measured.cells()) cell /= effort;
+  WorkGrid prior = expected;
+  to_work(&prior, 1.0);
+  WorkGrid measured = work_of(frame.size, frame.blocks, options_.times, &prior);
+  to_cost_per_px(&measured, usable_effort(frame.effort));
   double known = 0.0;
-  double known_px = 0.0;
-  for (int y = 0; y < measured.rows(); ++y) {
-    for (int x = 0; x < measured.columns(); ++x) {
-      if (!std::isfinite(measured.at(x, y))) continue;
-      known += measured.at(x, y);
-      known_px += measured.width_px(x) * measured.height_px(y);
-    }
+  std::size_t known_cells = 0;
+  for (const float cost : measured.cells()) {
+    if (!std::isfinite(cost)) continue;
+    known += cost;
+    ++known_cells;
   }
   if (!(known > 0.0)) return;  // Nothing measured, or nothing but zeroes: no reason to change.
-  if (is_known()) watch_motion(measured, at);
-  const auto newest = static_cast<float>(options_.newest_weight);
-  for (int y = 0; y < measured.rows(); ++y) {
-    for (int x = 0; x < measured.columns(); ++x) {
-      float& cell = measured.at(x, y);
-      if (is_known()) {
-        cell = std::isfinite(cell) ? newest * cell + (1.0f - newest) * expected.at(x, y) : expected.at(x, y);
-      } else if (!std::isfinite(cell)) {
-        cell = static_cast<float>(known / known_px * measured.width_px(x) * measured.height_px(y));
-      }
-    }
+  if (is_known()) {
+    watch_motion(measured, at);
+  } else {
+    std::ranges::fill(expected.cells(), static_cast<float>(known / static_cast<double>(known_cells)));
+  }
+  const auto newest = static_cast<float>(is_known() ? options_.newest_weight : 1.0);
+  for (std::size_t i = 0; i < measured.cells().size(); ++i) {
+    float& cell = measured.cells()[i];
+    const float before = expected.cells()[i];
+    cell = std::isfinite(cell) ? newest * cell + (1.0f - newest) * before : before;
   }
   if (!mend(&measured)) return;
-  work_ = std::move(measured);
+  cost_ = std::move(measured);
   place_ = at;
 }
 

@@ -27,7 +27,7 @@ class CostMap {
   explicit CostMap(const CostMapOptions& options = {}) : options_(options) {}
 
   /// Whether anything was learned; until then every pixel is taken to cost a microsecond.
-  [[nodiscard]] bool is_known() const { return !work_.cells().empty(); }
+  [[nodiscard]] bool is_known() const { return !cost_.cells().empty(); }
   /// Work of a picture's cells, in seconds at speed 1.
   [[nodiscard]] WorkGrid predict(const SplitRequest& request);
   void learn(const MeasuredFrame& frame);
@@ -39,11 +39,12 @@ class CostMap {
   };
   [[nodiscard]] bool moves_eye(const Place& at) const;
   [[nodiscard]] double turn_seen(const Place& at, double part) const;
+  /// Per pixel.
   [[nodiscard]] WorkGrid moved(double fraction, PictureSize size) const;
   void watch_motion(const WorkGrid& measured, const Place& at);
 
   CostMapOptions options_;
-  WorkGrid work_;  ///< Of effort 1.
+  WorkGrid cost_;  ///< Per pixel, of effort 1.
   Place place_;    ///< Whose costs they are.
   double azimuth_span_rad_ = 1.0;
   double part_of_turn_ = 1.0;  ///< That the content moves by when the eye walks too.

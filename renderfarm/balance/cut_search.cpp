@@ -52,17 +52,25 @@ class CutSearch {
  private:
   /// Precondition: two nodes and two cells at least.
   [[nodiscard]] Cut best_cut(const CellRect& region, Speeds speeds, int forks_ahead) const {
-    const std::size_t left = speeds.size() / 2;
-    const double wanted = work_.of(region) * sum_of(speeds.first(left)) / sum_of(speeds);
+    const Speeds first = speeds.first(speeds.size() / 2);
+    const Speeds second = speeds.subspan(first.size());
+    const double first_speed = sum_of(first);
+    const double second_speed = sum_of(second);
+    const double all = work_.of(region);
+    const double wanted = all * first_speed / (first_speed + second_speed);
     Cut best;
     for (const CutDirection d : {CutDirection::kAcross, CutDirection::kDown}) {
       if (length_of(region, d) < 2) continue;
       const int reaches = first_cut_with(work_, region, d, wanted);
       for (const int at : {reaches, reaches - 1}) {
         if (at < 1) continue;
-        const double first = seconds(before_cut(region, d, at), speeds.first(left), forks_ahead);
-        if (first >= best.seconds) continue;
-        const double slowest = std::max(first, seconds(after_cut(region, d, at), speeds.subspan(left), forks_ahead));
+        const CellRect before = before_cut(region, d, at);
+        const double work = work_.of(before);
+        // However well the parts are cut, they take no less than this.
+        if (std::max(work / first_speed, (all - work) / second_speed) >= best.seconds) continue;
+        const double seconds_before = seconds(before, first, forks_ahead);
+        if (seconds_before >= best.seconds) continue;
+        const double slowest = std::max(seconds_before, seconds(after_cut(region, d, at), second, forks_ahead));
         if (slowest < best.seconds) best = {d, at, slowest};
       }
     }

@@ -18,14 +18,16 @@ struct FrameStage {
   std::string_view inside;
 };
 
-inline constexpr std::array<FrameStage, 14> kFrameStages{{
+inline constexpr std::array<FrameStage, 16> kFrameStages{{
     {"capture", "tracker", ""},
     {"detect", "tracker", ""},
     {"pose", "tracker", ""},
     {"steer", "tour", ""},
     {"farm_round_trip", "farm", ""},
     {"farm", "farm", "farm_round_trip"},
+    {"queue", "farm", "farm"},
     {"plan", "farm", "farm"},
+    {"fan_out", "farm", "farm"},
     {"render", "farm", "farm"},
     {"encode", "farm", "farm"},
     {"decode", "display", ""},

@@ -143,10 +143,13 @@ bool FrameAssembly::is_complete() const {
 
 FrameAssembly::Summary FrameAssembly::summary() const {
   Summary sum;
+  std::map<NodeId, double> walls;
   for (const auto& [number, block] : blocks_) {
     if (!block.ended) continue;
     const double cpu_seconds = measured(block.end.render_cpu_seconds());
-    sum.render_seconds = std::max(sum.render_seconds, measured(block.end.wall_seconds()));
+    const double wall_seconds = measured(block.end.wall_seconds());
+    sum.render_seconds = std::max(sum.render_seconds, walls[block.node] += wall_seconds);
+    sum.away_seconds = std::max(sum.away_seconds, measured(block.end.waited_seconds()) + wall_seconds);
     sum.encode_seconds = std::max(sum.encode_seconds, measured(block.end.encode_cpu_seconds()));
     sum.cpu_seconds += cpu_seconds;
     sum.rays += block.end.rays();

@@ -73,7 +73,8 @@ class FrameAssembly {
   [[nodiscard]] bool was_given_again() const { return given_again_; }
 
   struct Summary {
-    double render_seconds = 0.0;  ///< Wall time of the slowest block.
+    double render_seconds = 0.0;  ///< Wall time of the rays, of the node that took longest.
+    double away_seconds = 0.0;    ///< Wall time of a block and of other rays that it waited for, of the longest.
     double encode_seconds = 0.0;  ///< Thread time, of the block with the most.
     double cpu_seconds = 0.0;
     std::uint64_t rays = 0;

@@ -13,6 +13,8 @@
 #include "renderfarm/head/cost_log.h"
 #include "renderfarm/head/head_meters.h"
 #include "renderfarm/head/head_services.h"
+#include "renderfarm/head/relay_times.h"
+#include "renderfarm/watch/farm_watch.h"
 
 namespace cyclorama {
 namespace {
@@ -70,6 +72,7 @@ class Head::Loop final : private Peers {
       TRY_ASSIGN(cost_log_, CostLog::open(options_.record, notice_));
     }
     TRY_ASSIGN(gate_, Gatekeeper::open(options_.trust, clock_, notice_));
+    TRY(watch_.start(options_.watch, notice_));
     thread_ = std::thread(
         [this] { run(); });  // Before the servers: every call that a server takes needs somebody to finish it.
     TRY_ASSIGN(node_server_, WireServer::start(options_.nodes, {&nodes_service_}, port_for(Role::kNode)));
@@ -86,6 +89,7 @@ class Head::Loop final : private Peers {
     for (const auto& server : {museum_server_.get(), node_server_.get(), inspect_server_.get()}) {
       if (server != nullptr) server->stop(std::max(Duration::zero(), last - clock_.now()));
     }
+    watch_.stop();
     events_.close();
     if (thread_.joinable()) thread_.join();
   }
@@ -94,6 +98,7 @@ class Head::Loop final : private Peers {
   [[nodiscard]] int museum_port() const { return port_of(museum_server_); }
   [[nodiscard]] int node_port() const { return port_of(node_server_); }
   [[nodiscard]] int inspect_port() const { return port_of(inspect_server_); }
+  [[nodiscard]] int watch_port() const { return watch_.port(); }
   [[nodiscard]] TimePoint alive_at() const { return TimePoint(Duration(alive_at_.load())); }
   [[nodiscard]] std::string state() const { return inspection_.status().state(); }
 
@@ -104,8 +109,12 @@ class Head::Loop final : private Peers {
       open = !events_.is_closed();  // Asked first: what was posted before the closing is still handled.
       TimePoint wake = stopping_ ? next_tick : std::min(next_tick, state_.next_deadline());
       if (!held_.empty()) wake = std::min(wake, held_.begin()->first);
-      for (Event& event : events_.take_all(wake)) std::visit([this](auto& e) { handle(e); }, event);
+      for (Event& event : events_.take_all(wake)) {
+        cause_at_ = clock_.now();
+        std::visit([this](auto& e) { handle(e); }, event);
+      }
       const TimePoint now = clock_.now();
+      cause_at_ = now;
       release(now);
       if (now < next_tick) {
         if (now >= wake) state_.tick();
@@ -141,9 +150,11 @@ class Head::Loop final : private Peers {
   /// What museums with a limit of bytes took, when the limit lets the next frame go.
   void release(TimePoint now) {
     while (!held_.empty() && held_.begin()->first <= now) {
-      const MuseumTook took = std::move(held_.begin()->second);
+      MuseumTook took = std::move(held_.begin()->second);
       held_.erase(held_.begin());
       if (!stopping_) state_.written(SessionId{took.id}, took.reply);
+      VisitPictures* const pictures = watch_.pictures();
+      if (pictures != nullptr && museums_.contains(took.id)) pictures->taken(took.id, std::move(took.reply));
     }
   }
   void look_at_files() {
@@ -171,7 +182,9 @@ class Head::Loop final : private Peers {
     node_names_[e.id] = e.who.name;
     state_.node_came(NodeId{e.id});
   }
+  void handle(NodeTook& e) { state_.order_written(NodeId{e.id}, e.block, e.at); }
   void handle(NodeSaid& e) {
+    cause_at_ = e.at;
     if (const std::string& name = node_names_[e.id]; e.report.has_hello() && !name.empty()) {
       // Who it is, its certificate says; how its host calls it helps people where hosts share one.
       std::string* const said = e.report.mutable_hello()->mutable_name();
@@ -194,14 +207,23 @@ class Head::Loop final : private Peers {
     museums_.emplace(e.id, Open<MuseumStream>{std::move(e.stream)});
     if (stopping_) return end_stream(museums_.at(e.id), kStops, false);
     auto grant = gate_->visit_came(e.id, e.who);
-    if (!grant) return end_stream(museums_.at(e.id), to_grpc(grant.error()), false);
+    if (!grant) {
+      watch_.metrics().visit_refused(grant.error().code());
+      return end_stream(museums_.at(e.id), to_grpc(grant.error()), false);
+    }
     state_.visit_came(SessionId{e.id}, *std::move(grant));
   }
   void handle(MuseumSaid& e) {
+    cause_at_ = e.at;
     if (!stopping_) visit_said(e);
     museums_.at(e.id).stream->read_next();
   }
   void handle(MuseumTook& e) {
+    cause_at_ = e.at;
+    const RelayTimes::Times times = relay_times_.taken(SessionId{e.id}, e.reply, e.at);
+    if (times.relay_seconds) meters_.add_stage("relay", *times.relay_seconds);
+    if (times.overhead_seconds) meters_.add_stage("overhead", *times.overhead_seconds);
+    if (e.reply.has_opened()) watch_.metrics().visit_opened(state_.museum_of(SessionId{e.id}));
     const TimePoint due = gate_->took(e.id, e.reply);
     held_.emplace(due, std::move(e));
     release(clock_.now());
@@ -211,7 +233,11 @@ class Head::Loop final : private Peers {
     gate_->visit_ended(e.id, "");
     end_stream(museums_.at(e.id), grpc::Status::OK, false);
   }
-  void handle(MuseumDone& e) { museums_.erase(e.id); }
+  void handle(MuseumDone& e) {
+    museums_.erase(e.id);
+    relay_times_.visit_ended(SessionId{e.id});
+    if (VisitPictures* const pictures = watch_.pictures()) pictures->visit_ended(e.id);
+  }
 
   void handle(ScenesAsked& e) {
     *e.reply = state_.scenes(gate_->grant_of(e.who));
@@ -231,21 +257,24 @@ class Head::Loop final : private Peers {
   void to_museum(SessionId session, wire::VisitReply reply) override {
     const auto id = static_cast<std::uint64_t>(session);
     if (reply.has_opened()) gate_->visit_opened(id, reply.opened().name());
+    relay_times_.sent(session, cause_at_);
     museums_.at(id).stream->send(std::move(reply));
   }
   void end_node(NodeId node, const Error& reason) override {
     gate_->node_gone(static_cast<std::uint64_t>(node), reason.message());
+    watch_.metrics().node_sent_away();
     end_stream(nodes_.at(static_cast<std::uint64_t>(node)), to_grpc(reason), false);
   }
   void end_visit(SessionId session, const Error& reason, bool at_once) override {
     gate_->visit_ended(static_cast<std::uint64_t>(session), reason.message());
+    watch_.metrics().visit_refused(reason.code());
     end_stream(museums_.at(static_cast<std::uint64_t>(session)), to_grpc(reason), at_once);
   }
   void frame_ended(const FrameReport& report) override {
+    relay_times_.frame_ended(report);
     meters_.add(report);
     if (cost_log_) cost_log_->add(report);
   }
-  void frame_relayed(double seconds) override { meters_.add_relay(seconds); }
   void notice(const std::string& sentence) override { notice_(sentence); }
 
   inline static const grpc::Status kStops{grpc::StatusCode::UNAVAILABLE, "the farm's head stops"};
@@ -255,7 +284,10 @@ class Head::Loop final : private Peers {
   const SteadyClock clock_;
   Events events_;
   InspectionService inspection_{"head"};
-  HeadMeters meters_{inspection_};
+  FarmWatch watch_{inspection_};
+  HeadMeters meters_{inspection_, watch_.metrics()};
+  RelayTimes relay_times_;
+  TimePoint cause_at_{};  ///< When what is being handled arrived.
   std::unique_ptr<CostLog> cost_log_;
   HeadState state_;
   std::unique_ptr<Gatekeeper> gate_;
@@ -302,7 +334,7 @@ Status validate(const HeadOptions& options) {
                     "cyclorama-authority and write [tls], or say insecure = true",
                     printable(address)));
   }
-  return Done{};
+  return validate(options.watch);
 }
 
 Result<std::unique_ptr<Head>> Head::start(HeadOptions options, std::function<void(const std::string&)> notice) {
@@ -317,6 +349,7 @@ Head::~Head() = default;
 int Head::museum_port() const { return loop_->museum_port(); }
 int Head::node_port() const { return loop_->node_port(); }
 int Head::inspect_port() const { return loop_->inspect_port(); }
+int Head::watch_port() const { return loop_->watch_port(); }
 TimePoint Head::alive_at() const { return loop_->alive_at(); }
 std::string Head::state() const { return loop_->state(); }
 void Head::stop() { loop_->stop(); }

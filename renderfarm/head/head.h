@@ -14,6 +14,7 @@
 #include "renderfarm/balance/balancer.h"
 #include "renderfarm/head/head_state.h"
 #include "renderfarm/trust/gatekeeper.h"
+#include "renderfarm/watch/watch_options.h"
 
 namespace cyclorama {
 
@@ -25,6 +26,7 @@ struct HeadOptions {
   BalanceStrategy strategy = BalanceStrategy::kCostMapStealing;
   HeadLimits limits{};
   TrustOptions trust{};
+  WatchOptions watch{};
   std::string record{};  ///< Folder for what frames cost, for cyclorama-balance; empty: not kept.
 };
 
@@ -37,7 +39,7 @@ Status validate(const HeadOptions& options);
 class Head {
  public:
   /// `notice` gets sentences for the log, on the head thread. kInvalidArgument, kBusy  as WireServer::start().
-  /// Else as Gatekeeper::open().
+  /// Else as Gatekeeper::open() and FarmWatch::start().
   static Result<std::unique_ptr<Head>> start(HeadOptions options, std::function<void(const std::string&)> notice);
   ~Head();
   Head(const Head&) = delete;
@@ -45,7 +47,8 @@ class Head {
 
   [[nodiscard]] int museum_port() const;
   [[nodiscard]] int node_port() const;
-  [[nodiscard]] int inspect_port() const;  ///< 0: none.
+  [[nodiscard]] int inspect_port() const;  ///< 0: none, or a socket in the file system.
+  [[nodiscard]] int watch_port() const;    ///< Of HTTP; 0: none.
   /// When the loop last went round: at least every 100 ms while it is healthy.
   [[nodiscard]] TimePoint alive_at() const;
   /// One sentence for the operator.

@@ -35,6 +35,7 @@ Result<HeadOptions> options_of(Config config, const std::string& name) {
   options.strategy = *balance_strategy_of(
       root.choice("balance", {"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}, "cost-map-stealing"));
   for (ConfigTable& scene : root.tables("scene")) options.scenes.push_back({scene.text("name"), scene.text("path")});
+  if (root.has("watch")) options.watch = read_watch_options(root.table("watch"));
   if (root.has("limits")) {
     const HeadLimits defaults;
     ConfigTable limits = root.table("limits");

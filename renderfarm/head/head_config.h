@@ -27,6 +27,8 @@ namespace cyclorama {
 ///   certificate = "tls/certificate.crt"
 ///   key = "tls/key.pem"
 ///   revoked = "tls/crl.pem"          # Without it, no certificate is revoked.
+///   [watch]                          # watch_options.h; left out: nobody watches over HTTP.
+///   address = "[::1]:7404"
 ///   [limits]                         # Each may be left out.
 ///   nodes = 512
 ///   visits = 64

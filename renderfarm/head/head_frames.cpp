@@ -71,6 +71,7 @@ void HeadState::plan(SessionId id, Session& session) {
   frame.id = ++last_frame_;
   frame.view = *std::exchange(session.waiting, std::nullopt);
   frame.received_at = session.waiting_since;
+  frame.turn_came_at = clock_.now();
   frame.last_tile_at = clock_.now();
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   if (session.governed) govern(*session.governed, &frame);
@@ -79,6 +80,7 @@ void HeadState::plan(SessionId id, Session& session) {
     frame.assembly.plan(++last_block_, block.node, block.rect, block.forecast);
     order_block(id, session, frame, last_block_, block.node, block.rect);
   }
+  frame.last_planned = last_block_;
   frame.planned_at = clock_.now();
 }
 
@@ -170,12 +172,18 @@ void HeadState::send(SessionId id, Session& session, wire::VisitReply reply) {
 
 FrameReport HeadState::report_of(SessionId id, const FrameInFlight& frame) const {
   const FrameAssembly::Summary sum = frame.assembly.summary();
-  FrameReport report{id, !frame.failure, frame.failure.value_or("")};
+  FrameReport report{id, sessions_.at(id).museum, !frame.failure, frame.failure.value_or("")};
   for (const auto& [node, cpu_seconds] : sum.loads) {
     const auto found = nodes_.find(node);
-    if (found != nodes_.end()) report.loads.push_back(cpu_seconds / found->second.threads);
+    if (found == nodes_.end()) continue;
+    report.loads.push_back(cpu_seconds / found->second.threads);
+    report.nodes.push_back(node);
   }
-  report.plan_seconds = to_seconds(frame.planned_at - frame.received_at);
+  report.received_at = frame.received_at;
+  report.queue_seconds = to_seconds(frame.turn_came_at - frame.received_at);
+  report.plan_seconds = to_seconds(frame.planned_at - frame.turn_came_at);
+  report.fan_out_seconds = to_seconds(std::max(frame.fanned_out_at, frame.planned_at) - frame.planned_at);
+  report.rays_seconds = sum.away_seconds;
   report.render_seconds = sum.render_seconds;
   report.encode_seconds = sum.encode_seconds;
   report.farm_seconds = to_seconds(clock_.now() - frame.received_at);
@@ -223,7 +231,9 @@ void HeadState::end(SessionId id, Session& session, const FrameInFlight& frame, 
   end->set_view_number(frame.view.number());
   end->set_tiles(frame.assembly.delivered());
   if (!report.refined) {
+    add_stage(end, "queue", report.queue_seconds);
     add_stage(end, "plan", report.plan_seconds);
+    add_stage(end, "fan_out", report.fan_out_seconds);
     add_stage(end, "render", report.render_seconds);
     add_stage(end, "encode", report.encode_seconds);
     add_stage(end, "farm", report.farm_seconds);

@@ -101,7 +101,7 @@ void HeadState::refine(SessionId id, Session& session) {
   quality.render.first_sample = range->first;
   quality.render.samples = range->end - range->first;
   apply(quality, &frame.view);
-  frame.received_at = frame.planned_at = frame.last_tile_at = clock_.now();
+  frame.received_at = frame.turn_came_at = frame.planned_at = frame.last_tile_at = clock_.now();
   if (governed.blocks.empty()) governed.blocks = split(session, frame.view, true);  // Frozen from now on.
   frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
   for (PlacedBlock& block : governed.blocks) {

@@ -29,6 +29,13 @@ struct NodeCame {
 struct NodeSaid {
   std::uint64_t id;
   wire::NodeReport report;
+  TimePoint at;
+};
+/// An order for a block is on the wire.
+struct NodeTook {
+  std::uint64_t id;
+  std::uint64_t block;
+  TimePoint at;
 };
 struct NodeClosed {
   std::uint64_t id;
@@ -49,6 +56,7 @@ struct MuseumSaid {
 struct MuseumTook {
   std::uint64_t id;
   wire::VisitReply reply;
+  TimePoint at;
 };
 struct MuseumClosed {
   std::uint64_t id;
@@ -62,8 +70,8 @@ struct ScenesAsked {
   Identity who;
 };
 struct StopAsked {};
-using Event = std::variant<NodeCame, NodeSaid, NodeClosed, NodeDone, MuseumCame, MuseumSaid, MuseumTook, MuseumClosed,
-                           MuseumDone, ScenesAsked, StopAsked>;
+using Event = std::variant<NodeCame, NodeSaid, NodeTook, NodeClosed, NodeDone, MuseumCame, MuseumSaid, MuseumTook,
+                           MuseumClosed, MuseumDone, ScenesAsked, StopAsked>;
 using Events = EventQueue<Event>;
 
 class NodesService final : public wire::Nodes::CallbackService,
@@ -80,8 +88,12 @@ class NodesService final : public wire::Nodes::CallbackService,
     reactor->read_next();
     return reactor;
   }
-  void on_read(std::uint64_t id, wire::NodeReport message) override { events_.post(NodeSaid{id, std::move(message)}); }
-  void on_written(std::uint64_t, wire::NodeCommand) override {}
+  void on_read(std::uint64_t id, wire::NodeReport message) override {
+    events_.post(NodeSaid{id, std::move(message), SteadyClock().now()});
+  }
+  void on_written(std::uint64_t id, wire::NodeCommand message) override {
+    if (message.has_render()) events_.post(NodeTook{id, message.render().block(), SteadyClock().now()});
+  }
   void on_closed(std::uint64_t id) override { events_.post(NodeClosed{id}); }
   void on_done(std::uint64_t id) override { events_.post(NodeDone{id}); }
 
@@ -115,7 +127,7 @@ class FarmService final : public wire::Farm::CallbackService,
     events_.post(MuseumSaid{id, std::move(message), SteadyClock().now()});
   }
   void on_written(std::uint64_t id, wire::VisitReply message) override {
-    events_.post(MuseumTook{id, std::move(message)});
+    events_.post(MuseumTook{id, std::move(message), SteadyClock().now()});
   }
   void on_closed(std::uint64_t id) override { events_.post(MuseumClosed{id}); }
   void on_done(std::uint64_t id) override { events_.post(MuseumDone{id}); }

@@ -15,6 +15,7 @@
 #include "renderfarm/head/peers.h"
 #include "renderfarm/head/session.h"
 #include "renderfarm/trust/grants.h"
+#include "renderfarm/watch/farm_overview.h"
 
 namespace cyclorama {
 
@@ -76,6 +77,8 @@ class HeadState {
   void visit_asked(SessionId session, const wire::VisitRequest& request, TimePoint received_at);
   /// The museum closed its side, or is gone.
   void visit_gone(SessionId session);
+  /// An order for a block is on the wire.
+  void order_written(NodeId node, std::uint64_t block, TimePoint at);
   /// A message to the museum is on the wire.
   void written(SessionId session, const wire::VisitReply& reply);
 
@@ -92,6 +95,10 @@ class HeadState {
   [[nodiscard]] const std::vector<FarmScene>& farm_scenes() const { return scenes_; }
   /// One sentence for the operator.
   [[nodiscard]] std::string summary() const;
+  /// Empty when the visit is not open.
+  [[nodiscard]] std::string museum_of(SessionId session) const;
+  /// What is known here of nodes that said hello, visits that were opened, and scenes; the rest is the meters'.
+  [[nodiscard]] FarmOverview overview() const;
 
  private:
   // Nodes: head_nodes.cpp

@@ -165,9 +165,6 @@ void HeadState::written(SessionId id, const wire::VisitReply& reply) {
   if (!reply.has_end()) return;
   const WrittenFrame frame = session.unwritten_ends.front();
   session.unwritten_ends.pop_front();
-  if (reply.end().complete() && frame.samples_added == 0) {
-    peers_.frame_relayed(to_seconds(clock_.now() - frame.last_tile_at));
-  }
   if (session.governed) learn(*session.governed, frame);
   advance(id);
   watch(id);

@@ -18,20 +18,27 @@ namespace cyclorama {
 /// What became of one frame, for the operator.
 struct FrameReport {
   SessionId session{};
+  std::string museum{};
   bool complete = false;
   std::string reason{};
-  bool refined = false;      ///< A picture at rest, again with more samples: its times are not those of a moving one.
-  int samples = 0;           ///< Per pixel, in all.
-  double scale = 1.0;        ///< Rendered over asked width.
-  double budget_ms = 0.0;    ///< 0: the view said its quality itself.
-  bool late = false;         ///< Given up at the deadline.
-  bool given_again = false;  ///< Others made what a node owed.
-  int moved = 0;             ///< Blocks that went to a node that was done.
-  double plan_seconds = 0.0;
+  bool refined = false;        ///< A picture at rest, again with more samples: its times are not those of a moving one.
+  int samples = 0;             ///< Per pixel, in all.
+  double scale = 1.0;          ///< Rendered over asked width.
+  double budget_ms = 0.0;      ///< 0: the view said its quality itself.
+  bool late = false;           ///< Given up at the deadline.
+  bool given_again = false;    ///< Others made what a node owed.
+  int moved = 0;               ///< Blocks that went to a node that was done.
+  TimePoint received_at{};     ///< The view.
+  double queue_seconds = 0.0;  ///< From then until its turn came: older frames of the visit were at work.
+  double plan_seconds = 0.0;   ///< Until it was split and the nodes' orders were made.
+  double fan_out_seconds = 0.0;  ///< Until the last of these orders was written to its node.
+  double rays_seconds =
+      0.0;  ///< The longest that a block was away at its node, waiting for other rays or tracing its own.
   double render_seconds = 0.0;
   double encode_seconds = 0.0;
   double farm_seconds = 0.0;
   std::vector<double> loads{};  ///< Cpu-seconds per thread, by node.
+  std::vector<NodeId> nodes{};  ///< Whose loads these are.
   double balance_efficiency = 1.0;
   double cpu_seconds = 0.0;
   std::uint64_t rays = 0;
@@ -52,8 +59,6 @@ class Peers {
   /// What is queued goes out first, when `at_once` is false; no event of that session may follow.
   virtual void end_visit(SessionId session, const Error& reason, bool at_once) = 0;
   virtual void frame_ended(const FrameReport& report) = 0;
-  /// From the last tile's arrival until the frame's end was written to the museum.
-  virtual void frame_relayed(double seconds) = 0;
   /// A sentence for the log: a node came, a scene failed to load.
   virtual void notice(const std::string& sentence) = 0;
 

@@ -27,8 +27,11 @@ struct FrameInFlight {
   std::uint64_t id = 0;  ///< Frames of one view, the first and its refinements, differ in it.
   wire::View view;       ///< As rendered.
   FrameAssembly assembly{};
-  TimePoint received_at{};  ///< The view.
+  TimePoint received_at{};   ///< The view.
+  TimePoint turn_came_at{};  ///< Its planning began.
   TimePoint planned_at{};
+  TimePoint fanned_out_at{};       ///< The last order of the plan was written to its node.
+  std::uint64_t last_planned = 0;  ///< The plan's last block; those beyond were given again, or moved.
   TimePoint front_since{};  ///< When no older frame of its visit was before it any more: its deadlines count from here.
   TimePoint last_tile_at{};
   bool begun = false;              ///< Its `begin` was sent: tiles go out as they come.

@@ -30,7 +30,6 @@ class FakePeers final : public Peers {
     ended_visits.emplace(session, reason);
   }
   void frame_ended(const FrameReport& report) override { frames.push_back(report); }
-  void frame_relayed(double) override {}
   void notice(const std::string& sentence) override { notices.push_back(sentence); }
 };
 

@@ -98,8 +98,7 @@ def check(visit):
     after = counted(visit.status())
     assert before == after, f"at rest something flows: {before} became {after}"
     visit.turn()
-    moved = visit.wait("frames of the turn", lambda s: s["tour"]["gauges"]["frames"] > before[0] + 1)
-    assert moved["head"]["gauges"]["budget_ms"] == 50, moved["head"]["gauges"]
+    visit.wait("frames of the turn", lambda s: s["tour"]["gauges"]["frames"] > before[0] + 1)
     again = visit.wait("the second reference", lambda s: rests(s) and counted(s)[1] > before[1])
     print(f"{before} at the first rest, {counted(again)} at the second")
 

@@ -117,7 +117,7 @@ function findPictures(processes) {
 
 // ---- Shutter to photon: one row per step, each beginning where the one before ended ----
 const stageNames = { capture: "capture", detect: "detect the tag", pose: "pose", steer: "steer", farm_round_trip: "farm and network",
-  farm: "farm", plan: "plan", render: "ray trace", encode: "encode", decode: "decode", wait: "wait for refresh", draw: "draw",
+  farm: "farm", queue: "wait for a turn", plan: "plan", fan_out: "fan out", render: "ray trace", encode: "encode", decode: "decode", wait: "wait for refresh", draw: "draw",
   heading_to_photon: "heading to photon", shutter_to_photon: "shutter to photon" };
 
 function flowRows(flow) {

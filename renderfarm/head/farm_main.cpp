@@ -6,6 +6,7 @@
 #include "common/process/program.h"
 #include "renderfarm/head/head.h"
 #include "renderfarm/head/head_config.h"
+#include "renderfarm/watch/top_command.h"
 
 namespace cyclorama {
 namespace {
@@ -20,6 +21,33 @@ struct Arguments {
   bool insecure = false;
   std::string record{};
 };
+
+struct TopArguments {
+  std::string config{};
+  TopOptions top{};
+};
+
+/// Where the head shows itself: as the command line says, else as the file, else as the package's own file.
+Status run_top_command(TopArguments arguments, const StopSignal& stop) {
+  if (arguments.top.inspect.empty() && !arguments.config.empty()) {
+    TRY_ASSIGN(const HeadOptions head, read_head_config(arguments.config));
+    arguments.top.inspect = head.inspect;
+    if (head.inspect.empty()) {
+      return Error(ErrorCode::kInvalidArgument, arguments.config + " says no inspect, so nobody can look at that head");
+    }
+  }
+  return run_top(arguments.top, stop);
+}
+
+void add_top(CLI::App& app, TopArguments* arguments) {
+  CLI::App* const top = app.add_subcommand("top", "Show the farm that runs: visits, nodes and the steps of a frame");
+  top->add_option("--config", arguments->config, "Ask the head that runs with this farm.toml")
+      ->check(CLI::ExistingFile);
+  top->add_option("--inspect", arguments->top.inspect,
+                  fmt::format("Where the head shows itself (default {})", kPackagedInspect));
+  top->add_flag("--once", arguments->top.once, "Show it once and end; so it is too when the output is no terminal");
+  top->add_flag("--json", arguments->top.json, "Show it once, as JSON");
+}
 
 /// The file first; what the command line says overrules it.
 Result<HeadOptions> options_from(const Arguments& arguments) {
@@ -79,10 +107,14 @@ int main(int argc, char** argv) {
   app.add_option("--scene", arguments.scenes, "NAME=PATH of a scene on the nodes' disks; the first is the default");
   app.add_option("--museums", arguments.museums, "Where museums dial (default [::1]:7401)");
   app.add_option("--nodes", arguments.nodes, "Where nodes dial (default [::1]:7402)");
-  app.add_option("--inspect", arguments.inspect, "Where the operator looks (default: nowhere)");
+  app.add_option("--inspect", arguments.inspect, "Where `cyclorama-farm top` and the operator look (default: nowhere)");
   app.add_option("--balance", arguments.balance, "How pictures are split; the others are there for comparison")
       ->check(CLI::IsMember({"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}));
   app.add_option("--record", arguments.record, "Write what each frame costs into this folder, for cyclorama-balance");
   app.add_flag("--insecure", arguments.insecure, "Let others than this machine dial without TLS");
-  return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
+  TopArguments top;
+  add_top(app, &top);
+  return program.run(argc, argv, [&](const StopSignal& stop) {
+    return app.got_subcommand("top") ? run_top_command(top, stop) : run(arguments, stop);
+  });
 }

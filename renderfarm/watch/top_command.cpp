@@ -51,9 +51,10 @@ class OtherPage {
 }  // namespace
 
 Status run_top(const TopOptions& options, const StopSignal& stop) {
-  TRY_ASSIGN(const auto channel, make_channel(options.inspect));
+  const std::string address = options.inspect.empty() ? kPackagedInspect : options.inspect;
+  TRY_ASSIGN(const auto channel, make_channel(address));
   const auto stub = wire::Inspection::NewStub(channel);
-  TRY_ASSIGN(wire::ProcessStatus status, ask(*stub, options.inspect));
+  TRY_ASSIGN(wire::ProcessStatus status, ask(*stub, address));
   if (options.json || options.once || ::isatty(STDOUT_FILENO) == 0) {
     print(options.json ? status_json(status) : top_text(status, kPlainColumns));
     return Done{};
@@ -63,7 +64,7 @@ Status run_top(const TopOptions& options, const StopSignal& stop) {
   do {
     OtherPage::show(top_text(status, terminal_columns()) + trouble);
     if (stop.wait_until(SteadyClock().now() + kPeriod)) return Done{};
-    auto answer = ask(*stub, options.inspect);
+    auto answer = ask(*stub, address);
     trouble = answer ? "" : fmt::format("\n{}; what is above is old\n", answer.error().message());
     if (answer) status = *std::move(answer);
   } while (true);

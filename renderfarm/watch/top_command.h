@@ -8,8 +8,11 @@
 
 namespace cyclorama {
 
+/// What the package's farm.toml says: no port listens, and who may open the file may look.
+inline constexpr const char* kPackagedInspect = "unix:/run/cyclorama-farm/inspect.sock";
+
 struct TopOptions {
-  std::string inspect{};  ///< Where the head shows itself: "unix:/run/…" or HOST:PORT.
+  std::string inspect{};  ///< Where the head shows itself: "unix:/run/…" or HOST:PORT. Empty: kPackagedInspect.
   bool once = false;      ///< One plain picture, then the end; always so when standard output is no terminal.
   bool json = false;      ///< status_json() instead of a table; once.
 };

@@ -33,6 +33,7 @@ struct RenderedBlock {
   std::uint64_t block = 0;
   RenderCost cost;
   std::string error{};
+  double waited_seconds = 0.0;  ///< For rays of other blocks.
 };
 
 /// What is on its way to one head. One per stream; the sender takes what the others push.

@@ -38,6 +38,7 @@ Status RenderDesk::take(LinkId link, const wire::RenderBlock& block) {
   order->renderer = scenes_.find(link, block.scene());
   {
     const std::lock_guard lock(mutex_);
+    order->rendered_before = rendered_seconds();
     if (!queue_.add(std::move(order))) {
       return Error(ErrorCode::kBadData, fmt::format("the head sent block {} twice, or too many blocks", block.block()));
     }
@@ -108,6 +109,10 @@ std::shared_ptr<const BlockOrder> RenderDesk::next() const {
 
 void RenderDesk::look_again() { gives_way_ = at_work_ != nullptr && next() != at_work_; }
 
+double RenderDesk::rendered_seconds() const {
+  return rendered_seconds_ + (at_work_ == nullptr ? 0.0 : to_seconds(SteadyClock().now() - piece_began_at_));
+}
+
 bool RenderDesk::wait() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return stopping_ || !left_.empty() || !dropped_.empty() || next() != nullptr; });
@@ -130,12 +135,14 @@ std::shared_ptr<const BlockOrder> RenderDesk::begin_piece() {
     std::erase_if(begun_, [&](const auto& begun) { return begun.second.order().link == link; });
   }
   at_work_ = next();
+  piece_began_at_ = SteadyClock().now();
   gives_way_ = false;
   return at_work_;
 }
 
 void RenderDesk::end_piece() {
   const std::lock_guard lock(mutex_);
+  rendered_seconds_ = rendered_seconds();
   at_work_ = nullptr;
 }
 
@@ -169,6 +176,8 @@ void RenderDesk::end_block(const BlockOrder& order, std::string error) {
   if (const auto begun = begun_.find(&order); begun != begun_.end()) {
     end.cost = begun->second.cost();
     begun_.erase(begun);
+    const std::lock_guard lock(mutex_);
+    end.waited_seconds = std::max(0.0, rendered_seconds() - order.rendered_before - end.cost.wall_seconds);
   }
   send(order.link, std::move(end));
   {

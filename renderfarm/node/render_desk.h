@@ -58,6 +58,8 @@ class RenderDesk {
  private:
   [[nodiscard]] std::shared_ptr<const BlockOrder> next() const;
   void look_again();
+  /// Since the start, the piece at hand included.
+  [[nodiscard]] double rendered_seconds() const;
   std::shared_ptr<const BlockOrder> begin_piece();
   void end_piece();
   void advance(const std::shared_ptr<const BlockOrder>& order);
@@ -77,6 +79,8 @@ class RenderDesk {
   RenderQueue queue_;
   std::map<LinkId, std::shared_ptr<NodeLink>> links_;
   std::shared_ptr<const BlockOrder> at_work_;
+  TimePoint piece_began_at_{};          ///< Of what is at work.
+  double rendered_seconds_ = 0.0;       ///< By the pieces before it.
   std::vector<FilmStore::Visit> left_;  ///< Visits to be forgotten.
   std::vector<LinkId> dropped_;         ///< Links to be forgotten.
 };

@@ -22,6 +22,7 @@ struct BlockOrder {
   LinkId link = 0;
   wire::RenderBlock block{};
   std::shared_ptr<BlockRenderer> renderer{};  ///< Null when the scene was not loaded. Keeps the scene in memory.
+  double rendered_before = 0.0;               ///< Seconds that the desk had rendered when it came.
   std::atomic<bool> cancelled = false;        ///< Set by the queue; read by the threads that render.
 };
 

@@ -39,6 +39,7 @@ wire::NodeReport TileSender::end_of(const RenderedBlock& block) {
   end->set_block(block.block);
   end->set_render_cpu_seconds(block.cost.cpu_seconds);
   end->set_wall_seconds(block.cost.wall_seconds);
+  end->set_waited_seconds(block.waited_seconds);
   end->set_rays(block.cost.rays);
   for (const float seconds : block.cost.cell_cpu_seconds) end->add_cell_cpu_seconds(seconds);
   const auto encoding = blocks_.extract(block.block);

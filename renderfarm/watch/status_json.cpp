@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/watch/status_json.h"
 
+#include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 namespace cyclorama {
@@ -11,9 +13,15 @@ using Json = nlohmann::ordered_json;
 /// Bytes that are not UTF-8 are replaced: a peer's text must not end a page.
 std::string dumped(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
+constexpr double kWhole = 9007199254740992.0;  // 2^53
+
 Json value_of(const wire::Cell& cell) {
   if (cell.value_case() == wire::Cell::kText) return cell.text();
-  if (cell.value_case() == wire::Cell::kNumber) return cell.number();
+  if (cell.value_case() == wire::Cell::kNumber) {
+    const double number = cell.number();  // Numbers of visits and frames are whole, and are written so.
+    if (number == std::trunc(number) && std::abs(number) < kWhole) return static_cast<std::int64_t>(number);
+    return number;
+  }
   return nullptr;
 }
 

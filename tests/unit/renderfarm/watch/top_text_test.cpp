@@ -84,6 +84,8 @@ TEST(TopText, a_farm_without_anything_says_so) {
 TEST(StatusJson, has_the_tables_under_their_names) {
   const auto json = nlohmann::json::parse(status_json(status_of_a_farm()));
   EXPECT_EQ(json["visits"][0]["museum"], "Hall 3");
+  EXPECT_EQ(json["visits"][0]["id"].dump(), "1");
+  EXPECT_EQ(json["visits"][0]["scale"].dump(), "0.75");
   EXPECT_EQ(json["visits"][0]["late_frames"], 1);
   EXPECT_EQ(json["nodes"][0]["scenes"], "grotto, relic");
   EXPECT_EQ(json["stages"]["plan"]["p99_ms"], 0.75);

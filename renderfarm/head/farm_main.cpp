@@ -14,6 +14,7 @@ namespace {
 struct Arguments {
   std::string config{};
   std::vector<std::string> scenes{};
+  std::vector<std::string> own_scenes{};
   std::string museums{};
   std::string nodes{};
   std::string inspect{};
@@ -55,10 +56,13 @@ Result<HeadOptions> options_from(const Arguments& arguments) {
   if (!arguments.config.empty()) {
     TRY_ASSIGN(options, read_head_config(arguments.config));
   }
-  if (!arguments.scenes.empty()) options.scenes.clear();
-  for (const std::string& text : arguments.scenes) {
-    TRY_ASSIGN(FarmScene scene, parse_farm_scene(text));
-    options.scenes.push_back(std::move(scene));
+  if (!arguments.scenes.empty() || !arguments.own_scenes.empty()) options.scenes.clear();
+  for (const auto* const texts : {&arguments.scenes, &arguments.own_scenes}) {
+    for (const std::string& text : *texts) {
+      TRY_ASSIGN(FarmScene scene, parse_farm_scene(text));
+      scene.on_head = texts == &arguments.own_scenes;
+      options.scenes.push_back(std::move(scene));
+    }
   }
   if (!arguments.museums.empty()) options.museums = arguments.museums;
   if (!arguments.nodes.empty()) options.nodes = arguments.nodes;
@@ -90,6 +94,9 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   }
   notify.stopping();
   head->stop();
+  if (head->sent_file_bytes() > 0) {
+    log(LogLevel::kInfo, fmt::format("gave nodes {} bytes of scenes' files", head->sent_file_bytes()));
+  }
   return Done{};
 }
 
@@ -105,6 +112,7 @@ int main(int argc, char** argv) {
   app.add_option("--config", arguments.config, "Read this farm.toml; the other options overrule it")
       ->check(CLI::ExistingFile);
   app.add_option("--scene", arguments.scenes, "NAME=PATH of a scene on the nodes' disks; the first is the default");
+  app.add_option("--scene-on-head", arguments.own_scenes, "NAME=PATH of a scene on this disk, which nodes fetch");
   app.add_option("--museums", arguments.museums, "Where museums dial (default [::1]:7401)");
   app.add_option("--nodes", arguments.nodes, "Where nodes dial (default [::1]:7402)");
   app.add_option("--inspect", arguments.inspect, "Where `cyclorama-farm top` and the operator look (default: nowhere)");

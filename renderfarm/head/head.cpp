@@ -37,6 +37,14 @@ struct Open {
   std::optional<TimePoint> ends_by{};
 };
 
+std::vector<SceneLibrary::Source> handed_out(const std::vector<FarmScene>& scenes) {
+  std::vector<SceneLibrary::Source> sources;
+  for (const FarmScene& scene : scenes) {
+    if (scene.on_head) sources.push_back({scene.name, scene.path});
+  }
+  return sources;
+}
+
 template <typename Stream>
 void end_stream(Open<Stream>& open, const grpc::Status& status, bool at_once) {
   open.stream->finish(status, at_once);
@@ -85,6 +93,7 @@ class Head::Loop final : private Peers {
 
   void stop() {
     events_.post(StopAsked{});
+    files_.stop();
     const TimePoint last = clock_.now() + kStopGrace;  // For all together: each may have a peer that hangs.
     for (const auto& server : {museum_server_.get(), node_server_.get(), inspect_server_.get()}) {
       if (server != nullptr) server->stop(std::max(Duration::zero(), last - clock_.now()));
@@ -99,6 +108,7 @@ class Head::Loop final : private Peers {
   [[nodiscard]] int node_port() const { return port_of(node_server_); }
   [[nodiscard]] int inspect_port() const { return port_of(inspect_server_); }
   [[nodiscard]] int watch_port() const { return watch_.port(); }
+  [[nodiscard]] std::uint64_t sent_file_bytes() const { return files_.sent_bytes(); }
   [[nodiscard]] TimePoint alive_at() const { return TimePoint(Duration(alive_at_.load())); }
   [[nodiscard]] std::string state() const { return inspection_.status().state(); }
 
@@ -243,6 +253,10 @@ class Head::Loop final : private Peers {
     *e.reply = state_.scenes(gate_->grant_of(e.who));
     e.reactor->Finish(grpc::Status::OK);
   }
+  void handle(SceneRead& e) {
+    notice_(e.news.sentence);
+    if (!stopping_ && !e.news.digest.empty()) state_.scene_read(e.news.scene, e.news.digest);
+  }
   void handle(StopAsked&) {
     stopping_ = true;
     for (const auto& [id, open] : museums_) gate_->visit_ended(id, kStops.error_message());
@@ -297,7 +311,10 @@ class Head::Loop final : private Peers {
   std::map<std::uint64_t, Open<NodeStream>> nodes_;
   std::map<std::uint64_t, Open<MuseumStream>> museums_;
   std::atomic<Duration::rep> alive_at_;
-  NodesService nodes_service_{events_};
+  SceneLibrary library_{handed_out(options_.scenes), options_.distribution.digests,
+                        [this](SceneLibrary::News news) { events_.post(SceneRead{std::move(news)}); }};
+  FileServer files_{library_, options_.distribution.files};
+  NodesService nodes_service_{events_, files_};
   FarmService farm_service_{events_};
   std::unique_ptr<WireServer> node_server_;
   std::unique_ptr<WireServer> museum_server_;
@@ -350,6 +367,7 @@ int Head::museum_port() const { return loop_->museum_port(); }
 int Head::node_port() const { return loop_->node_port(); }
 int Head::inspect_port() const { return loop_->inspect_port(); }
 int Head::watch_port() const { return loop_->watch_port(); }
+std::uint64_t Head::sent_file_bytes() const { return loop_->sent_file_bytes(); }
 TimePoint Head::alive_at() const { return loop_->alive_at(); }
 std::string Head::state() const { return loop_->state(); }
 void Head::stop() { loop_->stop(); }

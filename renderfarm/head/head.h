@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,11 +13,18 @@
 #include "common/base/clock.h"
 #include "common/base/result.h"
 #include "renderfarm/balance/balancer.h"
+#include "renderfarm/head/file_server.h"
 #include "renderfarm/head/head_state.h"
 #include "renderfarm/trust/gatekeeper.h"
 #include "renderfarm/watch/watch_options.h"
 
 namespace cyclorama {
+
+/// How scenes reach nodes that have no copy of them.
+struct DistributionOptions {
+  FileServer::Options files{};
+  std::filesystem::path digests{};  ///< Where the digests of files are kept over restarts; empty: nowhere.
+};
 
 struct HeadOptions {
   std::vector<FarmScene> scenes{};     ///< At least one; the first is the default.
@@ -28,6 +36,7 @@ struct HeadOptions {
   TrustOptions trust{};
   WatchOptions watch{};
   std::string record{};  ///< Folder for what frames cost, for cyclorama-balance; empty: not kept.
+  DistributionOptions distribution{};
 };
 
 /// That names, paths and addresses can work, and that nothing listens to the world without TLS. kInvalidArgument names
@@ -35,7 +44,8 @@ struct HeadOptions {
 Status validate(const HeadOptions& options);
 
 /// The farm's head as a running service: gRPC's streams around HeadState. Threads: `head` (the one loop that HeadState
-/// lives on) and gRPC's own, which only carry messages to and from it. Thread-safe.
+/// lives on), `scenes` (reads the scenes that the head hands out, at the start), `files` (reads what it sends of them),
+/// and gRPC's own, which only carry messages. Thread-safe.
 class Head {
  public:
   /// `notice` gets sentences for the log, on the head thread. kInvalidArgument, kBusy  as WireServer::start().
@@ -51,6 +61,8 @@ class Head {
   [[nodiscard]] int watch_port() const;    ///< Of HTTP; 0: none.
   /// When the loop last went round: at least every 100 ms while it is healthy.
   [[nodiscard]] TimePoint alive_at() const;
+  /// Of scenes' files, to nodes, so far.
+  [[nodiscard]] std::uint64_t sent_file_bytes() const;
   /// One sentence for the operator.
   [[nodiscard]] std::string state() const;
 

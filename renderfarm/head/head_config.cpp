@@ -34,7 +34,21 @@ Result<HeadOptions> options_of(Config config, const std::string& name) {
   options.inspect = root.text("inspect", "");
   options.strategy = *balance_strategy_of(
       root.choice("balance", {"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}, "cost-map-stealing"));
-  for (ConfigTable& scene : root.tables("scene")) options.scenes.push_back({scene.text("name"), scene.text("path")});
+  for (ConfigTable& scene : root.tables("scene")) {
+    FarmScene& added = options.scenes.emplace_back();
+    added.name = scene.text("name");
+    added.path = scene.text("path");
+    added.on_head = scene.choice("on", {"nodes", "head"}, "nodes") == "head";
+  }
+  if (root.has("distribution")) {
+    constexpr double kBytesPerMbit = 1e6 / 8.0;
+    ConfigTable distribution = root.table("distribution");
+    options.distribution.digests = distribution.text("digests", "");
+    options.distribution.files.bytes_per_second =
+        kBytesPerMbit * distribution.number("limit_mbit_per_s", {0.0, 1e6}, 0.0);
+    options.distribution.files.streams = static_cast<std::size_t>(
+        distribution.integer("files", {1, 1024}, static_cast<int>(FileServer::Options{}.streams)));
+  }
   if (root.has("watch")) options.watch = read_watch_options(root.table("watch"));
   if (root.has("limits")) {
     const HeadLimits defaults;

@@ -16,12 +16,17 @@ namespace cyclorama {
 ///   nodes = "[::]:7402"              # Where nodes dial.
 ///   inspect = "[::1]:7403"           # Where the operator looks; without it, nowhere.
 ///   balance = "cost-map-stealing"    # For comparison: "cost-map", "pbt-leaves", "pbt" or "equal".
-///   [[scene]]                        # The first is the default.
-///   name = "grotto"
-///   path = "/srv/scenes/grotto"      # On the nodes' disks.
 ///   museums_file = "museums.toml"    # Who may see what (renderfarm/trust/grants.h); without it, all museums everything.
 ///   audit = "/var/log/cyclorama-farm/audit.jsonl"   # Without it, no audit log.
 ///   insecure = false                 # true: ports beyond this machine need no TLS.
+///   [[scene]]                        # The first is the default.
+///   name = "grotto"
+///   path = "/srv/scenes/grotto"
+///   on = "nodes"                     # Whose disks: "nodes", or "head", which hands the files out.
+///   [distribution]                   # Of scenes on the head. Each may be left out.
+///   digests = ""                     # A file that spares a head that starts again reading them all; "": none.
+///   limit_mbit_per_s = 0             # To all nodes together; 0: none.
+///   files = 64                       # On their way at once.
 ///   [tls]                            # Without it the ports must be of this machine alone.
 ///   authority = "tls/authority.crt"  # Files are sought in farm.toml's folder.
 ///   certificate = "tls/certificate.crt"

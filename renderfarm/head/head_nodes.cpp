@@ -101,13 +101,30 @@ Status HeadState::hello(NodeId id, Node& node, const wire::Hello& hello) {
 }
 
 void HeadState::order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep) {
+  if (!scene.is_ready()) return;  // scene_read() comes back to it.
   node.scenes[scene.name] = {};
   node.scenes[scene.name].asked_at = clock_.now();
   wire::NodeCommand command;
   command.mutable_load_scene()->set_scene(scene.name);
-  command.mutable_load_scene()->set_path(scene.path);
+  if (scene.on_head) {
+    command.mutable_load_scene()->set_digest(scene.digest);
+  } else {
+    command.mutable_load_scene()->set_path(scene.path);
+  }
   for (const std::string& name : keep) command.mutable_load_scene()->add_in_use(name);
   peers_.to_node(id, command);
+}
+
+void HeadState::scene_read(const std::string& scene, const std::string& digest) {
+  const auto known = std::ranges::find(scenes_, scene, &FarmScene::name);
+  CHECK(known != scenes_.end() && known->on_head && known->digest.empty());
+  known->digest = digest;
+  for (auto& [id, node] : nodes_) {
+    if (node.threads <= 0.0) continue;
+    std::set<std::string> keep = scenes_in_use();
+    for (const auto& [name, ordered] : node.scenes) keep.insert(name);
+    order_scene(id, node, *known, keep);
+  }
 }
 
 void HeadState::order_scene_anew(const std::string& name) {

@@ -13,6 +13,7 @@
 #include "common/wire/identity.h"
 #include "common/wire/nodes.grpc.pb.h"
 #include "renderfarm/head/event_queue.h"
+#include "renderfarm/head/file_server.h"
 #include "renderfarm/head/peer_stream.h"
 
 namespace cyclorama {
@@ -69,15 +70,18 @@ struct ScenesAsked {
   grpc::ServerUnaryReactor* reactor;
   Identity who;
 };
+struct SceneRead {
+  SceneLibrary::News news;
+};
 struct StopAsked {};
 using Event = std::variant<NodeCame, NodeSaid, NodeTook, NodeClosed, NodeDone, MuseumCame, MuseumSaid, MuseumTook,
-                           MuseumClosed, MuseumDone, ScenesAsked, StopAsked>;
+                           MuseumClosed, MuseumDone, ScenesAsked, SceneRead, StopAsked>;
 using Events = EventQueue<Event>;
 
 class NodesService final : public wire::Nodes::CallbackService,
                            private PeerStreamEvents<wire::NodeReport, wire::NodeCommand> {
  public:
-  explicit NodesService(Events& events) : events_(events) {}
+  NodesService(Events& events, FileServer& files) : events_(events), files_(files) {}
 
  private:
   grpc::ServerBidiReactor<wire::NodeReport, wire::NodeCommand>* Work(grpc::CallbackServerContext* context) override {
@@ -87,6 +91,14 @@ class NodesService final : public wire::Nodes::CallbackService,
     events_.post(NodeCame{id, std::move(stream), identity_of(*context)});
     reactor->read_next();
     return reactor;
+  }
+  grpc::ServerUnaryReactor* ListFiles(grpc::CallbackServerContext* context, const wire::ListFilesRequest* request,
+                                      wire::SceneFiles* reply) override {
+    return files_.list(context, *request, reply);
+  }
+  grpc::ServerWriteReactor<wire::FileChunk>* FetchFile(grpc::CallbackServerContext* context,
+                                                       const wire::FetchFileRequest* request) override {
+    return files_.fetch(context, *request);
   }
   void on_read(std::uint64_t id, wire::NodeReport message) override {
     events_.post(NodeSaid{id, std::move(message), SteadyClock().now()});
@@ -98,6 +110,7 @@ class NodesService final : public wire::Nodes::CallbackService,
   void on_done(std::uint64_t id) override { events_.post(NodeDone{id}); }
 
   Events& events_;
+  FileServer& files_;
   std::atomic<std::uint64_t> last_id_ = 0;
 };
 

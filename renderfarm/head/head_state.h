@@ -21,7 +21,12 @@ namespace cyclorama {
 
 struct FarmScene {
   std::string name;
-  std::string path;  ///< On the nodes' disks.
+  std::string path;
+  bool on_head = false;  ///< The path is on the head's disk, not on the nodes': they fetch what they lack.
+  std::string digest{};  ///< With on_head: of its list of files; empty until they have been read.
+
+  /// Whether nodes can be told where it is.
+  [[nodiscard]] bool is_ready() const { return !on_head || !digest.empty(); }
 };
 
 struct HeadLimits {
@@ -71,6 +76,8 @@ class HeadState {
   void node_came(NodeId node);
   void node_reported(NodeId node, wire::NodeReport report);
   void node_gone(NodeId node);
+  /// The files of a scene that the head hands out are known now: nodes are told to load it.
+  void scene_read(const std::string& scene, const std::string& digest);
 
   /// What the visit may do is in `grant`.
   void visit_came(SessionId session, Grant grant = {});
@@ -185,7 +192,7 @@ class HeadState {
   /// that have it.
   [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene, NodeId not_to = {}) const;
 
-  const std::vector<FarmScene> scenes_;
+  std::vector<FarmScene> scenes_;
   const BalanceStrategy strategy_;
   const HeadLimits limits_;
   const Clock& clock_;

@@ -118,6 +118,9 @@ Status HeadState::ask(Session& session, const wire::View& view, TimePoint receiv
 }
 
 Error HeadState::why_not(const std::string& scene) const {
+  if (!std::ranges::find(scenes_, scene, &FarmScene::name)->is_ready()) {
+    return Error(ErrorCode::kUnavailable, fmt::format("scene '{}': the head is still reading its files", scene));
+  }
   std::size_t loading = 0;
   std::string failure;
   for (const auto& [id, node] : nodes_) {

@@ -13,25 +13,26 @@ namespace cyclorama {
 
 Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options, SceneLoader loader) {
   if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "a node needs a head");
-  std::vector<std::shared_ptr<grpc::Channel>> channels;
+  std::vector<HeadDialler::Channels> channels;
   for (const std::string& head : options.heads) {
-    TRY_ASSIGN(auto channel, make_channel(head));
-    channels.push_back(std::move(channel));
+    TRY_ASSIGN(auto work, make_channel(head));
+    TRY_ASSIGN(auto files, make_channel(head));
+    channels.push_back({std::move(work), std::move(files)});
   }
   wire::NodeReport hello;
   hello.mutable_hello()->set_version(CYCLORAMA_VERSION);
   hello.mutable_hello()->set_name(options.name);
   hello.mutable_hello()->set_threads(static_cast<std::uint32_t>(options.threads));
   hello.mutable_hello()->set_memory_limit_bytes(options.memory_limit_bytes);
-  auto node = std::unique_ptr<FarmNode>(new FarmNode(options.memory_limit_bytes, std::move(loader)));
+  auto node = std::unique_ptr<FarmNode>(new FarmNode(options, std::move(loader)));
   for (std::size_t i = 0; i < channels.size(); ++i) {
     node->heads_.push_back(std::make_unique<HeadDialler>(options.heads[i], channels[i], hello, node->desk_));
   }
   return node;
 }
 
-FarmNode::FarmNode(std::uint64_t memory_limit_bytes, SceneLoader loader)
-    : desk_(std::move(loader), memory_limit_bytes),
+FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader)
+    : desk_(std::move(loader), options.memory_limit_bytes, options.cache),
       render_thread_([this] {
         while (desk_.renders().wait()) desk_.renders().work();
       }),

@@ -22,6 +22,7 @@ struct FarmNodeOptions {
   std::string name{};                    ///< Shown to people.
   int threads = 1;                       ///< What the head's balance goes by: how many threads the renderer uses.
   std::uint64_t memory_limit_bytes = 0;  ///< What scenes and films may take together; 0: scenes are not limited.
+  SceneCacheOptions cache{};             ///< For scenes that heads hand out; without a folder it takes none.
 };
 
 /// Serves its heads, for ever; never listens. Threads: `render`, `load`, and for each head `link` and `send`
@@ -49,7 +50,7 @@ class FarmNode {
   [[nodiscard]] bool has_moved_since(TimePoint since) const { return desk_.renders().has_moved_since(since); }
 
  private:
-  FarmNode(std::uint64_t memory_limit_bytes, SceneLoader loader);
+  FarmNode(const FarmNodeOptions& options, SceneLoader loader);
 
   NodeDesk desk_;
   std::thread render_thread_;

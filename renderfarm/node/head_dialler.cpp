@@ -46,10 +46,9 @@ void send_reports(Stream& stream, NodeLink& link, NodeDesk& desk) {
 
 }  // namespace
 
-HeadDialler::HeadDialler(std::string address, std::shared_ptr<grpc::Channel> channel, wire::NodeReport hello,
-                         NodeDesk& desk)
+HeadDialler::HeadDialler(std::string address, Channels channels, wire::NodeReport hello, NodeDesk& desk)
     : address_(std::move(address)),
-      channel_(std::move(channel)),
+      channels_(std::move(channels)),
       hello_(std::move(hello)),
       desk_(desk),
       state_(fmt::format("dialling the head at {}", address_)),
@@ -107,8 +106,8 @@ void HeadDialler::run() {
 }
 
 Error HeadDialler::serve(bool* ret_served) {
-  const auto link = desk_.open();
-  const auto stub = wire::Nodes::NewStub(channel_);
+  const auto link = desk_.open(channels_.files);
+  const auto stub = wire::Nodes::NewStub(channels_.work);
   grpc::ClientContext context;
   {
     const std::lock_guard lock(mutex_);

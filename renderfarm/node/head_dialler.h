@@ -27,8 +27,13 @@ namespace cyclorama {
 /// second how the node is. Keeps a reference to the desk, which must outlive it. Thread-safe.
 class HeadDialler {
  public:
+  /// The head's two connections: frames shall not queue behind files.
+  struct Channels {
+    std::shared_ptr<grpc::Channel> work;
+    std::shared_ptr<grpc::Channel> files;
+  };
   /// Starts to dial. `address` is how people call the head; `hello` is what each stream begins with.
-  HeadDialler(std::string address, std::shared_ptr<grpc::Channel> channel, wire::NodeReport hello, NodeDesk& desk);
+  HeadDialler(std::string address, Channels channels, wire::NodeReport hello, NodeDesk& desk);
   ~HeadDialler();
   HeadDialler(const HeadDialler&) = delete;
   HeadDialler& operator=(const HeadDialler&) = delete;
@@ -49,7 +54,7 @@ class HeadDialler {
   void set_state(std::string sentence);
 
   const std::string address_;
-  const std::shared_ptr<grpc::Channel> channel_;
+  const Channels channels_;
   const wire::NodeReport hello_;
   NodeDesk& desk_;
 

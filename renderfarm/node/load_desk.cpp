@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kMostWaiting = 4096;
 /// Names and paths, and the names of all scenes of a large farm.
 constexpr std::size_t kMostOrderBytes = std::size_t{1} << 20;
+constexpr std::size_t kLongestError = 1000;
 }  // namespace
 
 Status LoadDesk::take(std::shared_ptr<NodeLink> link, const wire::LoadScene& order) {
@@ -69,9 +70,16 @@ bool LoadDesk::work() {
   return true;
 }
 
-Result<std::string> LoadDesk::path_of(const NodeLink&, const wire::LoadScene& order) {
-  if (!order.path().empty()) return order.path();
-  return Error(ErrorCode::kInvalidArgument, "the head names no folder on this node's disk; give the scene a path");
+bool LoadDesk::is_stopping() const {
+  const std::lock_guard lock(mutex_);
+  return stopping_;
+}
+
+Result<SceneCache::Held> LoadDesk::find(const NodeLink& link, const wire::LoadScene& order) {
+  if (auto known = fetcher_.found_before(order); known && scenes_.has(known->path.string())) return *std::move(known);
+  return fetcher_.find(
+      order, link.files(), [this](std::string sentence) { set_state(std::move(sentence)); },
+      [&] { return link.is_closed() || is_stopping(); });
 }
 
 wire::SceneLoaded LoadDesk::load(const NodeLink& link, const wire::LoadScene& order) {
@@ -79,14 +87,14 @@ wire::SceneLoaded LoadDesk::load(const NodeLink& link, const wire::LoadScene& or
   set_state(fmt::format("loading scene '{}'", name));
   wire::SceneLoaded loaded;
   std::vector<SceneStore::Name> left;
-  if (const auto path = path_of(link, order)) {
+  if (const auto found = find(link, order)) {
     const auto progress = [&](double fraction) {
       set_state(fmt::format("loading scene '{}': {:.0f} %", name, 100.0 * fraction));
     };
-    loaded = scenes_.load(link.id(), order, *path, progress, &left);
+    loaded = scenes_.load(link.id(), order, found->path.string(), progress, &left);
   } else {
     loaded.set_scene(order.scene());
-    loaded.set_error(path.error().message());
+    loaded.set_error(printable(found.error().message(), kLongestError));  // May quote the head.
   }
   for (const SceneStore::Name& scene : left) {
     wire::NodeReport report;

@@ -11,6 +11,7 @@
 
 #include "common/base/result.h"
 #include "renderfarm/node/node_link.h"
+#include "renderfarm/node/scene_fetcher.h"
 #include "renderfarm/node/scene_store.h"
 
 namespace cyclorama {
@@ -22,7 +23,9 @@ class LoadDesk {
  public:
   /// Tells a head something; nothing happens when it has gone.
   using Tell = std::function<void(LinkId, wire::NodeReport)>;
-  LoadDesk(SceneStore& scenes, Tell tell) : scenes_(scenes), tell_(std::move(tell)) {}
+  /// `cache` as SceneFetcher.
+  LoadDesk(SceneStore& scenes, SceneCacheOptions cache, Tell tell)
+      : scenes_(scenes), fetcher_(std::move(cache)), tell_(std::move(tell)) {}
 
   // Thread-safe:
 
@@ -31,7 +34,7 @@ class LoadDesk {
   [[nodiscard]] bool is_loading() const { return loading_; }
   /// One sentence for an operator: the scene that is being loaded or was loaded last; empty before the first.
   [[nodiscard]] std::string state() const;
-  /// Ends wait(). A load cannot be broken off.
+  /// Ends wait(), and gives up what is being fetched. A load cannot be broken off.
   void stop();
 
   // The load thread's:
@@ -46,11 +49,14 @@ class LoadDesk {
     std::shared_ptr<NodeLink> link;
     wire::LoadScene order;
   };
-  Result<std::string> path_of(const NodeLink& link, const wire::LoadScene& order);
+  /// Where the scene is: fetched, if the head hands it out and it is not in memory.
+  Result<SceneCache::Held> find(const NodeLink& link, const wire::LoadScene& order);
+  [[nodiscard]] bool is_stopping() const;
   wire::SceneLoaded load(const NodeLink& link, const wire::LoadScene& order);
   void set_state(std::string sentence);
 
   SceneStore& scenes_;
+  SceneFetcher fetcher_;  ///< Load thread only.
   const Tell tell_;
   std::atomic<bool> loading_ = false;
 

@@ -32,6 +32,8 @@ Result<FarmNodeOptions> options_of(Config config) {
   if (root.has("memory_gib")) {
     options.memory_limit_bytes = bytes_of_gib(root.number("memory_gib", {kLeastMemoryGib, kMostMemoryGib}));
   }
+  options.cache.folder = root.text("cache", "");
+  options.cache.limit_bytes = bytes_of_gib(root.number("cache_gib", {0.0, kMostCacheGib}, 0.0));
   TRY(config.finish());
   return options;
 }

@@ -14,6 +14,7 @@ namespace cyclorama {
 inline constexpr int kMostNodeThreads = 4096;
 inline constexpr double kLeastMemoryGib = 0.25;
 inline constexpr double kMostMemoryGib = 65536.0;
+inline constexpr double kMostCacheGib = 1e6;
 
 /// What the file says; what it does not say is empty or 0, and complete() fills it in.
 /// kNotFound, kSystem, kBadData  as Config: file, line, remedy.

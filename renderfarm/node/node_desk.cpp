@@ -17,17 +17,18 @@ std::uint64_t film_bytes(std::uint64_t memory_limit_bytes) {
 
 }  // namespace
 
-NodeDesk::NodeDesk(SceneLoader loader, std::uint64_t memory_limit_bytes)
+NodeDesk::NodeDesk(SceneLoader loader, std::uint64_t memory_limit_bytes, SceneCacheOptions cache)
     : begun_(SteadyClock().now()),
       scenes_(std::move(loader), memory_limit_bytes == 0 ? 0 : memory_limit_bytes - film_bytes(memory_limit_bytes)),
       renders_(scenes_, film_bytes(memory_limit_bytes)),
-      loads_(scenes_, [this](LinkId link, wire::NodeReport report) { tell(link, std::move(report)); }) {}
+      loads_(scenes_, std::move(cache),
+             [this](LinkId link, wire::NodeReport report) { tell(link, std::move(report)); }) {}
 
-std::shared_ptr<NodeLink> NodeDesk::open() {
+std::shared_ptr<NodeLink> NodeDesk::open(std::shared_ptr<grpc::Channel> files) {
   std::shared_ptr<NodeLink> link;
   {
     const std::lock_guard lock(mutex_);
-    link = std::make_shared<NodeLink>(++opened_);
+    link = std::make_shared<NodeLink>(++opened_, std::move(files));
     links_.emplace(link->id(), link);
   }
   renders_.open(link);

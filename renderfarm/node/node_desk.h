@@ -23,11 +23,11 @@ namespace cyclorama {
 class NodeDesk {
  public:
   /// `memory_limit_bytes`: for scenes and films together; a quarter of it, but no more than 1 GiB, is the films'.
-  /// 0: scenes are not limited.
-  NodeDesk(SceneLoader loader, std::uint64_t memory_limit_bytes);
+  /// 0: scenes are not limited. `cache` as SceneFetcher.
+  NodeDesk(SceneLoader loader, std::uint64_t memory_limit_bytes, SceneCacheOptions cache = {});
 
-  /// A stream to a head has begun. It lasts until close().
-  std::shared_ptr<NodeLink> open();
+  /// A stream to a head has begun. It lasts until close(). `files` as NodeLink.
+  std::shared_ptr<NodeLink> open(std::shared_ptr<grpc::Channel> files = nullptr);
   /// kBadData  the head is broken: end the stream.
   Status take(const std::shared_ptr<NodeLink>& link, const wire::NodeCommand& command);
   /// The stream has ended: its blocks are given up, and the scenes stay.

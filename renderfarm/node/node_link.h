@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <variant>
@@ -17,6 +18,10 @@
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/node/link_id.h"
 #include "renderfarm/render/renderer.h"
+
+namespace grpc {
+class Channel;
+}  // namespace grpc
 
 namespace cyclorama {
 
@@ -46,8 +51,10 @@ class NodeLink {
  public:
   using Outgoing = std::variant<wire::NodeReport, RenderedTile, RenderedBlock>;
 
-  explicit NodeLink(LinkId id) : id_(id) {}
+  /// `files` is where the head hands files out; null: nowhere.
+  explicit NodeLink(LinkId id, std::shared_ptr<grpc::Channel> files = nullptr) : id_(id), files_(std::move(files)) {}
   [[nodiscard]] LinkId id() const { return id_; }
+  [[nodiscard]] const std::shared_ptr<grpc::Channel>& files() const { return files_; }
 
   /// Never waits; nothing happens once the link finishes.
   void push(Outgoing item);
@@ -63,6 +70,7 @@ class NodeLink {
 
  private:
   const LinkId id_;
+  const std::shared_ptr<grpc::Channel> files_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Outgoing> outgoing_;

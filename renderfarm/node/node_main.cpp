@@ -28,6 +28,8 @@ Result<FarmNodeOptions> options_from(const Arguments& arguments) {
     if (said.name.empty()) said.name = file.name;
     if (said.threads == 0) said.threads = file.threads;
     if (said.memory_limit_bytes == 0) said.memory_limit_bytes = file.memory_limit_bytes;
+    if (said.cache.folder.empty()) said.cache.folder = file.cache.folder;
+    said.cache.limit_bytes = file.cache.limit_bytes;
   }
   return complete(std::move(said));
 }
@@ -79,6 +81,7 @@ int main(int argc, char** argv) {
   app.add_option("--memory-gib", arguments.memory_gib,
                  "What scenes and pictures at rest may take together (default: scenes are not limited)")
       ->check(CLI::Range(kLeastMemoryGib, kMostMemoryGib));
+  app.add_option("--cache", options.cache.folder, "Folder for scenes that heads hand out (default: takes none)");
   app.add_option("--name", options.name, "How people call this node (default: the host's name)");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

@@ -97,6 +97,11 @@ wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, co
   return named(scenes_.emplace(path, *std::move(loaded)).first->second);
 }
 
+bool SceneStore::has(const std::string& path) const {
+  const std::lock_guard lock(mutex_);
+  return scenes_.contains(path);
+}
+
 std::shared_ptr<BlockRenderer> SceneStore::find(LinkId link, const std::string& scene) {
   const std::lock_guard lock(mutex_);
   const auto path = paths_.find({link, scene});

@@ -40,6 +40,8 @@ class SceneStore {
   /// when it is asked for again. `ret_left`: what had to leave; their heads must hear of it, too.
   wire::SceneLoaded load(LinkId link, const wire::LoadScene& order, const std::string& path,
                          const std::function<void(double)>& progress, std::vector<Name>* ret_left);
+  /// Whether what is at `path` is loaded.
+  [[nodiscard]] bool has(const std::string& path) const;
   /// Null when it is not loaded. It stays as long as somebody holds it.
   [[nodiscard]] std::shared_ptr<BlockRenderer> find(LinkId link, const std::string& scene);
   /// The head has gone: what it calls its scenes is forgotten, not they.

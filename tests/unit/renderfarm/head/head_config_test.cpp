@@ -39,6 +39,22 @@ TEST(HeadConfig, reads_what_it_says_and_defaults_for_the_rest) {
   EXPECT_EQ(options->strategy, BalanceStrategy::kCostMapStealing);
 }
 
+TEST(HeadConfig, says_which_scenes_the_head_hands_out_and_how) {
+  const auto plain = read(kGood);
+  ASSERT_TRUE(plain);
+  EXPECT_FALSE(plain->scenes[1].on_head);
+  EXPECT_EQ(plain->distribution.files.bytes_per_second, 0.0);
+  const auto options = read(std::string(kGood) + "on = \"head\"\n[distribution]\ndigests = \"/d\"\n" +
+                            "limit_mbit_per_s = 80\nfiles = 2\n");
+  ASSERT_TRUE(options) << options.error().message();
+  EXPECT_FALSE(options->scenes[0].on_head);
+  EXPECT_TRUE(options->scenes[1].on_head);
+  EXPECT_EQ(options->distribution.digests, "/d");
+  EXPECT_EQ(options->distribution.files.bytes_per_second, 1e7);
+  EXPECT_EQ(options->distribution.files.streams, 2u);
+  EXPECT_THAT(read(std::string(kGood) + "on = \"moon\"\n").error().message(), HasSubstr("head"));
+}
+
 TEST(HeadConfig, names_the_line_of_a_mistake) {
   EXPECT_THAT(read(std::string("colour = 3\n") + kGood).error().message(), HasSubstr("farm.toml:1"));
   EXPECT_THAT(read(std::string("balance = \"magic\"\n") + kGood).error().message(), HasSubstr("pbt"));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -39,6 +40,7 @@ struct Arguments {
   double tile_delay_ms = 0.0;
   double patience_s = 30.0;
   std::string views{};
+  std::string bundle{};
 };
 
 double seconds_now() { return to_seconds(SteadyClock().now().time_since_epoch()); }
@@ -236,6 +238,10 @@ void walk(const Arguments& arguments, std::deque<std::uint64_t> list, Witness& w
 
 Status run(Arguments& arguments, const StopSignal& stop) {
   arguments.farm.patience = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(arguments.patience_s));
+  if (!arguments.bundle.empty()) {
+    const std::filesystem::path folder = arguments.bundle;
+    arguments.farm.tls = TlsFiles{folder / "authority.crt", folder / "certificate.crt", folder / "key.pem"};
+  }
   std::deque<std::uint64_t> list;
   if (!arguments.views.empty()) {
     TRY_ASSIGN(list, read_numbers(arguments.views));
@@ -259,6 +265,7 @@ int main(int argc, char** argv) {
   app.add_option("--farm", arguments.farm.heads, "The farm's heads, tried in turn")->required();
   app.add_option("--scene", arguments.farm.scene, "Which scene (default: the farm's first)");
   app.add_option("--museum", arguments.farm.museum, "Its name");
+  app.add_option("--bundle", arguments.bundle, "The folder of its certificate, key and authority: dial with TLS");
   app.add_option("--budget-ms", arguments.farm.frame_budget_ms, "Per frame: the farm chooses the quality");
   app.add_option("--reference-samples", arguments.farm.reference_samples, "Of the picture at rest");
   app.add_option("--patience-s", arguments.patience_s, "A head that says nothing for so long is given up");

@@ -60,12 +60,16 @@ class Farm:
         self.head_options, self.node_options = head_options, node_options
         self.scene = scene or make_scene(build, folder)
         self.stuck, self.numbers, self.museums, self.past, self.nodes = 0, itertools.count(1), {}, [], []
-        self.network = Network()
-        self.heads = [Head(self, f"head-{i}") for i in range(1, heads + 1)]
-        for _ in range(nodes):
-            self.add_node()
+        self.counts, self.network, self.heads = (heads, nodes), Network(), []
 
     def __enter__(self):
+        try:
+            self.heads += [Head(self, f"head-{i}") for i in range(1, self.counts[0] + 1)]
+            for _ in range(self.counts[1]):
+                self.add_node()
+        except Exception:
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *_):

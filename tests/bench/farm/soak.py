@@ -18,7 +18,7 @@ from farm.processes import wait_until  # noqa: E402
 
 PERIOD_S = 2.0   # Between two looks.
 CHANGE_S = 10.0  # Between two joins or leaves.
-WARM = 0.2       # Of the whole time, the first: caches fill.
+WARM = 0.33      # Of the whole time, the first: caches fill.
 GOVERNED = ("--budget-ms", 100, "--reference-samples", 32)
 
 

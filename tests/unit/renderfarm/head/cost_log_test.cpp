@@ -17,7 +17,9 @@ class CostLogTest : public testing::Test {
   ~CostLogTest() override { std::filesystem::remove_all(folder); }
 
   static FrameReport frame(std::uint64_t visit, float cost) {
-    FrameReport report{SessionId{visit}, true};
+    FrameReport report;
+    report.session = SessionId{visit};
+    report.complete = true;
     report.view.set_samples(4);
     report.view.set_heading_rad(0.5);
     report.view.mutable_panorama()->set_width_px(64);

@@ -17,17 +17,6 @@ WorkSums::WorkSums(const WorkGrid& work) : size_(work.size()), columns_(work.col
   }
 }
 
-CellRect before_cut(CellRect r, CutDirection d, int cut) {
-  (d == CutDirection::kAcross ? r.width : r.height) = cut;
-  return r;
-}
-
-CellRect after_cut(CellRect r, CutDirection d, int cut) {
-  (d == CutDirection::kAcross ? r.x : r.y) += cut;
-  (d == CutDirection::kAcross ? r.width : r.height) -= cut;
-  return r;
-}
-
 int first_cut_with(const WorkSums& sums, const CellRect& r, CutDirection d, double work) {
   // The work before a cut grows with the cut.
   int low = 1;

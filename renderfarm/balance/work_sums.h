@@ -44,8 +44,15 @@ enum class CutDirection : unsigned char { kAcross, kDown };
   return r.width >= r.height ? CutDirection::kAcross : CutDirection::kDown;
 }
 /// The first `cut` columns, or rows; and all but those.
-[[nodiscard]] CellRect before_cut(CellRect r, CutDirection d, int cut);
-[[nodiscard]] CellRect after_cut(CellRect r, CutDirection d, int cut);
+[[nodiscard]] constexpr CellRect before_cut(CellRect r, CutDirection d, int cut) {
+  (d == CutDirection::kAcross ? r.width : r.height) = cut;
+  return r;
+}
+[[nodiscard]] constexpr CellRect after_cut(CellRect r, CutDirection d, int cut) {
+  (d == CutDirection::kAcross ? r.x : r.y) += cut;
+  (d == CutDirection::kAcross ? r.width : r.height) -= cut;
+  return r;
+}
 
 /// The least cut in [1, length - 1] before which there is at least `work`; length - 1 where none has that.
 /// Precondition: the length is at least 2.

@@ -67,32 +67,29 @@ wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, co
     answer.mutable_description()->set_name(order.scene());
     return answer;
   };
+  Leaving leaving;
   {
     const std::lock_guard lock(mutex_);
     in_use_[link] = {order.in_use().begin(), order.in_use().end()};
     if (const auto known = scenes_.find(path); known != scenes_.end()) return named(known->second);
-    if (const auto other = paths_.find(name); other != paths_.end()) {
-      // First, so that memory never holds both; unless somebody else wants it.
-      const std::string other_path = other->second;
-      paths_.erase(other);
-      const auto scene = scenes_.find(other_path);
-      const bool known = std::ranges::any_of(paths_, [&](const auto& entry) { return entry.second == other_path; });
-      if (scene != scenes_.end() && !known && may_leave(*scene)) scenes_.erase(scene);
-    }
+    rename(name, &leaving);
   }
   const std::uint64_t guess = most_bytes_ > 0 ? bytes_on_disk(path) : 0;
   {
     const std::lock_guard lock(mutex_);
-    make_room(guess, ret_left);
+    make_room(guess, &leaving);
   }
+  leaving.renderers.clear();
   auto loaded = loaded_from(order.scene(), path, progress);
-  if (!loaded) return failed(order, loaded.error().message());
-  const std::uint64_t needed = loaded->answer.memory_bytes();
+  const std::uint64_t needed = loaded ? loaded->answer.memory_bytes() : 0;
   const std::lock_guard lock(mutex_);
-  if (!make_room(needed, ret_left)) {
+  const bool fits = loaded && make_room(needed, &leaving);
+  *ret_left = std::move(leaving.names);
+  if (!loaded) return failed(order, loaded.error().message());
+  if (!fits) {
     return failed(order, fmt::format("'{}' takes {:.2f} GiB of memory, and this node may use {:.2f} GiB for scenes, of "
                                      "which {:.2f} GiB are in use; give it more (memory_gib), or end other visits",
-                                     path, gibibytes(needed), gibibytes(most_bytes_), gibibytes(bytes())));
+                                     path, gibibytes(needed), gibibytes(most_bytes_), gibibytes(bytes_in_use())));
   }
   return named(scenes_.emplace(path, *std::move(loaded)).first->second);
 }
@@ -100,6 +97,17 @@ wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, co
 bool SceneStore::has(const std::string& path) const {
   const std::lock_guard lock(mutex_);
   return scenes_.contains(path);
+}
+
+void SceneStore::rename(const Name& name, Leaving* ret_leaving) {
+  const auto other = paths_.find(name);
+  if (other == paths_.end()) return;
+  const std::string path = other->second;
+  paths_.erase(other);
+  const auto scene = scenes_.find(path);
+  const bool known = std::ranges::any_of(paths_, [&](const auto& entry) { return entry.second == path; });
+  // First, so that memory never holds both; unless somebody else wants it.
+  if (!known && may_leave(*scene)) drop(scene, ret_leaving);
 }
 
 std::shared_ptr<BlockRenderer> SceneStore::find(LinkId link, const std::string& scene) {
@@ -148,28 +156,27 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
   return Loaded{std::move(renderer), std::move(answer)};
 }
 
-bool SceneStore::make_room(std::uint64_t needed, std::vector<Name>* ret_left) {
+bool SceneStore::make_room(std::uint64_t needed, Leaving* ret_leaving) {
   if (most_bytes_ == 0) return true;
-  std::uint64_t staying = 0;
-  for (const auto& scene : scenes_) staying += may_leave(scene) ? 0 : scene.second.answer.memory_bytes();
-  if (staying + needed > most_bytes_) return false;  // Nobody leaves for nothing.
+  if (bytes_in_use() + needed > most_bytes_) return false;  // Nobody leaves for nothing.
   while (bytes() + needed > most_bytes_) {
     auto oldest = scenes_.end();
     for (auto scene = scenes_.begin(); scene != scenes_.end(); ++scene) {
       if (!may_leave(*scene)) continue;
       if (oldest == scenes_.end() || scene->second.used < oldest->second.used) oldest = scene;
     }
-    drop(oldest, ret_left);
+    drop(oldest, ret_leaving);
   }
   return true;
 }
 
-void SceneStore::drop(Scenes::iterator scene, std::vector<Name>* ret_left) {
+void SceneStore::drop(Scenes::iterator scene, Leaving* ret_leaving) {
   std::erase_if(paths_, [&](const auto& entry) {
     if (entry.second != scene->first) return false;
-    ret_left->push_back(entry.first);
+    ret_leaving->names.push_back(entry.first);
     return true;
   });
+  ret_leaving->renderers.push_back(std::move(scene->second.renderer));
   scenes_.erase(scene);
 }
 
@@ -179,6 +186,12 @@ bool SceneStore::may_leave(const Scenes::value_type& scene) const {
     const auto used = in_use_.find(entry.first.link);
     return entry.second == scene.first && used != in_use_.end() && used->second.contains(entry.first.scene);
   });
+}
+
+std::uint64_t SceneStore::bytes_in_use() const {
+  std::uint64_t sum = 0;
+  for (const auto& scene : scenes_) sum += may_leave(scene) ? 0 : scene.second.answer.memory_bytes();
+  return sum;
 }
 
 std::uint64_t SceneStore::bytes() const {

@@ -54,16 +54,23 @@ class SceneStore {
     std::uint64_t used = 0;  ///< Grows: the smallest was used longest ago.
   };
   using Scenes = std::map<std::string, Loaded>;  ///< By path.
+  /// Freeing a large scene takes long: it is done without the lock.
+  struct Leaving {
+    std::vector<Name> names{};
+    std::vector<std::shared_ptr<BlockRenderer>> renderers{};
+  };
 
   Result<std::unique_ptr<BlockRenderer>> load_guarded(const std::string& path,
                                                       const std::function<void(double)>& progress);
   Result<Loaded> loaded_from(const std::string& name, const std::string& path,
                              const std::function<void(double)>& progress);
   // With mutex_ held:
-  bool make_room(std::uint64_t bytes, std::vector<Name>* ret_left);
-  void drop(Scenes::iterator scene, std::vector<Name>* ret_left);
+  void rename(const Name& name, Leaving* ret_leaving);
+  bool make_room(std::uint64_t bytes, Leaving* ret_leaving);
+  void drop(Scenes::iterator scene, Leaving* ret_leaving);
   [[nodiscard]] bool may_leave(const Scenes::value_type& scene) const;
   [[nodiscard]] std::uint64_t bytes() const;
+  [[nodiscard]] std::uint64_t bytes_in_use() const;
 
   const SceneLoader loader_;
   const std::uint64_t most_bytes_;

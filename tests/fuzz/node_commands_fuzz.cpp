@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever heads send, a node neither crashes nor forgets itself: messages are read from the input and given to
+// NodeDesk, which does the work of its threads in between. Input: one byte says whose turn it is or what happens, one
+// byte is a length, then that many bytes of protobuf.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "renderfarm/node/node_desk.h"
+#include "renderfarm/node/tile_sender.h"
+#include "tests/doubles/fake_block_renderer.h"
+
+namespace {
+
+using namespace cyclorama;
+
+/// Pictures of real sizes would only take time.
+constexpr std::int64_t kMostPixels = 128 * 128;
+
+/// A stream, its sender, and what the head must see of it: every block that it gave has one end, unless it is gone.
+struct Head {
+  std::shared_ptr<NodeLink> link;
+  TileSender sender;
+  std::size_t blocks = 0;
+  std::size_t ends = 0;
+
+  void take_all() {
+    while (auto item = link->pop(TimePoint())) {
+      if (sender.report_of(*std::move(item)).has_end()) ++ends;
+    }
+  }
+};
+
+void open(NodeDesk& desk, Head& head) {
+  head = Head{desk.open(), {}, 0, 0};
+  wire::NodeCommand load;
+  load.mutable_load_scene()->set_scene("a");
+  load.mutable_load_scene()->set_path("a");
+  CHECK(desk.take(head.link, load));
+  while (desk.loads().work()) {
+  }
+}
+
+/// One that a node renders, as the bytes choose it: number, rank, kind, samples, visit.
+wire::NodeCommand sound_block(const std::uint8_t* bytes, std::size_t length) {
+  std::array<std::uint8_t, 5> chosen{};
+  std::copy_n(bytes, std::min(length, chosen.size()), chosen.begin());
+  wire::NodeCommand command;
+  wire::RenderBlock& block = *command.mutable_render();
+  block.set_block(chosen[0]);
+  block.set_rank(chosen[1]);
+  block.set_scene("a");
+  block.set_keep(chosen[2] % 2 == 1);
+  block.set_visit(chosen[4] % 4);
+  block.set_width_px(96);
+  block.set_height_px(48);
+  wire::View& view = *block.mutable_view();
+  view.set_number(1 + chosen[2] / 16);
+  view.set_denoise(chosen[2] / 2 % 2 == 1);
+  view.set_samples(1 + chosen[3] % 8);
+  view.set_first_sample(chosen[3] / 8 % 8);
+  view.set_jpeg_quality(90);
+  view.mutable_panorama()->set_width_px(96);
+  view.mutable_panorama()->set_height_px(48);
+  view.mutable_panorama()->set_azimuth_span_rad(1.0);
+  view.mutable_panorama()->set_tan_elevation_top(1.0);
+  return command;
+}
+
+void close(NodeDesk& desk, Head& head) {
+  desk.close(*head.link);
+  CHECK(head.link->is_closed());
+}
+
+void order(NodeDesk& desk, Head& head, wire::NodeCommand& command) {
+  if (command.has_render()) {
+    // What the wire may ask for is far larger; its limits have a test of their own.
+    const wire::Panorama& panorama = command.render().view().panorama();
+    if (std::int64_t{panorama.width_px()} * panorama.height_px() > kMostPixels) return;
+    if (command.render().view().samples() > 8) command.mutable_render()->mutable_view()->set_samples(8);
+    if (command.render().view().first_sample() > 8) command.mutable_render()->mutable_view()->set_first_sample(8);
+  }
+  if (desk.take(head.link, command)) {
+    if (command.has_render()) ++head.blocks;
+    return;
+  }
+  close(desk, head);
+  open(desk, head);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  NodeDesk desk(fake_loader(), 3000);  // Room for two of the fake scenes.
+  std::array<Head, 2> heads;
+  for (Head& head : heads) open(desk, head);
+  while (size >= 2) {
+    const unsigned what = data[0];
+    const std::size_t length = std::min<std::size_t>(data[1], size - 2);
+    Head& head = heads[what / 8 % heads.size()];
+    wire::NodeCommand command;
+    switch (what % 8) {
+      case 3:
+        command = sound_block(data + 2, length);
+        order(desk, head, command);
+        break;
+      case 4:
+        close(desk, head);
+        open(desk, head);
+        break;
+      case 5:
+        desk.renders().work();
+        break;
+      case 6:
+        desk.loads().work();
+        break;
+      case 7:
+        head.take_all();
+        desk.renders().link_moved();
+        break;
+      default:
+        if (command.ParseFromArray(data + 2, static_cast<int>(length))) order(desk, head, command);
+        break;
+    }
+    data += 2 + length;
+    size -= 2 + length;
+  }
+  while (desk.loads().work()) {
+  }
+  for (bool worked = true; worked;) {
+    worked = desk.renders().work();
+    for (Head& head : heads) head.take_all();
+  }
+  CHECK(desk.renders().waiting() == 0);
+  for (const Head& head : heads) CHECK(head.ends == head.blocks);
+  return 0;
+}

@@ -129,10 +129,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   while (desk.loads().work()) {
   }
-  for (bool worked = true; worked;) {
-    worked = desk.renders().work();
-    for (Head& head : heads) head.take_all();
-  }
+  do {
+    for (Head& head : heads) head.take_all();  // Only then is there room for more.
+  } while (desk.renders().work());
   CHECK(desk.renders().waiting() == 0);
   for (const Head& head : heads) CHECK(head.ends == head.blocks);
   return 0;

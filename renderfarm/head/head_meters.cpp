@@ -77,6 +77,8 @@ void HeadMeters::add_to_visit(const FrameReport& report) {
   }
   seen.samples_per_pixel = report.samples;
   seen.scale = report.scale;
+  seen.width_px = static_cast<int>(report.view.panorama().width_px());
+  seen.height_px = static_cast<int>(report.view.panorama().height_px());
   seen.bytes_per_frame = static_cast<double>(report.bytes);
 }
 

@@ -16,8 +16,10 @@ struct WatchedVisit {
   double frames_per_second = 0.0;  ///< Of the last second or so; pictures at rest are not counted.
   int samples_per_pixel = 0;       ///< Of the last frame, in all.
   double scale = 1.0;              ///< Rendered over asked width.
-  double budget_ms = 0.0;          ///< Per frame; 0: each view says its own quality.
-  double frame_ms = 0.0;           ///< Of the last frame: from the view's arrival to its end.
+  int width_px = 0;                ///< As rendered.
+  int height_px = 0;
+  double budget_ms = 0.0;  ///< Per frame; 0: each view says its own quality.
+  double frame_ms = 0.0;   ///< Of the last frame: from the view's arrival to its end.
   double bytes_per_frame = 0.0;
   double balance_efficiency = 1.0;  ///< Mean load over largest load of the nodes, in the last frame.
   std::uint64_t frames = 0;         ///< Whole ones, since the visit was opened.

@@ -39,6 +39,8 @@ wire::Table visits_table(const FarmOverview& farm) {
     writer.number("frames_per_second", visit.frames_per_second);
     writer.number("samples_per_pixel", visit.samples_per_pixel);
     writer.number("scale", visit.scale);
+    writer.number("width_px", visit.width_px);
+    writer.number("height_px", visit.height_px);
     writer.number("budget_ms", visit.budget_ms);
     writer.number("frame_ms", visit.frame_ms);
     writer.number("bytes_per_frame", visit.bytes_per_frame);

@@ -7,8 +7,12 @@
 
 namespace cyclorama {
 
-WatchOptions read_watch_options(ConfigTable table) {
-  return {table.text("address", ""), table.text("token_file", ""), table.text("metrics_file", "")};
+WatchOptions read_watch_options(ConfigTable table, const std::filesystem::path& folder) {
+  const auto file = [&](const char* key) {
+    const std::string text = table.text(key, "");
+    return text.empty() ? std::filesystem::path() : folder / text;
+  };
+  return {table.text("address", ""), file("token_file"), file("metrics_file")};
 }
 
 Status validate(const WatchOptions& options) {

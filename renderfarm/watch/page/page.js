@@ -93,11 +93,12 @@ function showTable(id, columns, rows, none, decorate) {
 let chosen = null;
 let shown = null;
 const picture = byId("picture");
-function watchVisit(id) {
+const isLarge = (visit) => visit.width_px > 1600;
+function watchVisit(id, half) {
   if (id === shown) return;
   shown = id;
   picture.hidden = id === null;
-  if (id === null) picture.removeAttribute("src"); else picture.src = `/visits/${id}.mjpeg?half`;
+  if (id === null) picture.removeAttribute("src"); else picture.src = `/visits/${id}.mjpeg${half ? "?half" : ""}`;
   byId("missing").textContent = id === null ? "No visit is open." : "";
 }
 picture.addEventListener("error", () => {
@@ -114,13 +115,13 @@ function showVisits(visits) {
     line.tabIndex = 0;
     line.dataset.id = visit.id;
     if (visit.id === chosen) line.className = "chosen";
-    const choose = () => { chosen = visit.id; watchVisit(document.hidden ? null : chosen); };
+    const choose = () => { chosen = visit.id; watchVisit(document.hidden ? null : chosen, isLarge(visit)); };
     line.addEventListener("click", choose);
     line.addEventListener("keydown", (event) => { if (event.code === "Enter" || event.code === "Space") { event.preventDefault(); choose(); } });
   });
-  watchVisit(document.hidden ? null : chosen);
   const visit = visits.find((candidate) => candidate.id === chosen);
-  byId("caption").textContent = visit ? `${visit.museum || "(unnamed)"} in “${visit.scene}”, at half size` : "";
+  watchVisit(document.hidden || !visit ? null : chosen, visit && isLarge(visit));
+  byId("caption").textContent = visit ? `${visit.museum || "(unnamed)"} in “${visit.scene}”, ${visit.width_px} × ${visit.height_px}${isLarge(visit) ? ", shown at half size" : ""}` : "";
 }
 
 const order = Object.keys(stageNames);

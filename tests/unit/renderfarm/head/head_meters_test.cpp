@@ -53,6 +53,7 @@ TEST(HeadMeters, show_each_visit_and_each_node_for_itself) {
   EXPECT_EQ(status["visits"][1]["frames"], 2);
   EXPECT_EQ(status["visits"][1]["frames_per_second"], 1.0);
   EXPECT_EQ(status["visits"][1]["samples_per_pixel"], 1);
+  EXPECT_EQ(status["visits"][1]["width_px"], 1024);
   ASSERT_EQ(status["nodes"].size(), 2u);
   EXPECT_EQ(status["nodes"][0]["state"], "ready");
   EXPECT_GT(status["nodes"][0]["load_share"], 0.5);

@@ -57,11 +57,12 @@ TEST(WatchOptions, ask_for_a_token_where_others_can_look) {
   const auto parsed = [](const char* text) {
     auto config = Config::parse(text, "farm.toml");
     CHECK(config);
-    WatchOptions options = read_watch_options(config->root().table("watch"));
+    WatchOptions options = read_watch_options(config->root().table("watch"), "/etc/farm");
     CHECK(config->finish());
     return options;
   };
   EXPECT_TRUE(validate(parsed("[watch]\n")));
+  EXPECT_EQ(parsed("[watch]\ntoken_file = 'token'\n").token_file, "/etc/farm/token");
   EXPECT_TRUE(validate(parsed("[watch]\nmetrics_file = '/run/farm.prom'\n")));
   EXPECT_TRUE(validate(parsed("[watch]\naddress = '[::1]:7404'\n")));
   EXPECT_TRUE(validate(parsed("[watch]\naddress = '[::]:7404'\ntoken_file = '/etc/token'\n")));

@@ -5,6 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+
+#include "common/base/file.h"
 #include "tests/doubles/prometheus_text.h"
 
 namespace cyclorama {
@@ -20,8 +27,8 @@ FarmOverview small_farm() {
   FarmOverview farm;
   farm.healthy = true;
   farm.scene_nodes = {{"grotto", 2}};
-  farm.visits = {{1, "Hall 3", "grotto", 20.0, 4, 0.75, 50.0, 47.0, 3e5, 0.97},
-                 {2, "Hall 3", "grotto", 20.0, 16, 1.0, 40.0, 41.0, 2e5, 0.99}};
+  farm.visits = {{1, "Hall 3", "grotto", 20.0, 4, 0.75, 1920, 480, 50.0, 47.0, 3e5, 0.97},
+                 {2, "Hall 3", "grotto", 20.0, 16, 1.0, 1920, 480, 40.0, 41.0, 2e5, 0.99}};
   farm.nodes = {{7, "render-07", "ready", 8, 1.0, 3, 2, std::uint64_t{1} << 31, 60.0, 0.98, {"grotto"}},
                 {9, "render-07", "late", 4, 0.5, 1, 0, 1000, 6.0, 0.5, {}}};
   return farm;
@@ -110,6 +117,55 @@ TEST(FarmMetrics, says_why_visits_were_refused) {
   const auto samples = samples_of(metrics.text());
   EXPECT_EQ(samples.at("cyclorama_visits_refused_total{reason=\"full\"}"), 2);
   EXPECT_EQ(samples.at("cyclorama_nodes_sent_away_total"), 1);
+}
+
+/// One of everything, so that every family shows itself.
+std::set<std::string> all_families() {
+  FarmMetrics metrics;
+  metrics.visit_opened("Hall 3");
+  metrics.visit_refused(ErrorCode::kBusy);
+  metrics.add_stage("plan", 0.001);
+  metrics.add({"Hall 3", Outcome::kWhole, 1, 1, false, 0});
+  metrics.show(small_farm());
+  std::set<std::string> names;
+  for (const auto& [sample, value] : samples_of(metrics.text())) {
+    names.insert(std::regex_replace(sample.substr(0, sample.find('{')), std::regex("_(bucket|sum|count)$"), ""));
+  }
+  return names;
+}
+
+std::string document(const char* path) {
+  const char* const source = std::getenv("CYCLORAMA_SOURCE");  // NOLINT(concurrency-mt-unsafe): nobody sets it.
+  auto text = read_text_file(std::filesystem::path(source == nullptr ? "." : source) / path, 1 << 20);
+  CHECK(text);
+  return *std::move(text);
+}
+
+std::set<std::string> names_in(const std::string& text) {
+  static const std::regex kName("cyclorama_[a-z_]+");
+  std::set<std::string> names;
+  for (std::sregex_iterator name(text.begin(), text.end(), kName), end; name != end; ++name) {
+    names.insert(std::regex_replace(name->str(), std::regex("_bucket$"), ""));
+  }
+  return names;
+}
+
+TEST(FarmMetrics, the_dashboard_asks_for_nothing_that_is_not_there) {
+  const auto dashboard = nlohmann::json::parse(document("docs/operations/dashboard.json"));
+  std::set<std::string> asked;
+  int queries = 0;
+  for (const auto& panel : dashboard["panels"]) {
+    for (const auto& target : panel["targets"]) {
+      ++queries;
+      asked.merge(names_in(target["expr"].get<std::string>()));
+    }
+  }
+  EXPECT_GE(queries, 20);
+  EXPECT_THAT(asked, testing::Each(testing::AnyOfArray(all_families())));
+}
+
+TEST(FarmMetrics, the_operators_page_lists_exactly_what_is_there) {
+  EXPECT_EQ(names_in(document("docs/operations/watch.md")), all_families());
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using testing::StartsWith;
 
 wire::ProcessStatus status_of_a_farm() {
   FarmOverview farm;
-  farm.visits = {{1, "Hall 3", "grotto", 20.04, 4, 0.75, 50.0, 47.0, 3e5, 0.97, 812, 3, 1, 0},
+  farm.visits = {{1, "Hall 3", "grotto", 20.04, 4, 0.75, 1920, 480, 50.0, 47.0, 3e5, 0.97, 812, 3, 1, 0},
                  {2, "Musée de la préhistoire, grande salle", "relic"}};
   farm.nodes = {{7, "render-07", "ready", 8, 1.0, 3, 2, std::uint64_t{2} << 30, 60.0, 0.98, {"grotto", "relic"}}};
   wire::ProcessStatus status;

@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What the farm adds to the rays: real processes on loopback, rendering a scene that costs next to nothing, one view after
+the other. The head has the first core for itself, the two nodes and the museum share the second, as far as there are two.
+
+Run: overhead.py BUILD_FOLDER FRAMES
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "scenario"))
+from farm.farm import Farm  # noqa: E402
+
+SIZE = ("--width", 1920, "--height", 1080)
+TRIANGLE = "v -1 0 -5\nv 1 0 -5\nv 0 2 -5\nf 1 2 3\n"
+STAGES = ("queue", "plan", "fan_out", "render", "encode", "relay", "overhead", "farm")
+RAYS_GIVE_WAY = 10  # Of nice: a museum and an encoder that wait for rays are no host of their own.
+
+
+def settle(process, core, nice=0):
+    """All threads of it that there are, and with them all that they start."""
+    for task in os.listdir(f"/proc/{process.pid}/task"):
+        os.sched_setaffinity(int(task), {core})
+        os.setpriority(os.PRIO_PROCESS, int(task), nice)
+
+
+def main(build, frames):
+    cores = sorted(os.sched_getaffinity(0))
+    heads_core, others_core = cores[0], cores[-1]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        (folder / "triangle.obj").write_text(TRIANGLE)
+        (folder / "views").write_text("".join(f"{n}\n" for n in range(1, int(frames) + 1)))
+        inspect = f"unix:{folder}/inspect.sock"
+        with Farm(build, folder, nodes=2, scene=folder / "triangle.obj", head_options=("--inspect", inspect)) as farm:
+            farm.ready()
+            settle(farm.heads[0].process, heads_core)
+            for node in farm.nodes:
+                settle(node.process, others_core, RAYS_GIVE_WAY)
+            museum = farm.add_museum("bench", "--views", folder / "views", size=SIZE)
+            settle(museum.process, others_core)
+            assert museum.process.popen.wait(600) == 0, "the museum did not get its frames"
+            command = [f"{build}/bin/cyclorama-farm", "top", "--inspect", inspect, "--json"]
+            stages = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["stages"]
+    print(f"1920x1080, one triangle, 1 sample per pixel, {frames} frames one after the other, 2 nodes of 1 thread each")
+    print(f"the head on core {heads_core}; nodes and museum on core {others_core}")
+    print(f"  {'step of a frame':<18}{'p50 ms':>9}{'p95 ms':>9}{'p99 ms':>9}{'count':>9}")
+    for stage in STAGES:
+        row = stages[stage]
+        print(f"  {stage:<18}{row['p50_ms']:>9.2f}{row['p95_ms']:>9.2f}{row['p99_ms']:>9.2f}{row['count']:>9}")
+    print(json.dumps({"benchmark": "farm-overhead", "frames": int(frames), "plan_ms_p99": stages["plan"]["p99_ms"],
+                      "fan_out_ms_p99": stages["fan_out"]["p99_ms"], "relay_ms_p99": stages["relay"]["p99_ms"],
+                      "total_ms_p99": stages["overhead"]["p99_ms"]}))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

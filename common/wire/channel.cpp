@@ -7,6 +7,7 @@
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
 
+#include <algorithm>
 #include <array>
 #include <future>
 #include <utility>
@@ -85,7 +86,7 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address, 
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMessageLimitBytes);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);  // In truth how long one attempt may take.
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
@@ -93,6 +94,18 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address, 
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL,
                    1);  // A connection of its own, so that one slow stream delays no other.
   return grpc::CreateCustomChannel(address, credentials, arguments);
+}
+
+void wait_dialling(grpc::Channel& channel, Duration time, const std::function<bool()>& is_over) {
+  constexpr Duration kSlice = std::chrono::milliseconds(50);
+  const SteadyClock clock;
+  const TimePoint until = clock.now() + time;
+  const bool was_connected = channel.GetState(true) == GRPC_CHANNEL_READY;
+  while (clock.now() < until && !is_over()) {
+    const grpc_connectivity_state state = channel.GetState(true);
+    if (state == GRPC_CHANNEL_READY && !was_connected) return;
+    channel.WaitForStateChange(state, std::chrono::system_clock::now() + std::min(kSlice, until - clock.now()));
+  }
 }
 
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish) {
@@ -128,6 +141,11 @@ Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address
   // Who connects and says nothing sensible, or nothing at all, holds no descriptor for long.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 300'000);
+  if (options.tls) {
+    // A call that is open goes on, but the next one needs a new connection: one with the certificate of today, so that
+    // a peer that was revoked, and got another, is welcome without a restart.
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 2'000);
+  }
   for (grpc::Service* const service : services) builder.RegisterService(service);
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
   if (server == nullptr || port == 0) return cannot_listen(address);

@@ -29,10 +29,16 @@ inline constexpr int kMessageLimitBytes = 16 << 20;
 [[nodiscard]] Error from_grpc(const grpc::Status& status, std::string_view doing);
 
 /// A channel to "[::1]:7401" (or a name and port), or to a socket in the file system, "unix:/run/x.sock". It dials when
-/// it is used, keeps alive every 5 s and dials again with a back-off of 0.1 to 2 s. Without `tls` nothing is encrypted.
-/// Thread-safe once made. kInvalidArgument  as parse_address().     With `tls` also as channel_credentials().
+/// it is used, for at most 2 s, keeps alive every 5 s and dials again with a back-off of 0.1 to 2 s. Without `tls`
+/// nothing is encrypted. Thread-safe once made. kInvalidArgument  as parse_address().     With `tls` also as
+/// channel_credentials().
 Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address,
                                                     const std::optional<TlsFiles>& tls = std::nullopt);
+
+/// Waits for `time` and lets the channel dial meanwhile: gRPC 1.51 gets on with a connection only while a thread waits
+/// for the channel, a failed call does not wait, and TLS takes several turns. Returns sooner when a connection comes
+/// about, and within 50 ms when `is_over` becomes true.
+void wait_dialling(grpc::Channel& channel, Duration time, const std::function<bool()>& is_over);
 
 /// The end of a client's stream whose Read() returned false. `finish` is the stream's Finish(): where the peer has
 /// ended the call it returns at once; where the peer sent what is no message it never would, so the call is cancelled

@@ -80,14 +80,18 @@ void FarmClient::run() {
       delay = kFirstRetry;
       head = (head + channels_.size() - 1) % channels_.size();
     }
-    if (!wait_before_retry(delay)) return;
+    if (!wait_before_retry(delay, *channels_[(head + 1) % channels_.size()])) return;
     if (!opened && head + 1 == channels_.size()) delay = std::min(2 * delay, kSlowestRetry);
   }
 }
 
-bool FarmClient::wait_before_retry(Duration delay) {
-  std::unique_lock lock(mutex_);
-  return !changed_.wait_for(lock, delay, [this] { return stopping_; });
+bool FarmClient::wait_before_retry(Duration delay, grpc::Channel& next) {
+  const auto is_stopping = [this] {
+    const std::lock_guard lock(mutex_);
+    return stopping_;
+  };
+  wait_dialling(next, delay, is_stopping);
+  return !is_stopping();
 }
 
 Error FarmClient::visit(const std::shared_ptr<grpc::Channel>& channel, bool* ret_opened) {

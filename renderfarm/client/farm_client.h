@@ -90,7 +90,7 @@ class FarmClient {
   void write_views(Visit& visit);
   Status handle(const wire::VisitReply& reply, bool* ret_opened);
   void lose(const Error& reason);
-  bool wait_before_retry(Duration delay);
+  bool wait_before_retry(Duration delay, grpc::Channel& next);
 
   const FarmClientOptions options_;
   const std::vector<std::shared_ptr<grpc::Channel>> channels_;

@@ -33,7 +33,7 @@ class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
 class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk> {
  public:
   Stream(FileServer& server, grpc::CallbackServerContext* context, StampedFile file, std::uint64_t offset)
-      : server_(server), context_(context), file_(std::move(file)), offset_(offset) {}
+      : server_(server), context_(context), who_(identity_of(*context)), file_(std::move(file)), offset_(offset) {}
 
   [[nodiscard]] bool is_at_end() const { return offset_ == file_.stamp.bytes; }
   void end(const grpc::Status& status) { Finish(status); }
@@ -57,6 +57,9 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
     StartWrite(&chunk_);
     return want;
   }
+  void cut_if(const std::function<bool(const Identity&)>& whom) {
+    if (whom(who_)) context_->TryCancel();
+  }
   void cut_if_stalled(TimePoint now) {
     const Duration::rep since = writing_since_;
     if (since != 0 && now - TimePoint(Duration(since)) > kStall) context_->TryCancel();
@@ -77,6 +80,7 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
 
   FileServer& server_;
   grpc::CallbackServerContext* const context_;  ///< gRPC's; gone after OnDone().
+  const Identity who_;
   const StampedFile file_;
   std::uint64_t offset_;
   wire::FileChunk chunk_;
@@ -161,6 +165,11 @@ void FileServer::stop() {
     left = std::exchange(queue_, {});
   }
   for (Stream* const stream : left) stream->end(kStops);
+}
+
+void FileServer::cut(const std::function<bool(const Identity&)>& whom) {
+  const std::lock_guard lock(mutex_);
+  for (Stream* const stream : streams_) stream->cut_if(whom);
 }
 
 void FileServer::cut_stalled() {

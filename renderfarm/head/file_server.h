@@ -7,12 +7,14 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <set>
 #include <thread>
 
 #include "common/base/clock.h"
+#include "common/wire/identity.h"
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/head/pacer.h"
 #include "renderfarm/scenes/scene_library.h"
@@ -39,6 +41,8 @@ class FileServer {
                                  wire::SceneFiles* reply) const;
   grpc::ServerWriteReactor<wire::FileChunk>* fetch(grpc::CallbackServerContext* context,
                                                    const wire::FetchFileRequest& request);
+  /// Cuts the streams of those.
+  void cut(const std::function<bool(const Identity& who)>& whom);
   /// Ends all streams (UNAVAILABLE), and those that come. Idempotent.
   void stop();
 

@@ -174,6 +174,7 @@ class Head::Loop final : private Peers {
       state_.visit_gone(SessionId{id});
       send_away(museums_.at(id), reason);
     }
+    if (leavers.changed) files_.cut([this](const Identity& who) { return gate_->is_revoked(who); });
     for (const auto& [id, reason] : leavers.nodes) {
       gate_->node_gone(id, reason);
       state_.node_gone(NodeId{id});
@@ -350,6 +351,10 @@ Status validate(const HeadOptions& options) {
         fmt::format("'{}' can be reached by others, and there is no TLS; make certificates with "
                     "cyclorama-authority and write [tls], or say insecure = true",
                     printable(address)));
+  }
+  if (!options.inspect.empty() && !options.trust.insecure && !is_loopback(options.inspect)) {
+    return refuse(fmt::format("'{}', where the operator looks, can be reached by others; write [::1] and a port",
+                              printable(options.inspect)));
   }
   return validate(options.watch);
 }

@@ -79,6 +79,9 @@ Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& op
   const auto scene = std::ranges::find_if(scenes_, [&](const FarmScene& known) {
     return (wanted.empty() || known.name == wanted) && session.grant.allows(known.name);
   });
+  if (scene == scenes_.end() && wanted.empty()) {
+    return Error(ErrorCode::kNotFound, fmt::format("this farm has no scene for '{}'", session.museum));
+  }
   if (scene == scenes_.end()) {
     return Error(ErrorCode::kNotFound,
                  fmt::format("this farm has no scene '{}'; ask for the list of scenes", printable(wanted)));

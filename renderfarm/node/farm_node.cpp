@@ -15,8 +15,8 @@ Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options
   if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "a node needs a head");
   std::vector<HeadDialler::Channels> channels;
   for (const std::string& head : options.heads) {
-    TRY_ASSIGN(auto work, make_channel(head));
-    TRY_ASSIGN(auto files, make_channel(head));
+    TRY_ASSIGN(auto work, make_channel(head, options.tls));
+    TRY_ASSIGN(auto files, make_channel(head, options.tls));
     channels.push_back({std::move(work), std::move(files)});
   }
   wire::NodeReport hello;

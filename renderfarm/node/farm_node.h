@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "common/base/clock.h"
 #include "common/base/result.h"
+#include "common/wire/tls.h"
 #include "renderfarm/node/block_renderer.h"
 #include "renderfarm/node/node_desk.h"
 
@@ -23,6 +25,7 @@ struct FarmNodeOptions {
   int threads = 1;                       ///< What the head's balance goes by: how many threads the renderer uses.
   std::uint64_t memory_limit_bytes = 0;  ///< What scenes and films may take together; 0: scenes are not limited.
   SceneCacheOptions cache{};             ///< For scenes that heads hand out; without a folder it takes none.
+  std::optional<TlsFiles> tls{};         ///< Nothing: not encrypted, for heads on this machine.
 };
 
 /// Serves its heads, for ever; never listens. Threads: `render`, `load`, and for each head `link` and `send`
@@ -30,7 +33,8 @@ struct FarmNodeOptions {
 /// given it to another node. Scenes stay loaded throughout, and are shared by the heads. Thread-safe.
 class FarmNode {
  public:
-  /// Starts to dial. kInvalidArgument  an address is none, or there are none.
+  /// Starts to dial. kInvalidArgument  an address is none, or there are none.     With `tls` also as
+  /// check(TlsFiles).
   static Result<std::unique_ptr<FarmNode>> start(const FarmNodeOptions& options, SceneLoader loader);
   ~FarmNode();
   FarmNode(const FarmNode&) = delete;

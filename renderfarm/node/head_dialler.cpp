@@ -86,6 +86,11 @@ std::string HeadDialler::state() const {
   return state_;
 }
 
+bool HeadDialler::is_stopping() const {
+  const std::lock_guard lock(mutex_);
+  return stopping_;
+}
+
 void HeadDialler::set_state(std::string sentence) {
   const std::lock_guard lock(mutex_);
   state_ = std::move(sentence);
@@ -97,10 +102,13 @@ void HeadDialler::run() {
     bool served = false;
     const Error reason = serve(&served);
     delay = served ? kFirstRetry : std::min(2 * delay, kSlowestRetry);
-    std::unique_lock lock(mutex_);
-    state_ = fmt::format("no head: {}; dialling again", reason.message());
-    stopped = changed_.wait_for(lock, delay, [this] { return stopping_; });
-    ended_ = stopped;
+    set_state(fmt::format("no head: {}; dialling again", reason.message()));
+    wait_dialling(*channels_.work, delay, [this] { return is_stopping(); });
+    stopped = is_stopping();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
   }
   changed_.notify_all();
 }

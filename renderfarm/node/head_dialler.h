@@ -51,6 +51,7 @@ class HeadDialler {
  private:
   void run();
   Error serve(bool* ret_served);
+  [[nodiscard]] bool is_stopping() const;
   void set_state(std::string sentence);
 
   const std::string address_;

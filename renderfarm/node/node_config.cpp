@@ -19,7 +19,12 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "node";
 }
 
-Result<FarmNodeOptions> options_of(Config config) {
+/// Files are sought in node.toml's folder.
+TlsFiles read_tls(ConfigTable tls, const std::filesystem::path& folder) {
+  return {folder / tls.text("authority"), folder / tls.text("certificate"), folder / tls.text("key")};
+}
+
+Result<FarmNodeOptions> options_of(Config config, const std::filesystem::path& folder) {
   ConfigTable root = config.root();
   FarmNodeOptions options;
   options.heads = root.texts("heads", std::vector<std::string>{});
@@ -34,6 +39,7 @@ Result<FarmNodeOptions> options_of(Config config) {
   }
   options.cache.folder = root.text("cache", "");
   options.cache.limit_bytes = bytes_of_gib(root.number("cache_gib", {0.0, kMostCacheGib}, 0.0));
+  if (root.has("tls")) options.tls = read_tls(root.table("tls"), folder);
   TRY(config.finish());
   return options;
 }
@@ -42,12 +48,12 @@ Result<FarmNodeOptions> options_of(Config config) {
 
 Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path) {
   TRY_ASSIGN(Config config, Config::read(path));
-  return options_of(std::move(config));
+  return options_of(std::move(config), path.parent_path());
 }
 
 Result<FarmNodeOptions> parse_node_config(std::string_view text, const std::string& name) {
   TRY_ASSIGN(Config config, Config::parse(text, name));
-  return options_of(std::move(config));
+  return options_of(std::move(config), {});
 }
 
 Result<FarmNodeOptions> complete(FarmNodeOptions options) {

@@ -30,6 +30,7 @@ Result<FarmNodeOptions> options_from(const Arguments& arguments) {
     if (said.memory_limit_bytes == 0) said.memory_limit_bytes = file.memory_limit_bytes;
     if (said.cache.folder.empty()) said.cache.folder = file.cache.folder;
     said.cache.limit_bytes = file.cache.limit_bytes;
+    said.tls = file.tls;
   }
   return complete(std::move(said));
 }

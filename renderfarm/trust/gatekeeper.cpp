@@ -57,6 +57,7 @@ Result<bool> Gatekeeper::read_grants() {
   TRY_ASSIGN(const std::string text, *std::move(changed));
   TRY_ASSIGN(grants_, Grants::parse(text, options_.museums.string()));
   bytes_.clear();
+  notice_(fmt::format("'{}' was read: {} museums", options_.museums.string(), grants_->size()));
   record({.event = "grants read", .reason = fmt::format("{} museums", grants_->size())});
   return true;
 }
@@ -71,6 +72,7 @@ Result<bool> Gatekeeper::read_revocations() {
   if (!read) {
     return Error(ErrorCode::kBadData, fmt::format("'{}' {}", options_.revoked.string(), read.error().message()));
   }
+  notice_(fmt::format("'{}' was read: {} certificates are revoked", options_.revoked.string(), read->size()));
   record({.event = "revocations read", .reason = fmt::format("{} certificates", read->size())});
   told_out_of_date_ = false;
   const std::lock_guard lock(mutex_);
@@ -216,15 +218,18 @@ Gatekeeper::Leavers Gatekeeper::tick() {
     }
   }
   if (!changed) return {};
-  Leavers leavers;
+  Leavers leavers{.changed = true};
   for (const auto& [id, visit] : visits_) {
-    if (const auto reason = why_leave(visit)) leavers.visits.push_back({id, *reason});
+    if (const auto reason = why_leave(visit)) {
+      notice_(fmt::format("'{}' must leave: {}", visit.who.name, *reason));
+      leavers.visits.push_back({id, *reason});
+    }
   }
   for (const auto& [id, who] : nodes_) {
-    if (is_revoked(who)) leavers.nodes.push_back({id, "its certificate was revoked"});
+    if (!is_revoked(who)) continue;
+    notice_(fmt::format("node '{}' must leave: its certificate was revoked", who.name));
+    leavers.nodes.push_back({id, "its certificate was revoked"});
   }
-  notice_(fmt::format("trust: new files were read; {} visits and {} nodes must leave", leavers.visits.size(),
-                      leavers.nodes.size()));
   return leavers;
 }
 

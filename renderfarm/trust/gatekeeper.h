@@ -38,7 +38,7 @@ struct TrustOptions {
 /// look at the files; 2. a file that cannot be read or is wrong changes nothing: what the last good one said stays, and
 /// the log says so once; 3. each visit and each node has one line in the audit log when it comes, and one when it goes.
 ///
-/// refusal() is thread-safe; everything else is thread-bound.
+/// refusal() and is_revoked() are thread-safe; everything else is thread-bound.
 class Gatekeeper {
  public:
   using Notice = std::function<void(const std::string& sentence)>;
@@ -47,6 +47,7 @@ class Gatekeeper {
     std::string reason{};
   };
   struct Leavers {
+    bool changed = false;  ///< A file was read: what is_revoked() says may be another.
     std::vector<Leaver> visits{};
     std::vector<Leaver> nodes{};
   };
@@ -58,6 +59,9 @@ class Gatekeeper {
 
   /// Why somebody may not use the port that is for `wanted`; nothing: welcome. An Admission.
   std::optional<std::string> refusal(const Identity& who, Role wanted);
+
+  /// Thread-safe.
+  [[nodiscard]] bool is_revoked(const Identity& who) const;
 
   /// What the museum may do. Without a grant it sees no scene. Nobody's is everything.
   [[nodiscard]] Grant grant_of(const Identity& who) const;
@@ -93,7 +97,6 @@ class Gatekeeper {
   /// Each: true when something new was read.
   Result<bool> read_grants();
   Result<bool> read_revocations();
-  [[nodiscard]] bool is_revoked(const Identity& who) const;
   [[nodiscard]] std::optional<std::string> why_leave(const Visit& visit) const;
   void record(const AuditEvent& event);
   /// For what somebody may do again and again: once a minute.

@@ -39,6 +39,15 @@ TEST(NodeConfig, reads_what_it_says_and_leaves_the_rest_to_the_host) {
   EXPECT_GE(done->threads, 1);
 }
 
+TEST(NodeConfig, names_the_nodes_certificate_or_none) {
+  EXPECT_FALSE(read("head = \"[::1]:1\"\n")->tls);
+  const auto options = read("head = \"[::1]:1\"\n[tls]\nauthority = \"a\"\ncertificate = \"c\"\nkey = \"/k\"\n");
+  ASSERT_TRUE(options) << options.error().message();
+  const std::filesystem::path folder(testing::TempDir());
+  EXPECT_EQ(options->tls, (TlsFiles{folder / "a", folder / "c", "/k"}));
+  EXPECT_FALSE(read("head = \"[::1]:1\"\n[tls]\nauthority = \"a\"\n"));
+}
+
 TEST(NodeConfig, says_what_is_wrong_and_where) {
   const auto refusal_of = [](const std::string& text) {
     const auto options = read(text);

@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A farm with certificates, as real processes: a museum visits what it is granted, loses it, is revoked in the middle of a
+visit, and comes back with a new certificate, all without a restart of anything.
+
+Run: trust_test.py BUILD_FOLDER
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from farm.farm import make_scene  # noqa: E402
+from farm.museum import Museum  # noqa: E402
+from farm.processes import Process, free_port, wait_until  # noqa: E402
+
+TLS = 'authority = "{0}/authority.crt"\ncertificate = "{0}/certificate.crt"\nkey = "{0}/key.pem"\n'
+
+
+class TrustedFarm:
+    def __init__(self, build, folder):
+        self.bin, self.folder = pathlib.Path(build) / "bin", pathlib.Path(folder)
+        self.audit_file = self.folder / "audit.jsonl"
+        self.museums, self.nodes = free_port(), free_port()
+        self.running = []
+        self.authority("init")
+        self.bundle("head", "farm", "--address", "::1")
+        self.bundle("node", "n1")
+        self.bundle("museum", "hall-3")
+        self.bundle("museum", "hall-4")
+        self.grant("visit")
+        scene = make_scene(build, folder)
+        (self.folder / "farm.toml").write_text(
+            f'museums = "[::]:{self.museums}"\nnodes = "[::]:{self.nodes}"\nmuseums_file = "museums.toml"\n'
+            f'audit = "audit.jsonl"\n[[scene]]\nname = "visit"\npath = "{scene}"\n[tls]\nrevoked = "ca/crl.pem"\n'
+            + TLS.format("farm"))
+        (self.folder / "node.toml").write_text(
+            f'head = "[::1]:{self.nodes}"\nthreads = 1\n[tls]\n' + TLS.format("n1"))
+        (self.folder / "site.toml").write_text(
+            f'[farm]\nheads = ["[::1]:{self.museums}"]\n' + TLS.format("hall-3"))
+        self.start("farm", "farm.toml")
+        self.start("node", "node.toml")
+        self.start("tour", "site.toml", "--listen", f"[::1]:{free_port()}")
+        self.walker = Museum("walker", pathlib.Path(build) / "tests" / "test-museum", folder, [f"[::1]:{self.museums}"], 10,
+                             ["--bundle", self.folder / "hall-4", "--width", 256, "--height", 128])
+        self.running.append(self.walker.process)
+
+    def authority(self, *words):
+        subprocess.run([self.bin.resolve() / "cyclorama-authority", "--folder", "ca", *words], cwd=self.folder, check=True,
+                       capture_output=True, timeout=60)
+
+    def bundle(self, role, name, *words):
+        """A certificate, unpacked where the last of that name was."""
+        self.authority(role, name, *words, "--replace")
+        (self.folder / name).mkdir(exist_ok=True)
+        subprocess.run(["tar", "-xf", f"{name}.tar", "-C", name], cwd=self.folder, check=True)
+
+    def grant(self, scene):
+        """To hall-3; hall-4 may see all."""
+        new = self.folder / "museums.new"
+        new.write_text(f'[[museum]]\nname = "hall-3"\nscenes = ["{scene}"]\n[[museum]]\nname = "hall-4"\nscenes = ["*"]\n')
+        new.rename(self.folder / "museums.toml")
+
+    def start(self, name, config, *options):
+        command = [self.bin / f"cyclorama-{name}", "--config", self.folder / config, *options]
+        self.running.append(Process(name, command, self.folder))
+
+    def audit(self):
+        return [json.loads(line) for line in self.audit_file.read_text().splitlines()] if self.audit_file.exists() else []
+
+    def wait_for(self, count, event, **fields):
+        """Until so many lines are like that; the last of them, and how long it took."""
+        def like():
+            return [line for line in self.audit() if line["event"] == event and all(
+                value in line.get(key, "") for key, value in fields.items())]
+        began = time.monotonic()
+        wait_until(lambda: len(like()) >= count, 60, f"{count} x {event} {fields}")
+        return like()[-1], time.monotonic() - began
+
+    def tls(self, version, name):
+        here = self.folder / name
+        return subprocess.run(["openssl", "s_client", version, "-alpn", "h2", "-connect", f"[::1]:{self.museums}", "-CAfile",
+                               here / "authority.crt", "-cert", here / "certificate.crt", "-key", here / "key.pem"],
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=30).stdout
+
+    def stop(self):
+        return all([process.end() for process in reversed(self.running)])
+
+
+def check(farm):
+    opened, _ = farm.wait_for(1, "visit opened", name="hall-3", scene="visit")
+    assert opened["role"] == "museum" and "[::1]" in opened["address"].replace("%5B", "[").replace("%5D", "]"), opened
+    assert "Cipher is (NONE)" in farm.tls("-tls1_2", "hall-3"), "TLS 1.2 is spoken"
+    assert "TLSv1.3, Cipher is TLS_" in farm.tls("-tls1_3", "hall-3"), "TLS 1.3 is not spoken"
+
+    farm.grant("another")
+    farm.wait_for(1, "visit ended", reason="not granted any more")
+    farm.grant("visit")
+    farm.wait_for(2, "visit opened", name="hall-3")
+
+    farm.authority("revoke", "hall-3")
+    ended, museum_s = farm.wait_for(1, "visit ended", reason="revoked")
+    assert ended["serial"] == opened["serial"], ended
+    farm.wait_for(1, "museum refused", serial=opened["serial"], reason="revoked")
+    farm.bundle("museum", "hall-3")
+    again, _ = farm.wait_for(3, "visit opened", name="hall-3")
+    assert again["serial"] != opened["serial"], again
+
+    assert farm.walker.wrong() == (0, []) and len(farm.walker.events("opened")) == 1, "what is done to one, another feels"
+    farm.authority("revoke", "n1")
+    _, node_s = farm.wait_for(1, "node gone", reason="revoked")
+    assert all(process.alive() for process in farm.running), "something was restarted"
+    assert farm.stop(), "something did not stop when it was asked to"
+    walked, _ = farm.wait_for(1, "visit ended", name="hall-4")
+    assert walked["frames"] > 10 and walked["bytes"] > 1000 * walked["frames"], walked
+    print(f"a revoked museum was gone after {museum_s:.2f} s, a node after {node_s:.2f} s")
+
+
+def main(build):
+    with tempfile.TemporaryDirectory() as folder:
+        farm = TrustedFarm(build, folder)
+        try:
+            check(farm)
+        except AssertionError as error:
+            for process in farm.running:
+                print(f"{process.name}:\n{process.said()[-2000:]}")
+            print(f"{farm.audit()}\n{error}")
+            return 1
+        finally:
+            farm.stop()
+    print("trust: ok")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

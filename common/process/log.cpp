@@ -3,11 +3,15 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
+#define SD_JOURNAL_SUPPRESS_LOCATION  // It would name this file for every entry.
+#include <systemd/sd-journal.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "common/base/text.h"
 
@@ -15,6 +19,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kLongestLine = 2000;
+constexpr std::size_t kLongestField = 200;
 std::atomic<int> least_level{static_cast<int>(LogLevel::kInfo)};
 
 /// systemd names the device and inode of the journal's stream when standard error is one.
@@ -28,13 +33,28 @@ bool is_journal() {
   return answer;
 }
 
+/// False when the journal takes no entries of its own kind.
+bool send_to_journal(LogLevel level, const std::string& text, std::span<const LogField> fields) {
+  std::vector<std::string> entry{"MESSAGE=" + text, fmt::format("PRIORITY={}", static_cast<int>(level))};
+  for (const LogField& field : fields) {
+    if (!field.value.empty()) entry.push_back(fmt::format("{}={}", field.name, printable(field.value, kLongestField)));
+  }
+  std::vector<iovec> parts;
+  for (std::string& part : entry) parts.push_back({part.data(), part.size()});
+  return sd_journal_sendv(parts.data(), static_cast<int>(parts.size())) == 0;
+}
+
 const char* word_for(LogLevel level) {
   switch (level) {
-    case LogLevel::kError: return "error: ";
-    case LogLevel::kWarning: return "warning: ";
-    case LogLevel::kDebug: return "debug: ";
+    case LogLevel::kError:
+      return "error: ";
+    case LogLevel::kWarning:
+      return "warning: ";
+    case LogLevel::kDebug:
+      return "debug: ";
     case LogLevel::kNotice:
-    case LogLevel::kInfo: break;
+    case LogLevel::kInfo:
+      break;
   }
   return "";
 }
@@ -43,9 +63,10 @@ const char* word_for(LogLevel level) {
 
 void set_log_level(LogLevel least) { least_level = static_cast<int>(least); }
 
-void log(LogLevel level, std::string_view message) {
+void log(LogLevel level, std::string_view message, std::span<const LogField> fields) {
   if (static_cast<int>(level) > least_level) return;
   const std::string text = printable(message, kLongestLine);
+  if (!fields.empty() && is_journal() && send_to_journal(level, text, fields)) return;
   const std::string line = is_journal() ? fmt::format("<{}>{}\n", static_cast<int>(level), text)
                                         : fmt::format("{}{}\n", word_for(level), text);
   // One write, so that lines of several threads and processes do not mix. Nothing helps if it fails, ignoring.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <array>
+
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -73,10 +75,18 @@ Result<HeadOptions> options_from(const Arguments& arguments) {
   return options;
 }
 
+void log_notice(const std::string& sentence, const NoticeAbout& about) {
+  const bool has_visit = about.visit != SessionId{};
+  const std::array<LogField, 3> fields{
+      {{"CYCLORAMA_NODE", about.node},
+       {"CYCLORAMA_MUSEUM", about.museum},
+       {"CYCLORAMA_VISIT", has_visit ? fmt::format("{}", static_cast<std::uint64_t>(about.visit)) : ""}}};
+  log(about.is_trouble ? LogLevel::kWarning : LogLevel::kInfo, sentence, fields);
+}
+
 Status run(const Arguments& arguments, const StopSignal& stop) {
   TRY_ASSIGN(HeadOptions options, options_from(arguments));
-  TRY_ASSIGN(const auto head,
-             Head::start(std::move(options), [](const std::string& sentence) { log(LogLevel::kInfo, sentence); }));
+  TRY_ASSIGN(const auto head, Head::start(std::move(options), log_notice));
   log(LogLevel::kNotice,
       fmt::format("museums dial port {}, nodes dial port {}", head->museum_port(), head->node_port()));
   Notify notify;

@@ -68,7 +68,7 @@ void cut_late_ones(std::map<std::uint64_t, Open<Stream>>& streams, TimePoint now
 /// The loop's thread and everything that lives on it.
 class Head::Loop final : private Peers {
  public:
-  Loop(HeadOptions options, std::function<void(const std::string&)> notice)
+  Loop(HeadOptions options, Notice notice)
       : options_(std::move(options)),
         notice_(std::move(notice)),
         state_(options_.scenes, options_.strategy, options_.limits, clock_, *this),
@@ -77,10 +77,10 @@ class Head::Loop final : private Peers {
 
   Status start() {
     if (!options_.record.empty()) {
-      TRY_ASSIGN(cost_log_, CostLog::open(options_.record, notice_));
+      TRY_ASSIGN(cost_log_, CostLog::open(options_.record, say_));
     }
-    TRY_ASSIGN(gate_, Gatekeeper::open(options_.trust, clock_, notice_));
-    TRY(watch_.start(options_.watch, notice_));
+    TRY_ASSIGN(gate_, Gatekeeper::open(options_.trust, clock_, say_));
+    TRY(watch_.start(options_.watch, say_));
     thread_ = std::thread(
         [this] { run(); });  // Before the servers: every call that a server takes needs somebody to finish it.
     TRY_ASSIGN(node_server_, WireServer::start(options_.nodes, {&nodes_service_}, port_for(Role::kNode)));
@@ -255,7 +255,7 @@ class Head::Loop final : private Peers {
     e.reactor->Finish(grpc::Status::OK);
   }
   void handle(SceneRead& e) {
-    notice_(e.news.sentence);
+    say_(e.news.sentence);
     if (!stopping_ && !e.news.digest.empty()) state_.scene_read(e.news.scene, e.news.digest);
   }
   void handle(StopAsked&) {
@@ -290,12 +290,14 @@ class Head::Loop final : private Peers {
     meters_.add(report);
     if (cost_log_) cost_log_->add(report);
   }
-  void notice(const std::string& sentence) override { notice_(sentence); }
+  void notice(const std::string& sentence, const NoticeAbout& about) override { notice_(sentence, about); }
 
   inline static const grpc::Status kStops{grpc::StatusCode::UNAVAILABLE, "the farm's head stops"};
 
   const HeadOptions options_;
-  const std::function<void(const std::string&)> notice_;
+  const Notice notice_;
+  /// Of nobody in particular.
+  const std::function<void(const std::string&)> say_ = [this](const std::string& sentence) { notice_(sentence, {}); };
   const SteadyClock clock_;
   Events events_;
   InspectionService inspection_{"head"};
@@ -359,7 +361,7 @@ Status validate(const HeadOptions& options) {
   return validate(options.watch);
 }
 
-Result<std::unique_ptr<Head>> Head::start(HeadOptions options, std::function<void(const std::string&)> notice) {
+Result<std::unique_ptr<Head>> Head::start(HeadOptions options, Notice notice) {
   TRY(validate(options));
   auto loop = std::make_unique<Loop>(std::move(options), std::move(notice));
   TRY(loop->start());

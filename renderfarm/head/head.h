@@ -48,9 +48,11 @@ Status validate(const HeadOptions& options);
 /// and gRPC's own, which only carry messages. Thread-safe.
 class Head {
  public:
-  /// `notice` gets sentences for the log, on the head thread. kInvalidArgument, kBusy  as WireServer::start().
-  /// Else as Gatekeeper::open() and FarmWatch::start().
-  static Result<std::unique_ptr<Head>> start(HeadOptions options, std::function<void(const std::string&)> notice);
+  using Notice = std::function<void(const std::string& sentence, const NoticeAbout& about)>;
+
+  /// `notice` gets sentences for the log, on the head's thread and those of its files. kInvalidArgument, kBusy  as
+  /// WireServer::start(). Else as Gatekeeper::open() and FarmWatch::start().
+  static Result<std::unique_ptr<Head>> start(HeadOptions options, Notice notice);
   ~Head();
   Head(const Head&) = delete;
   Head& operator=(const Head&) = delete;

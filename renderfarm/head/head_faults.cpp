@@ -126,7 +126,8 @@ std::vector<NodeId> HeadState::silent_nodes(const Session& session, const FrameI
 void HeadState::retire(NodeId id) {
   Node& node = nodes_.at(id);
   if (std::exchange(node.late, true)) return;
-  peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over", printable(node.name)));
+  peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over", printable(node.name)),
+                {.node = node.name, .is_trouble = true});
   const std::map<std::uint64_t, BlockPlace> blocks = node.blocks;  // A copy: what follows orders blocks.
   for (const auto& [block, place] : blocks) {
     FrameInFlight* const frame = find_frame(place);

@@ -19,6 +19,8 @@ constexpr std::uint32_t kMostThreads = 4096;
 Error broken(const std::string& what) { return Error(ErrorCode::kInvalidArgument, what); }
 
 std::string to_text(const Node& node) { return fmt::format("node '{}'", printable(node.name)); }
+NoticeAbout about(const Node& node) { return {.node = node.name}; }
+NoticeAbout trouble_with(const Node& node) { return {.node = node.name, .is_trouble = true}; }
 
 bool is_same_scene(const wire::SceneDescription& a, const wire::SceneDescription& b) {
   return a.title() == b.title() && a.triangles_seen() == b.triangles_seen() &&
@@ -73,7 +75,7 @@ void HeadState::node_reported(NodeId id, wire::NodeReport report) {
     fine = broken("a message of unknown kind");
   }
   if (fine) return;
-  peers_.notice(fmt::format("{} is sent away: {}", to_text(node), fine.error().message()));
+  peers_.notice(fmt::format("{} is sent away: {}", to_text(node), fine.error().message()), trouble_with(node));
   peers_.end_node(id, fine.error());
   node_gone(id);
 }
@@ -96,7 +98,7 @@ Status HeadState::hello(NodeId id, Node& node, const wire::Hello& hello) {
     keep.insert(scene.name);
     order_scene(id, node, scene, keep);
   }
-  peers_.notice(fmt::format("{} came, with {} threads", to_text(node), hello.threads()));
+  peers_.notice(fmt::format("{} came, with {} threads", to_text(node), hello.threads()), about(node));
   return Done{};
 }
 
@@ -151,7 +153,7 @@ std::set<std::string> HeadState::scenes_in_use() const {
 
 void HeadState::status_came(Node& node, const wire::NodeStatus& status) {
   if (status.draining() && !node.status.draining()) {
-    peers_.notice(fmt::format("{} is about to stop; it gets no more blocks", to_text(node)));
+    peers_.notice(fmt::format("{} is about to stop; it gets no more blocks", to_text(node)), about(node));
   }
   node.status = status;
 }
@@ -163,7 +165,8 @@ Status HeadState::scene_dropped(Node& node, const wire::SceneDropped& dropped) {
   }
   if (known->second.state == Node::SceneState::kLoaded) {
     known->second.state = Node::SceneState::kDropped;
-    peers_.notice(fmt::format("{} dropped scene '{}': its memory is short", to_text(node), dropped.scene()));
+    peers_.notice(fmt::format("{} dropped scene '{}': its memory is short", to_text(node), dropped.scene()),
+                  about(node));
   }
   return Done{};
 }
@@ -177,7 +180,8 @@ Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
     constexpr std::size_t kLongestError = 500;
     asked->second.state = Node::SceneState::kFailed;
     asked->second.error = printable(loaded.error(), kLongestError);
-    peers_.notice(fmt::format("{} cannot load scene '{}': {}", to_text(node), loaded.scene(), asked->second.error));
+    peers_.notice(fmt::format("{} cannot load scene '{}': {}", to_text(node), loaded.scene(), asked->second.error),
+                  trouble_with(node));
     return Done{};
   }
   TRY(validate(loaded.description()));
@@ -193,14 +197,16 @@ Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
     asked->second.error = "its copy differs from the other nodes'";
     peers_.notice(
         fmt::format("{} has another scene '{}' than the other nodes: copy it anew; not used for it until then",
-                    to_text(node), loaded.scene()));
+                    to_text(node), loaded.scene()),
+        trouble_with(node));
     return Done{};
   }
   asked->second.state = Node::SceneState::kLoaded;
   asked->second.speed = relative_speed(loaded);
   peers_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
                             loaded.scene(), 1e-6 * static_cast<double>(loaded.description().triangles_seen()),
-                            static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()));
+                            static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()),
+                about(node));
   return Done{};
 }
 
@@ -266,7 +272,8 @@ Status HeadState::block_ended(NodeId id, Node& node, const wire::BlockEnd& end) 
   const std::vector<PixelRect> orphans = frame->assembly.give_up(end.block());
   if (!orphans.empty()) {
     peers_.notice(fmt::format("{} did not finish a block: {}; others take over", to_text(node),
-                              end.error().empty() ? "it gave no reason" : printable(end.error(), 200)));
+                              end.error().empty() ? "it gave no reason" : printable(end.error(), 200)),
+                  trouble_with(node));
     give_again(place.session, session, *frame, orphans, id);
   }
   help_out(place.session, session, *frame, id);
@@ -280,7 +287,8 @@ void HeadState::node_gone(NodeId id) {
   if (found == nodes_.end()) return;
   const Node node = std::move(found->second);
   nodes_.erase(found);  // First, so that its blocks are not given to it again.
-  if (node.threads > 0.0) peers_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()));
+  if (node.threads > 0.0)
+    peers_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()), trouble_with(node));
   lose_blocks(node.blocks, id);
 }
 

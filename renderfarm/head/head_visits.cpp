@@ -47,7 +47,7 @@ void HeadState::visit_asked(SessionId id, const wire::VisitRequest& request, Tim
   }
   const std::string refusal = fmt::format("the visit of '{}' is refused: {}", session.museum, fine.error().message());
   // A museum that waits for a scene to be loaded dials again and again: once is enough for the log.
-  if (refusal != last_refusal_) peers_.notice(refusal);
+  if (refusal != last_refusal_) peers_.notice(refusal, {.museum = session.museum, .visit = id, .is_trouble = true});
   last_refusal_ = refusal;
   forget_visit(id);
   peers_.end_visit(id, fine.error(), false);
@@ -95,7 +95,8 @@ Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& op
   wire::VisitReply reply;
   *reply.mutable_opened() = descriptions_.at(scene->name);
   send(id, session, std::move(reply));
-  peers_.notice(fmt::format("'{}' visits scene '{}'", session.museum, scene->name));
+  peers_.notice(fmt::format("'{}' visits scene '{}'", session.museum, scene->name),
+                {.museum = session.museum, .visit = id});
   return Done{};
 }
 
@@ -143,7 +144,8 @@ Error HeadState::why_not(const std::string& scene) const {
 void HeadState::visit_gone(SessionId id) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
-  if (!found->second.scene.empty()) peers_.notice(fmt::format("'{}' left", found->second.museum));
+  if (!found->second.scene.empty())
+    peers_.notice(fmt::format("'{}' left", found->second.museum), {.museum = found->second.museum, .visit = id});
   forget_visit(id);
 }
 
@@ -188,7 +190,8 @@ void HeadState::tick_visits() {
     refine(id, session);
   }
   for (const auto& [id, reason] : lost) {
-    peers_.notice(fmt::format("the visit of '{}' is ended: {}", sessions_.at(id).museum, reason.message()));
+    peers_.notice(fmt::format("the visit of '{}' is ended: {}", sessions_.at(id).museum, reason.message()),
+                  {.museum = sessions_.at(id).museum, .visit = id, .is_trouble = true});
     forget_visit(id);
     peers_.end_visit(id, reason, true);
   }

@@ -47,6 +47,14 @@ struct FrameReport {
   std::vector<MeasuredBlock> costs{};  ///< Of all its blocks; empty when some were given again.
 };
 
+/// Whom a sentence for the log is about; what is empty is not said.
+struct NoticeAbout {
+  std::string node{};
+  std::string museum{};
+  SessionId visit{};
+  bool is_trouble = false;  ///< Somebody may have to do something.
+};
+
 /// What HeadState can do to the world. Every call returns at once; nothing calls back into HeadState. Thread-bound.
 class Peers {
  public:
@@ -60,7 +68,7 @@ class Peers {
   virtual void end_visit(SessionId session, const Error& reason, bool at_once) = 0;
   virtual void frame_ended(const FrameReport& report) = 0;
   /// A sentence for the log: a node came, a scene failed to load.
-  virtual void notice(const std::string& sentence) = 0;
+  virtual void notice(const std::string& sentence, const NoticeAbout& about) = 0;
 
  protected:
   Peers() = default;

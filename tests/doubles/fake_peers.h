@@ -21,6 +21,7 @@ class FakePeers final : public Peers {
   std::map<SessionId, Error> ended_visits;
   std::vector<FrameReport> frames;
   std::vector<std::string> notices;
+  std::vector<NoticeAbout> noticed;  ///< Whom each of them is about.
 
   void to_node(NodeId node, const wire::NodeCommand& command) override { commands[node].push_back(command); }
   void to_museum(SessionId session, wire::VisitReply reply) override { replies[session].push_back(std::move(reply)); }
@@ -30,7 +31,10 @@ class FakePeers final : public Peers {
     ended_visits.emplace(session, reason);
   }
   void frame_ended(const FrameReport& report) override { frames.push_back(report); }
-  void notice(const std::string& sentence) override { notices.push_back(sentence); }
+  void notice(const std::string& sentence, const NoticeAbout& about) override {
+    notices.push_back(sentence);
+    noticed.push_back(about);
+  }
 };
 
 /// Stands still until it is moved.

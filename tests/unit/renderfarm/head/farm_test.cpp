@@ -73,7 +73,7 @@ class Farm : public testing::Test {
     options.museums = "[::1]:" + std::to_string(museum_port);
     options.nodes = "[::1]:" + std::to_string(node_port);
     options.inspect = "[::1]:0";
-    auto started = Head::start(options, [](const std::string&) {});
+    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
     head = *std::move(started);
   }
@@ -524,7 +524,7 @@ TEST_F(Farm, lists_its_scenes) {
 TEST_F(Farm, refuses_to_start_with_bad_options) {
   const auto refusal_of = [](HeadOptions options) {
     options.museums = options.nodes = "[::1]:0";
-    const auto started = Head::start(options, [](const std::string&) {});
+    const auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
     return started ? "" : started.error().message();
   };
   EXPECT_THAT(refusal_of({}), HasSubstr("no scene"));

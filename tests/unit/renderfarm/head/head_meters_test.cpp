@@ -128,5 +128,21 @@ TEST(HeadMeters, the_orders_of_a_plan_are_fanned_out_when_the_last_of_them_is_wr
   EXPECT_EQ(stages, (std::vector<std::string>{"queue", "plan", "fan_out", "render", "encode", "farm"}));
 }
 
+TEST(Notices, say_whom_they_are_about) {
+  FarmSimulation farm;
+  const NodeId node = farm.add_node();
+  const SessionId visit = farm.add_visit();
+  farm.kill(node);
+  farm.state.visit_gone(visit);
+  std::map<std::string, NoticeAbout> about;
+  for (std::size_t i = 0; i < farm.peers.notices.size(); ++i) about[farm.peers.notices[i]] = farm.peers.noticed[i];
+  EXPECT_EQ(about.at("node 'node 1' came, with 1 threads").node, "node 1");
+  EXPECT_FALSE(about.at("node 'node 1' came, with 1 threads").is_trouble);
+  EXPECT_TRUE(about.at("node 'node 1' is gone; 0 left").is_trouble);
+  EXPECT_EQ(about.at("'museum' visits scene 'grotto'").museum, "museum");
+  EXPECT_EQ(about.at("'museum' visits scene 'grotto'").visit, visit);
+  EXPECT_EQ(about.at("'museum' left").node, "");
+}
+
 }  // namespace
 }  // namespace cyclorama

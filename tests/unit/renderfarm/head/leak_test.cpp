@@ -241,7 +241,7 @@ class Session : public testing::Test {
     HeadOptions options;
     options.scenes = {{"odd", scene.folder.string()}, {"absent", (scene.folder / "absent").string()}};
     options.museums = options.nodes = "[::1]:0";
-    auto started = Head::start(options, [](const std::string&) {});
+    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
     head = *std::move(started);
     FarmNodeOptions node_options;

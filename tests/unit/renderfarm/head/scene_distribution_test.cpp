@@ -49,7 +49,7 @@ class Distribution : public testing::Test {
     HeadOptions options;
     options.scenes = {{"tent", folder.string(), on_head}};
     options.museums = options.nodes = "[::1]:0";
-    auto started = Head::start(options, [](const std::string&) {});
+    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
     head = *std::move(started);
   }

@@ -113,7 +113,7 @@ class Trust : public testing::Test {
     options.trust.revoked = authority_.revocations();
     options.trust.museums = museums();
     options.trust.audit = authority_.folder() / "audit.jsonl";
-    auto started = Head::start(options, [](const std::string&) {});
+    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
     head_ = *std::move(started);
     node_ = std::make_unique<RawNode>(head_->node_port(), authority_.node("n1"));

@@ -144,7 +144,7 @@ Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address
   if (options.tls) {
     // A call that is open goes on, but the next one needs a new connection: one with the certificate of today, so that
     // a peer that was revoked, and got another, is welcome without a restart.
-    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 2'000);
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 30'000);
   }
   for (grpc::Service* const service : services) builder.RegisterService(service);
   std::unique_ptr<grpc::Server> server = builder.BuildAndStart();

@@ -145,6 +145,7 @@ def main(root, build, *components):
                 if component == "farm":
                     check_service("farm", unpacked, "[[scene]]", {
                         'museums = "': f'museums = "[::1]:{port}"', 'nodes = "': f'nodes = "[::1]:{port + 1}"',
+                        'inspect = "': f'inspect = "unix:{folder}/inspect.sock"',  # systemd makes /run/cyclorama-farm.
                         "[[scene]]": "[[scene]]", "name = ": 'name = "a"', "path = ": 'path = "/srv/a"'})
                 if component == "node":
                     check_service("node", unpacked, "no head is given", {"heads = ": f'heads = ["[::1]:{port + 1}"]'})

@@ -116,6 +116,7 @@ def check_pictures(build, folder, page, farm):
 
 def check(build, folder, page, farm):
     farm.ready()
+    wait_until(lambda: page.status("/health") == 200, 20, "the head's next look at itself")
     check_access(page)
     assert '"visits"' in page.get("/page.js")
     museum = farm.add_museum(MUSEUM, "--budget-ms", 400)

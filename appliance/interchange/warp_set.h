@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A calibration of projectors as others write it down: what every format here is read into and written from.
+/// Source: VESA, "MPCDI" (multiple projection common data interchange) 1.0 (2013) and 2.0 (2015), whose words it uses.
+///
+///   WarpSet ─ buffers ─ regions: one projector each
+///                        map         per sample, where the projector's light comes from or goes to
+///                        alpha       how much of its light a pixel gives (blend)
+///                        beta        what a pixel adds, so that black is equally black everywhere
+///                        distortion  from an ideal lens to the real one (shader lamps)
+///
+/// All values. Maps have their first row at the top; row and column i lie at (i + 0.5) / count of the region, so that a
+/// map of the projector's own size has its samples on pixel centres. NaN marks what is not mapped.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/image/image.h"
+
+namespace cyclorama {
+
+enum class MpcdiVersion { k1_0, k2_0 };
+
+/// What a region's map holds.
+enum class WarpProfile {
+  k2d,           ///< u, v in the region's part of a flat picture.
+  k3d,           ///< u, v in the picture that the region's frustum sees.
+  kAdvanced3d,   ///< x, y, z on the screen: right pictures for any eye.
+  kShaderLamps,  ///< x, y, z on the object, and where the projector stands.
+};
+
+enum class LengthUnit { kUnknown, kMillimetre, kCentimetre, kDecimetre, kMetre, kInch, kFoot, kYard };
+enum class DataOrigin { kUnknown, kIdealEyePoint, kFloorCentre, kCentreOfMass };
+enum class WarpInterpolation { kUnknown, kLinear, kKeystone, kSmooth };
+
+/// Nothing for kUnknown.
+[[nodiscard]] std::optional<double> metres_in(LengthUnit unit);
+
+/// Three numbers per sample. Flat: u to the right and v UP from the lower left corner, 0 to 1, and the third an error
+/// or 0. In space: x right, y up, z back (as our rooms), in the region's unit.
+using WarpMap = Image<float, 3>;
+
+/// Bit by bit: NaN equals NaN.
+[[nodiscard]] bool same_bits(const WarpMap& a, const WarpMap& b);
+
+/// A mask as its PNG has it, so that nothing is lost on the way through.
+struct MaskMap {
+  int width_px = 0;
+  int height_px = 0;
+  int channels = 1;  ///< 1 or 3 (red, green, blue).
+  int bits = 16;     ///< 8 or 16.
+  std::vector<std::uint16_t> samples;
+  double gamma = 1.0;  ///< Light is (sample / largest sample) to this power.
+
+  MaskMap() = default;
+  MaskMap(int width, int height, int channel_count, int bit_count);
+  /// The light of one pixel in [0, 1]; the mean of its channels. Precondition: inside.
+  [[nodiscard]] double light_at(int x, int y) const;
+  [[nodiscard]] std::uint16_t largest() const { return bits == 8 ? 255 : 65535; }
+  friend bool operator==(const MaskMap&, const MaskMap&) = default;
+};
+
+/// Where a region lies in its buffer's picture, from that picture's lower left corner; the whole of it is 0 to 1.
+struct RegionRect {
+  double x = 0.0;
+  double y = 0.0;
+  double width = 1.0;
+  double height = 1.0;
+  friend bool operator==(const RegionRect&, const RegionRect&) = default;
+};
+
+/// The pyramid that a region looks through, in degrees. From looking along -z with y up: first turned to the right by
+/// yaw, then up by pitch, then clockwise (as the viewer sees it) by roll. Left and down are negative in a centred one.
+struct WarpFrustum {
+  double yaw_deg = 0.0;
+  double pitch_deg = 0.0;
+  double roll_deg = 0.0;
+  double right_deg = 0.0;
+  double left_deg = 0.0;
+  double up_deg = 0.0;
+  double down_deg = 0.0;
+  friend bool operator==(const WarpFrustum&, const WarpFrustum&) = default;
+};
+
+/// Where a projector stands, and which axes its frustum's angles turn about: unit vectors; usually down, right and
+/// forward.
+struct WarpCoordinateFrame {
+  double position[3] = {0.0, 0.0, 0.0};
+  double yaw[3] = {0.0, -1.0, 0.0};
+  double pitch[3] = {1.0, 0.0, 0.0};
+  double roll[3] = {0.0, 0.0, -1.0};
+  friend bool operator==(const WarpCoordinateFrame&, const WarpCoordinateFrame&) = default;
+};
+
+struct WarpRegion {
+  std::string id;
+  int width_px = 0;  ///< The projector's.
+  int height_px = 0;
+  RegionRect rect;
+  std::optional<WarpFrustum> frustum;
+  std::optional<WarpCoordinateFrame> coordinate_frame;
+  std::optional<WarpMap> map;  ///< Absent where only the projector's pose is known.
+  LengthUnit unit = LengthUnit::kUnknown;
+  DataOrigin origin = DataOrigin::kUnknown;
+  WarpInterpolation interpolation = WarpInterpolation::kLinear;
+  std::optional<MaskMap> alpha;
+  std::optional<MaskMap> beta;
+  std::optional<WarpMap> distortion;
+
+  friend bool operator==(const WarpRegion& a, const WarpRegion& b);
+};
+
+/// One picture that several regions share.
+struct WarpBuffer {
+  std::string id;
+  int width_px = 0;  ///< 0: not said.
+  int height_px = 0;
+  std::vector<WarpRegion> regions;
+  friend bool operator==(const WarpBuffer&, const WarpBuffer&) = default;
+};
+
+struct WarpSet {
+  WarpProfile profile = WarpProfile::k2d;
+  MpcdiVersion version = MpcdiVersion::k2_0;
+  std::string date;      ///< As it stands in the file.
+  int level = 1;         ///< MPCDI 1.0: 2 and 4 have beta maps. In 2.0 the level of the geometry.
+  int colour_level = 1;  ///< MPCDI 2.0.
+  std::vector<WarpBuffer> buffers;
+
+  /// The region of that id in any buffer; null where there is none.
+  [[nodiscard]] const WarpRegion* region(const std::string& id) const;
+  friend bool operator==(const WarpSet&, const WarpSet&) = default;
+};
+
+/// What files may ask for. Sizes come from strangers, so nothing is taken on trust.
+struct WarpLimits {
+  std::size_t map_px = std::size_t{36} << 20;      ///< Samples of one map or mask: a projector of 8K has 33 million.
+  std::size_t total_bytes = std::size_t{4} << 30;  ///< All that is unpacked of one file.
+  std::size_t file_bytes = std::size_t{2} << 30;   ///< As it lies on the disk.
+  std::size_t regions = 64;
+};
+
+/// What makes a set unfit to be written or used, as a reader says it: "region 'left': ...; remedy".
+/// kBadData  sizes, counts, numbers that are not finite, doubled ids, or parts that the profile needs are missing.
+[[nodiscard]] Status check(const WarpSet& set);
+/// As check(), of one region on its own.
+[[nodiscard]] Status check(const WarpRegion& region, WarpProfile profile);
+
+}  // namespace cyclorama

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+/// XML with places: what strict readers ask of a document, in words that name the line. Adapter of pugixml.
+///
+/// Names are found whatever their case, because exporters do not agree ("Xresolution", "xResolution"); a name that is
+/// there twice where one is meant is a fault.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <pugixml.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// One element. Borrows the XmlDocument.
+class XmlElement {
+ public:
+  [[nodiscard]] std::string_view name() const { return node_.name(); }
+  [[nodiscard]] bool is(std::string_view name) const;
+  /// "mpcdi.xml, line 12, <region>".
+  [[nodiscard]] std::string place() const;
+
+  /// Those of that name, in their order.
+  [[nodiscard]] std::vector<XmlElement> children(std::string_view name) const;
+  [[nodiscard]] std::vector<XmlElement> all_children() const;
+  /// Nothing when there is none; a fault when there are two.
+  Result<std::optional<XmlElement>> optional_child(std::string_view name) const;
+  Result<XmlElement> child(std::string_view name) const;
+
+  Result<std::optional<std::string>> optional_attribute(std::string_view name) const;
+  Result<std::string> attribute(std::string_view name) const;
+  /// Finite.
+  Result<double> number_attribute(std::string_view name) const;
+  /// Nothing when there is none.
+  Result<std::optional<int>> optional_count_attribute(std::string_view name, int most) const;
+
+  /// Without the blanks around it.
+  [[nodiscard]] std::string text() const;
+  /// The text of a child that must be there; finite.
+  Result<double> number_in(std::string_view child_name) const;
+
+ private:
+  friend class XmlDocument;
+  XmlElement(pugi::xml_node node, const class XmlDocument* document) : node_(node), document_(document) {}
+  pugi::xml_node node_;
+  const class XmlDocument* document_ = nullptr;
+};
+
+/// Immovable: elements point to it. Thread-bound.
+class XmlDocument {
+ public:
+  /// `name` stands for the file in places. kBadData  no well-formed XML (with its line), or above `limit_bytes`.
+  static Result<std::unique_ptr<XmlDocument>> parse(std::string_view text, std::string name, std::size_t limit_bytes);
+  XmlDocument(const XmlDocument&) = delete;
+  XmlDocument& operator=(const XmlDocument&) = delete;
+
+  /// The outermost element; a fault when it has another name.
+  Result<XmlElement> root(std::string_view name) const;
+  [[nodiscard]] std::size_t line_of(std::ptrdiff_t offset) const;
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  XmlDocument() = default;
+  std::string name_;
+  std::vector<std::size_t> line_starts_;
+  pugi::xml_document document_;
+};
+
+}  // namespace cyclorama

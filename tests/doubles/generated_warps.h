@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Calibrations made up from a seed: every part that a format can hold, in odd sizes, with pixels that are not mapped.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "appliance/interchange/warp_set.h"
+
+namespace cyclorama {
+
+class GeneratedWarps {
+ public:
+  explicit GeneratedWarps(std::uint32_t seed) : random_(seed) {}
+
+  /// Smooth, bent, and NaN in a corner: flat within 0 to 1, or some metres around the eye.
+  WarpMap map(int width, int height, bool flat) {
+    WarpMap map(width, height);
+    const double bend = number(0.0, 0.1);
+    const double phase = number(0.0, 6.0);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const double u = (x + 0.5) / width;
+        const double v = 1.0 - (y + 0.5) / height;
+        float* const sample = map.at(x, y);
+        if (u + v < 0.2) {
+          for (int i = 0; i < 3; ++i) sample[i] = std::numeric_limits<float>::quiet_NaN();
+        } else if (flat) {
+          sample[0] = static_cast<float>(0.1 + 0.8 * u + bend * std::sin(3.0 * v + phase));
+          sample[1] = static_cast<float>(0.1 + 0.8 * v + bend * std::sin(2.0 * u + phase));
+          sample[2] = 0.0f;
+        } else {
+          const double azimuth = (u - 0.5) * (1.5 + bend);
+          sample[0] = static_cast<float>(4.0 * std::sin(azimuth));
+          sample[1] = static_cast<float>(3.0 * (v - 0.5) + bend);
+          sample[2] = static_cast<float>(-4.0 * std::cos(azimuth));
+        }
+      }
+    }
+    return map;
+  }
+
+  MaskMap mask(int width, int height) {
+    MaskMap mask(width, height, count(0, 1) == 0 ? 1 : 3, count(0, 1) == 0 ? 8 : 16);
+    for (std::uint16_t& sample : mask.samples) sample = static_cast<std::uint16_t>(count(0, mask.largest()));
+    mask.gamma = count(0, 1) == 0 ? 1.0 : 2.2;
+    return mask;
+  }
+
+  WarpRegion region(WarpProfile profile, const std::string& id) {
+    const bool in_space = profile == WarpProfile::kAdvanced3d || profile == WarpProfile::kShaderLamps;
+    WarpRegion region;
+    region.id = id;
+    region.width_px = count(1, 80);
+    region.height_px = count(1, 50);
+    region.map = map(region.width_px, region.height_px, !in_space);
+    region.interpolation = WarpInterpolation::kLinear;
+    if (in_space) {
+      region.unit = count(0, 1) == 0 ? LengthUnit::kMetre : LengthUnit::kMillimetre;
+      region.origin = profile == WarpProfile::kShaderLamps ? DataOrigin::kFloorCentre : DataOrigin::kIdealEyePoint;
+    }
+    if (profile == WarpProfile::k3d || profile == WarpProfile::kShaderLamps) {
+      region.frustum = WarpFrustum{number(-180, 180), number(-80, 80), number(-30, 30), number(5, 60),
+                                   number(-60, -5),   number(5, 40),   number(-40, -5)};
+    }
+    if (profile == WarpProfile::kShaderLamps) {
+      WarpCoordinateFrame frame;
+      for (double& p : frame.position) p = number(-3.0, 3.0);
+      region.coordinate_frame = frame;
+      region.distortion = map(count(2, 20), count(2, 20), true);
+    }
+    if (count(0, 3) > 0) region.alpha = mask(region.width_px, region.height_px);
+    if (count(0, 1) == 0) region.beta = mask(count(1, 40), count(1, 40));
+    return region;
+  }
+
+  WarpSet set(WarpProfile profile, MpcdiVersion version) {
+    WarpSet set;
+    set.profile = profile;
+    set.version = version;
+    set.date = "2024-05-06 07:08:09";
+    set.level = count(1, 4);
+    set.colour_level = version == MpcdiVersion::k1_0 ? 1 : count(1, 3);
+    WarpBuffer buffer{"wall <& \"round\">", count(0, 4000), count(0, 2000), {}};
+    const int regions = count(1, 3);
+    for (int i = 0; i < regions; ++i) {
+      WarpRegion made = region(profile, "Strahler/" + std::to_string(i) + " <ä&>");
+      made.rect = {static_cast<double>(i) / regions, 0.0, 1.0 / regions, number(0.1, 1.0)};
+      buffer.regions.push_back(std::move(made));
+    }
+    set.buffers.push_back(std::move(buffer));
+    return set;
+  }
+
+  double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  int count(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
+
+ private:
+  std::mt19937 random_;
+};
+
+}  // namespace cyclorama

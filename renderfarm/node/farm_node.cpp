@@ -6,10 +6,17 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/give_way.h"
 #include "common/wire/channel.h"
 #include "renderfarm/node/head_dialler.h"
 
 namespace cyclorama {
+namespace {
+
+/// Of nice: threads that render fill all processors, and an order or a tile must not wait for one of them to be free.
+constexpr int kRaysGiveWay = 5;
+
+}  // namespace
 
 Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options, SceneLoader loader) {
   if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "a node needs a head");
@@ -34,9 +41,11 @@ Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options
 FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader)
     : desk_(std::move(loader), options.memory_limit_bytes, options.cache),
       render_thread_([this] {
+        give_way(kRaysGiveWay);
         while (desk_.renders().wait()) desk_.renders().work();
       }),
       load_thread_([this] {
+        give_way(kRaysGiveWay);
         while (desk_.loads().wait()) desk_.loads().work();
       }) {}
 

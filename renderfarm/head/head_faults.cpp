@@ -51,7 +51,8 @@ TimePoint HeadState::due_at(const Session& session, const FrameInFlight& frame,
   if (frame.refines) {
     return since + std::max(kAtRestLeast, duration_of(kAtRest * frame.assembly.summary().render_seconds));
   }
-  const double expected = session.costs_known ? block.forecast.seconds / speed_of(node->second, session.scene) : 0.0;
+  const double expected =
+      session.costs_known ? block.forecast.seconds / wall_speed_of(node->second, session.scene) : 0.0;
   return since + std::max({kSilentLeast, duration_of(kExpected * expected),
                            duration_of(kSilent * to_seconds(measure_of(session)))});
 }
@@ -191,7 +192,7 @@ void HeadState::help_out(SessionId id, Session& session, FrameInFlight& frame, N
     if (found != nodes.end()) return static_cast<std::size_t>(found - nodes.begin());
     const Node& node = nodes_.at(id_of);
     nodes.push_back(id_of);
-    queues.push_back({speed_of(node, session.scene), {}, to_seconds(clock_.now() - node.worked_at)});
+    queues.push_back({wall_speed_of(node, session.scene), {}, to_seconds(clock_.now() - node.worked_at)});
     numbers.emplace_back();
     return nodes.size() - 1;
   };
@@ -225,7 +226,7 @@ double HeadState::turn_seconds(const Node& node, const std::string& scene) const
   if (frame == session->second.frames.end() || !frame->assembly.has(number)) return 0.0;
   const FrameAssembly::Block& block = frame->assembly.blocks().at(number);
   constexpr double kHalf = 0.5;
-  return kHalf * block.forecast.seconds / static_cast<double>(block.tiles.size()) / speed_of(node, scene);
+  return kHalf * block.forecast.seconds / static_cast<double>(block.tiles.size()) / wall_speed_of(node, scene);
 }
 
 void HeadState::learn_utilisation(Node& node, const wire::BlockEnd& end) {
@@ -255,6 +256,11 @@ double HeadState::speed_of(const Node& node, const std::string& scene) const {
   const double slowed = usual == usual_utilisation_.end() ? 1.0 : node.utilisation / usual->second;
   const auto known = node.scenes.find(scene);
   return node.threads * (known == node.scenes.end() ? 1.0 : known->second.speed) * (slowed < kSlowed ? slowed : 1.0);
+}
+
+double HeadState::wall_speed_of(const Node& node, const std::string& scene) const {
+  const auto usual = usual_utilisation_.find(scene);
+  return speed_of(node, scene) * (usual == usual_utilisation_.end() ? 1.0 : usual->second);
 }
 
 }  // namespace cyclorama

@@ -14,8 +14,11 @@ namespace {
 
 /// Unfinished or unwritten, per session: while one goes to the museum, the next is rendered.
 constexpr std::size_t kFramesAtWork = 2;
-/// What an order and its answer cost beside the pixels: one tile and its acknowledgement through gRPC with TLS.
-constexpr double kOrderSeconds = 0.0003;
+/// What a block costs beside its pixels: one tile and its acknowledgement through gRPC with TLS.
+constexpr double kBlockSeconds = 0.0003;
+/// What one more node costs: until its orders are on the wire, as `./bench.sh farm-overhead` measures the fan-out.
+/// Its tiles come while others render.
+constexpr double kNodeSeconds = 0.00005;
 /// Cpu-seconds: a frame that cost nothing still takes its turn.
 constexpr double kLeastCost = 1e-4;
 
@@ -56,7 +59,8 @@ std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& vi
   SplitRequest request{size_of(view), speeds, view.heading_rad(), view.panorama().azimuth_span_rad()};
   request.eye_m = eye_of(view);
   request.effort = effort_of(view);
-  request.block_overhead_seconds = request.node_overhead_seconds = kOrderSeconds;
+  request.block_overhead_seconds = kBlockSeconds;
+  request.node_overhead_seconds = kNodeSeconds;
   request.whole_blocks = whole_blocks;
   std::vector<PlacedBlock> blocks;
   for (const PlannedBlock& block : session.balancer->split(request)) {

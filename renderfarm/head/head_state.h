@@ -128,6 +128,8 @@ class HeadState {
   void compare_nodes();
   /// Of all its threads: 1 is one thread of the first node that told how fast it is.
   [[nodiscard]] double speed_of(const Node& node, const std::string& scene) const;
+  /// The same against the wall's clock: forecasts are thread time, of which nodes that share their hosts get a part.
+  [[nodiscard]] double wall_speed_of(const Node& node, const std::string& scene) const;
 
   // Governed visits: head_rest.cpp
   /// Chooses the view's quality.

@@ -21,7 +21,7 @@ from farm.farm import Farm, make_scene, render  # noqa: E402
 from farm.processor_share import ProcessorShare  # noqa: E402
 
 LEARNT = 5  # Frames before the measure: nothing was measured for the first to go by.
-SIZE = ("--width", 1024, "--height", 512)
+SIZE = ("--width", 1920, "--height", 1080)
 POSES = 720  # Half a degree from frame to frame, as a visitor turns.
 TRIANGLES = 200000
 USED = 0.8  # Of this machine's processors, by all nodes together.

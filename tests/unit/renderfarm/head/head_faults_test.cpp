@@ -112,6 +112,31 @@ TEST_F(Faults, a_node_that_is_done_takes_what_another_has_not_begun) {
   EXPECT_FALSE(s.peers.frames.back().costs.empty());  // It still teaches.
 }
 
+TEST_F(Faults, nodes_that_share_their_hosts_help_each_other_too) {
+  constexpr double kShared = 10.0;  // Their blocks take ten times as long as forecast, and that is usual.
+  open(2);
+  for (const NodeId node : nodes) s.slowed[node] = kShared;
+  for (int i = 0; i < 30; ++i) {
+    s.ask(visit, view_of(++number));
+    pass(100ms);
+    s.settle(nodes);
+  }
+  s.ask(visit, view_of(++number));
+  const NodeId busy = nodes[1];
+  while (blocks(s.peers.commands[busy]).size() > 2) s.work(busy);
+  const std::vector<wire::RenderBlock> left = blocks(s.peers.commands[busy]);
+  ASSERT_EQ(left.size(), 2u);
+  pass(5ms);  // Beyond what the block under way would take alone on its host, and less than it takes.
+  settle_without(busy);
+  std::set<std::uint64_t> cancelled;
+  for (const wire::NodeCommand& command : s.peers.commands[busy]) {
+    if (command.has_cancel()) cancelled.insert(command.cancel().block());
+  }
+  EXPECT_TRUE(cancelled.contains(left.back().block()));
+  s.settle(nodes);
+  EXPECT_EQ(s.peers.frames.back().moved, 1);
+}
+
 TEST_F(Faults, the_second_frame_does_not_wait_for_a_node_that_held_up_the_first) {
   open(4);
   const NodeId stuck = nodes[2];

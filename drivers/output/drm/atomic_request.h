@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "drivers/output/drm/card.h"
+
+namespace cyclorama {
+
+/// Changes to a card that happen together or not at all. Thread-bound.
+class AtomicRequest {
+ public:
+  AtomicRequest();
+
+  /// Sets a property by its name. The first one that the driver lacks, or that cannot be added, is what a commit
+  /// and the test then fail with, so that a request reads like data.
+  void set(const Properties& object, std::string_view name, std::uint64_t value);
+  /// Sets it where the driver has it.
+  void set_if_known(const Properties& object, std::string_view name, std::uint64_t value);
+
+  /// Whether the card could do commit_modeset(); changes nothing.
+  [[nodiscard]] Status test_modeset(const Card& card) const;
+  /// Screens may go dark for a moment; waits until it is done.
+  [[nodiscard]] Status commit_modeset(const Card& card) const;
+  /// Returns at once; an event with `cookie` follows for each CRTC in it.
+  [[nodiscard]] Status commit_flip(const Card& card, void* cookie) const;
+
+ private:
+  [[nodiscard]] Status commit(const Card& card, std::uint32_t flags, void* cookie, std::string_view doing) const;
+
+  std::unique_ptr<drmModeAtomicReq, KmsFree<drmModeAtomicFree>> request_;
+  std::optional<Error> mistake_;
+};
+
+/// A mode, where the card finds it. Move-only; borrows the card's fd.
+class ModeBlob {
+ public:
+  ModeBlob() = default;
+  /// Errors as errno says.
+  static Result<ModeBlob> create(const Card& card, const drmModeModeInfo& mode);
+  ModeBlob(ModeBlob&& other) noexcept : fd_(other.fd_), id_(std::exchange(other.id_, 0)) {}
+  ModeBlob& operator=(ModeBlob&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  /// One that cannot be destroyed goes with the file descriptor.
+  ~ModeBlob() {
+    if (id_ != 0) drmModeDestroyPropertyBlob(fd_, id_);
+  }
+  [[nodiscard]] std::uint32_t id() const { return id_; }
+
+ private:
+  int fd_ = -1;
+  std::uint32_t id_ = 0;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/output/drm/connector.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cyclorama {
+namespace {
+
+constexpr std::uint64_t kLinkBad = 1;  // DRM_MODE_LINK_STATUS_BAD of libdrm's drm_mode.h.
+
+std::vector<std::uint8_t> blob_bytes(int fd, const Property* property) {
+  if (property == nullptr || property->value == 0) return {};
+  // One that is gone again belongs to a projector that is gone: no EDID, as for one without.
+  const KmsBlob blob(drmModeGetPropertyBlob(fd, static_cast<std::uint32_t>(property->value)));
+  if (blob == nullptr || blob->data == nullptr) return {};
+  const auto* const bytes = static_cast<const std::uint8_t*>(blob->data);
+  return {bytes, bytes + blob->length};
+}
+
+}  // namespace
+
+int Connector::colour_bits() const {
+  constexpr int kUsual = 8;
+  const Property* const most = properties.find("max bpc");
+  if (most == nullptr || !edid || edid->colour_bits == 0) return kUsual;
+  return std::min(static_cast<int>(most->most), edid->colour_bits);
+}
+
+bool Connector::is_same_as(const Connector& other) const {
+  return is_connected == other.is_connected && is_link_bad == other.is_link_bad && edid_bytes == other.edid_bytes &&
+         std::equal(modes.begin(), modes.end(), other.modes.begin(), other.modes.end(),
+                    [](const drmModeModeInfo& a, const drmModeModeInfo& b) {
+                      return a.clock == b.clock && a.hdisplay == b.hdisplay && a.vdisplay == b.vdisplay &&
+                             a.htotal == b.htotal && a.vtotal == b.vtotal && a.flags == b.flags;
+                    });
+}
+
+Result<Connector> probe_connector(int fd, std::uint32_t id) {
+  const KmsConnector probed(drmModeGetConnector(fd, id));
+  if (probed == nullptr) return Error::from_errno(fmt::format("probing connector {}", id));
+  Connector connector;
+  const char* const type = drmModeGetConnectorTypeName(probed->connector_type);
+  connector.name = fmt::format("{}-{}", type == nullptr ? "Unknown" : type, probed->connector_type_id);
+  connector.is_connected = probed->connection == DRM_MODE_CONNECTED;
+  connector.modes.assign(probed->modes, probed->modes + probed->count_modes);
+  connector.possible_crtcs = drmModeConnectorGetPossibleCrtcs(fd, probed.get());
+  if (connector.is_connected && connector.possible_crtcs == 0)
+    return Error::from_errno(fmt::format("asking what can feed {}", connector.name));
+  auto properties = Properties::read(fd, id, DRM_MODE_OBJECT_CONNECTOR);
+  if (!properties) return std::move(properties).error().while_doing(connector.name);
+  connector.properties = *std::move(properties);
+  const Property* const link = connector.properties.find("link-status");
+  connector.is_link_bad = link != nullptr && link->value == kLinkBad;
+  if (connector.is_connected) connector.edid_bytes = blob_bytes(fd, connector.properties.find("EDID"));
+  if (auto edid = parse_edid(connector.edid_bytes)) connector.edid = *std::move(edid);
+  return connector;
+}
+
+}  // namespace cyclorama

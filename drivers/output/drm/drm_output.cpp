@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/output/drm/drm_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "drivers/output/drm/card_heads.h"
+#include "drivers/output/drm/head_placement.h"
+#include "drivers/output/drm/hotplug_monitor.h"
+#include "drivers/output/drm/refresh_pace.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kFastestHz = 1000.0;
+constexpr double kSlowestHz = 0.1;
+constexpr auto kLongestBackoff = std::chrono::seconds(1);
+constexpr auto kLookAgain = std::chrono::seconds(5);  // At what is dark, or where nobody tells of changes.
+constexpr int kMostFailures = 20;                     // In a row, until everything is to be opened again.
+constexpr int kMostBusyFlips = 3;
+
+/// One card, and how it fares.
+struct CardState {
+  std::unique_ptr<CardHeads> heads;
+  std::vector<Connector> connectors;
+  bool needs_light = true;
+  bool has_lost_master = false;
+  int failures = 0;  // Since it was last lit.
+  int busy_flips = 0;
+  TimePoint retry_at{};
+};
+
+class DrmOutput final : public Output {
+ public:
+  DrmOutput(const DrmOptions& options, const Clock& clock)
+      : options_(options), clock_(clock), pace_(options.refresh_hz, clock.now()) {
+    for (const DrmHead& head : options_.heads) modes_.push_back(head.mode);
+  }
+
+  Status open() {
+    for (const DrmHead& head : options_.heads) {
+      TRY_ASSIGN(SocketWish wish, parse_socket(head.connector));
+      wishes_.push_back(std::move(wish));
+    }
+    if (options_.cards.empty()) {
+      TRY_ASSIGN(options_.cards, list_cards());
+      if (options_.cards.empty())
+        return Error(ErrorCode::kNotFound, "this machine has no graphics card with connectors");
+    }
+    for (const std::filesystem::path& path : options_.cards) {
+      TRY_ASSIGN(Card card, Card::open(path));
+      CardState state;
+      state.heads = std::make_unique<CardHeads>(std::move(card), clock_);
+      cards_.push_back(std::move(state));
+    }
+    TRY_ASSIGN(gpu_, GpuContext::make(cards_.front().heads->card()));
+    TRY_ASSIGN(CanvasCopier copier, CanvasCopier::make(gl()));
+    copier_.emplace(std::move(copier));
+    for (const HeadMode& mode : modes_) {
+      auto canvas = Canvas::make(gl(), mode.width_px, mode.height_px);
+      if (!canvas) return std::move(canvas).error().while_doing(fmt::format("head '{}'", mode.name));
+      canvases_.push_back(*std::move(canvas));
+    }
+    is_drawn_.assign(modes_.size(), false);
+    // Without it, connectors are looked at from time to time.
+    if (auto monitor = HotplugMonitor::open()) hotplug_.emplace(*std::move(monitor));
+    return recover();
+  }
+
+  ~DrmOutput() override {
+    // What they hold are GL objects and framebuffers: before the context and the cards.
+    for (CardState& card : cards_) card.heads->release();
+    canvases_.clear();
+    copier_.reset();
+    gpu_.reset();
+  }
+  DrmOutput(const DrmOutput&) = delete;
+  DrmOutput& operator=(const DrmOutput&) = delete;
+
+  [[nodiscard]] const std::vector<HeadMode>& heads() const override { return modes_; }
+  [[nodiscard]] double refresh_hz() const override { return pace_.refresh_hz(); }
+  [[nodiscard]] const Gl& gl() const override { return gpu_->gl(); }
+
+  [[nodiscard]] std::string kind() const override {
+    std::string text = "DRM";
+    for (const CardState& card : cards_) text += " " + card.heads->card().path().string();
+    for (std::size_t head = 0; head < modes_.size(); ++head)
+      text += fmt::format("; {}: {}", modes_[head].name, text_of_head(head));
+    return text;
+  }
+
+  Status wait_for_refresh() override {
+    if (gpu_->is_lost()) return lost("the graphics processor was reset");
+    TRY(notice_changes());
+    TRY(recover());
+    clock_.wait_until(pace_.begin_at());
+    begun_at_ = clock_.now();
+    return Done{};
+  }
+
+  Status draw_to(std::size_t head) override {
+    CHECK(head < canvases_.size());
+    gl().BindFramebuffer(GL_FRAMEBUFFER, canvases_[head].framebuffer());
+    gl().Viewport(0, 0, modes_[head].width_px, modes_[head].height_px);
+    is_drawn_[head] = true;
+    return Done{};
+  }
+
+  Result<Presented> present() override {
+    for (std::size_t head = 0; head < modes_.size(); ++head) {
+      if (!is_drawn_[head]) continue;
+      for (CardState& card : cards_) card.heads->paint(*copier_, head);
+      is_drawn_[head] = false;
+    }
+    gl().Finish();  // What is handed to the card is whole, with every driver.
+    TRY(gl().check("presenting"));
+    pace_.drawn(clock_.now() - begun_at_);
+    for (CardState& card : cards_) {
+      if (!card.heads->is_painted()) continue;
+      if (auto flipped = card.heads->flip(); !flipped) TRY(take_failure(&card, std::move(flipped).error()));
+    }
+    std::optional<Flipped> shown;
+    for (CardState& card : cards_) {
+      if (!card.heads->is_flipping()) continue;
+      auto flipped = card.heads->wait(options_.flip_timeout);
+      if (!flipped) {
+        TRY(take_failure(&card, std::move(flipped).error()));
+        continue;
+      }
+      card.busy_flips = 0;
+      if (!shown || shown->at < flipped->at) shown = *flipped;
+    }
+    if (!shown) {
+      clock_.wait_until(pace_.next_at());
+      shown = Flipped{clock_.now(), false};
+    }
+    pace_.shown(shown->at, shown->has_vblank);
+    return Presented{pace_.number(), pace_.shown_at()};
+  }
+
+ private:
+  static Error lost(std::string_view why) { return Error(ErrorCode::kUnavailable, fmt::format("DRM: {}", why)); }
+
+  [[nodiscard]] bool is_awake() const { return options_.is_awake == nullptr || *options_.is_awake; }
+
+  [[nodiscard]] std::string text_of_head(std::size_t head) const {
+    for (const CardState& card : cards_) {
+      if (card.heads->is_showing(head)) return card.heads->text_of_head(head);
+    }
+    return sockets_.empty() || !sockets_[head] ? "no connector yet" : sockets_[head]->connector + " is dark";
+  }
+
+  /// The card must be lit again; when is told by how often that failed. kUnavailable  nothing but a new output helps.
+  Status take_failure(CardState* card, Error error) {
+    if (is_card_lost(error)) return lost(error.message());
+    if (error.errno_value() == EBUSY && !card->needs_light && ++card->busy_flips <= kMostBusyFlips) return Done{};
+    card->needs_light = true;
+    card->has_lost_master = is_master_lost(error);
+    // Another program may keep the card as long as it likes: that is no reason to give up.
+    if (!card->has_lost_master && ++card->failures > kMostFailures) return lost(error.message());
+    const auto backoff = pace_.next_at() - pace_.shown_at();
+    card->retry_at = clock_.now() + std::min<Duration>(kLongestBackoff, backoff * (card->failures / 3));
+    return Done{};
+  }
+
+  /// Hot-plug, and a change between day and night.
+  Status notice_changes() {
+    const bool awake = is_awake();
+    if (awake != was_awake_) {
+      was_awake_ = awake;
+      for (CardState& card : cards_) card.needs_light = true;
+    }
+    if (!was_awake_) return Done{};
+    const bool is_told = hotplug_ && hotplug_->take();
+    if (!is_told && clock_.now() < look_again_at_) return Done{};
+    look_again_at_ = clock_.now() + kLookAgain;
+    if (!is_told && hotplug_ && !is_any_dark()) return Done{};
+    for (CardState& card : cards_) {
+      auto probed = card.heads->card().probe();
+      if (!probed) {
+        TRY(take_failure(&card, std::move(probed).error()));
+        continue;
+      }
+      const bool is_same = std::equal(probed->begin(), probed->end(), card.connectors.begin(), card.connectors.end(),
+                                      [](const Connector& a, const Connector& b) { return a.is_same_as(b); });
+      // What is connected and dark is tried again, too: the others' modes may have left room by now.
+      if (!is_same || has_dark(card)) card.needs_light = true;
+    }
+    return Done{};
+  }
+
+  [[nodiscard]] bool has_dark(const CardState& card) const {
+    for (std::size_t head = 0; head < modes_.size(); ++head) {
+      const Connector* const connector = connector_of(head, card);
+      if (connector != nullptr && connector->is_connected && !card.heads->is_showing(head)) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool is_any_dark() const {
+    for (std::size_t head = 0; head < modes_.size(); ++head) {
+      const auto shows = [&](const CardState& card) { return card.heads->is_showing(head); };
+      if (std::none_of(cards_.begin(), cards_.end(), shows)) return true;
+    }
+    return false;
+  }
+
+  /// Null when the head's socket is not on this card.
+  [[nodiscard]] const Connector* connector_of(std::size_t head, const CardState& card) const {
+    if (sockets_.empty() || !sockets_[head] || &cards_[sockets_[head]->card] != &card) return nullptr;
+    const auto found = std::find_if(card.connectors.begin(), card.connectors.end(),
+                                    [&](const Connector& c) { return c.name == sockets_[head]->connector; });
+    return found == card.connectors.end() ? nullptr : &*found;
+  }
+
+  Status recover() {
+    const auto is_due = [&](const CardState& card) { return card.needs_light && clock_.now() >= card.retry_at; };
+    if (std::none_of(cards_.begin(), cards_.end(), is_due)) return Done{};
+    std::vector<bool> is_probed;
+    for (CardState& card : cards_) {
+      auto probed = is_due(card) ? probe(&card) : Status(Done{});
+      is_probed.push_back(probed.has_value());
+      if (!probed) TRY(take_failure(&card, std::move(probed).error()));
+    }
+    place();
+    for (std::size_t i = 0; i < cards_.size(); ++i) {
+      CardState& card = cards_[i];
+      if (!is_probed[i] || !is_due(card)) continue;
+      auto lit = card.heads->light(*gpu_, *copier_, card.connectors, targets_of(card));
+      if (!lit) {
+        TRY(take_failure(&card, std::move(lit).error()));
+        continue;
+      }
+      card.needs_light = false;
+      card.failures = 0;
+      card.busy_flips = 0;
+    }
+    set_rate();
+    return Done{};
+  }
+
+  Status probe(CardState* card) {
+    if (card->has_lost_master) {
+      // Whatever the kernel says to it, the card still is another program's.
+      if (!card->heads->card().become_master()) return kms_error(-EACCES, "waiting for the card");
+      card->has_lost_master = false;
+    }
+    TRY_ASSIGN(card->connectors, card->heads->card().probe());
+    return Done{};
+  }
+
+  void place() {
+    std::vector<SeenSocket> seen;
+    for (std::size_t i = 0; i < cards_.size(); ++i) {
+      for (const Connector& connector : cards_[i].connectors)
+        seen.push_back({{i, connector.name}, connector.is_connected});
+    }
+    sockets_ = place_heads(wishes_, seen, sockets_);
+  }
+
+  [[nodiscard]] std::vector<HeadTarget> targets_of(const CardState& card) const {
+    std::vector<HeadTarget> targets;
+    if (!was_awake_) return targets;
+    for (std::size_t head = 0; head < modes_.size(); ++head) {
+      const Connector* const connector = connector_of(head, card);
+      if (connector == nullptr || !connector->is_connected) continue;
+      targets.push_back({head, connector, &canvases_[head], options_.heads[head].rotation, options_.refresh_hz});
+    }
+    return targets;
+  }
+
+  void set_rate() {
+    double slowest = 0.0;
+    for (const CardState& card : cards_) {
+      const double hz = card.heads->refresh_hz();
+      if (hz > 0.0) slowest = slowest == 0.0 ? hz : std::min(slowest, hz);
+    }
+    pace_.set_rate(slowest == 0.0 ? options_.refresh_hz : slowest);
+  }
+
+  DrmOptions options_;
+  const Clock& clock_;
+  std::vector<HeadMode> modes_;
+  std::vector<SocketWish> wishes_;
+  std::vector<std::optional<Socket>> sockets_;
+  std::vector<CardState> cards_;
+  std::unique_ptr<GpuContext> gpu_;
+  std::optional<CanvasCopier> copier_;
+  std::vector<Canvas> canvases_;
+  std::vector<bool> is_drawn_;
+  std::optional<HotplugMonitor> hotplug_;
+  TimePoint look_again_at_{};
+  bool was_awake_ = true;
+  RefreshPace pace_;
+  TimePoint begun_at_{};
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Output>> open_drm_output(const DrmOptions& options, const Clock& clock) {
+  if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "an output needs at least one head");
+  if (!(options.refresh_hz >= kSlowestHz && options.refresh_hz <= kFastestHz)) {
+    return Error(ErrorCode::kInvalidArgument, fmt::format("a refresh rate of {} Hz; it must be {} to {}",
+                                                          options.refresh_hz, kSlowestHz, kFastestHz));
+  }
+  auto output = std::make_unique<DrmOutput>(options, clock);
+  TRY(output->open());
+  return std::unique_ptr<Output>(std::move(output));
+}
+
+}  // namespace cyclorama

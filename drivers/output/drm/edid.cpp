@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/output/drm/edid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace cyclorama {
+namespace {
+
+constexpr std::size_t kBlock = 128;
+constexpr std::array<std::uint8_t, 8> kHeader{0x00, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x00};
+constexpr std::size_t kMaker = 8;
+constexpr std::size_t kInput = 20;
+constexpr std::size_t kFirstDescriptor = 54;
+constexpr std::size_t kDescriptor = 18;
+constexpr std::size_t kDescriptors = 4;
+constexpr std::uint8_t kSerialText = 0xff;
+constexpr std::uint8_t kNameText = 0xfc;
+
+/// Table 3.23: up to 13 characters, ended by a line feed, filled with spaces.
+std::string text_of(std::span<const std::uint8_t> descriptor) {
+  std::string text;
+  for (const std::uint8_t byte : descriptor.subspan(5)) {
+    if (byte == '\n') break;
+    text += byte >= 0x20 && byte < 0x7f ? static_cast<char>(byte) : '?';
+  }
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+std::string maker_of(std::uint8_t high, std::uint8_t low) {
+  const unsigned packed = static_cast<unsigned>(high) << 8 | low;
+  std::string maker;
+  for (const unsigned shift : {10U, 5U, 0U}) {
+    const unsigned letter = packed >> shift & 0x1f;
+    maker += letter >= 1 && letter <= 26 ? static_cast<char>('A' + letter - 1) : '?';
+  }
+  return maker;
+}
+
+/// Table 3.11: three bits for a digital input of version 1.4; the rest is unknown or reserved.
+int colour_bits_of(std::uint8_t revision, std::uint8_t input) {
+  constexpr std::array<int, 8> kDepths{0, 6, 8, 10, 12, 14, 16, 0};
+  if (revision < 4 || (input & 0x80) == 0) return 0;
+  return kDepths[input >> 4 & 7];
+}
+
+}  // namespace
+
+std::string Edid::text() const {
+  std::string text = maker;
+  for (const std::string& part : {model.empty() ? fmt::format("{:04x}", product) : model, serial}) {
+    if (!part.empty()) text += " " + part;
+  }
+  return text;
+}
+
+Result<Edid> parse_edid(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < kBlock)
+    return Error(ErrorCode::kBadData, fmt::format("an EDID of {} bytes; it has at least {}", bytes.size(), kBlock));
+  bytes = bytes.first(kBlock);
+  const auto [wrong, expected] = std::mismatch(bytes.begin(), bytes.begin() + kHeader.size(), kHeader.begin());
+  if (expected != kHeader.end()) {
+    return Error(ErrorCode::kBadData, fmt::format("not an EDID: byte {} is 0x{:02x} instead of 0x{:02x}",
+                                                  wrong - bytes.begin(), *wrong, *expected));
+  }
+  const unsigned sum = std::accumulate(bytes.begin(), bytes.end(), 0U) & 0xff;
+  if (sum != 0) {
+    return Error(ErrorCode::kBadData, fmt::format("the EDID's bytes add up to 0x{:02x} instead of 0 (byte 127 is its "
+                                                  "checksum); try another cable",
+                                                  sum));
+  }
+  Edid edid;
+  edid.maker = maker_of(bytes[kMaker], bytes[kMaker + 1]);
+  edid.product = static_cast<std::uint16_t>(bytes[10] | bytes[11] << 8);
+  edid.colour_bits = colour_bits_of(bytes[19], bytes[kInput]);
+  for (std::size_t i = 0; i < kDescriptors; ++i) {
+    const auto descriptor = bytes.subspan(kFirstDescriptor + i * kDescriptor, kDescriptor);
+    if (descriptor[0] != 0 || descriptor[1] != 0) continue;  // A timing: the kernel's work.
+    if (descriptor[3] == kNameText) edid.model = text_of(descriptor);
+    if (descriptor[3] == kSerialText) edid.serial = text_of(descriptor);
+  }
+  return edid;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <gbm.h>
+
+#include <memory>
+
+#include "drivers/output/drm/card.h"
+#include "drivers/output/drm/kms.h"
+#include "drivers/output/gl.h"
+
+namespace cyclorama {
+
+using GbmBuffer = std::unique_ptr<gbm_bo, KmsFree<gbm_bo_destroy>>;
+
+/// A buffer as GL sees it. Move-only.
+class EglImage {
+ public:
+  EglImage() = default;
+  EglImage(EGLDisplay display, EGLImage image) : display_(display), image_(image) {}
+  EglImage(EglImage&& other) noexcept : display_(other.display_), image_(std::exchange(other.image_, EGL_NO_IMAGE)) {}
+  EglImage& operator=(EglImage&& other) noexcept {
+    std::swap(display_, other.display_);
+    std::swap(image_, other.image_);
+    return *this;
+  }
+  ~EglImage() {
+    if (image_ != EGL_NO_IMAGE) eglDestroyImage(display_, image_);
+  }
+  [[nodiscard]] EGLImage get() const { return image_; }
+
+ private:
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLImage image_ = EGL_NO_IMAGE;
+};
+
+/// OpenGL ES 3 on a card's own renderer (GBM). Current on the thread that made it until it dies there. Borrows the
+/// card, which outlives it. Thread-bound.
+class GpuContext {
+ public:
+  /// kUnavailable  the driver cannot, and which step failed.
+  static Result<std::unique_ptr<GpuContext>> make(const Card& card);
+  ~GpuContext();
+  GpuContext(const GpuContext&) = delete;
+  GpuContext& operator=(const GpuContext&) = delete;
+
+  [[nodiscard]] const Gl& gl() const { return gl_; }
+  [[nodiscard]] const Card& card() const { return card_; }
+  /// True once the graphics processor was reset: everything in the context is gone.
+  [[nodiscard]] bool is_lost() const;
+
+  /// A buffer that can be drawn to and scanned out; `is_shared`: by another card too. kUnavailable  no memory, or no
+  /// such format.
+  [[nodiscard]] Result<GbmBuffer> make_buffer(int width_px, int height_px, std::uint32_t format, bool is_shared) const;
+  /// The buffer as storage of the renderbuffer that is bound. kUnavailable  as EGL says. The buffer outlives the image.
+  [[nodiscard]] Result<EglImage> use_as_renderbuffer(gbm_bo* buffer) const;
+
+ private:
+  explicit GpuContext(const Card& card) : card_(card) {}
+  Status open();
+  Status make_context();
+
+  using TargetRenderbuffer = void (*)(GLenum target, EGLImage image);
+  using ResetStatus = GLenum (*)();
+
+  const Card& card_;
+  gbm_device* gbm_ = nullptr;
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLContext context_ = EGL_NO_CONTEXT;
+  TargetRenderbuffer target_renderbuffer_ = nullptr;
+  ResetStatus reset_status_ = nullptr;  // Null where the driver cannot tell.
+  Gl gl_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What libdrm gives, with an owner, and its errors as ours. Internal to the DRM output.
+#pragma once
+
+#include <xf86drm.h>
+#include <xf86drmMode.h>
+
+#include <memory>
+#include <string_view>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+template <auto Free>
+struct KmsFree {
+  void operator()(auto* pointer) const { Free(pointer); }
+};
+using KmsResources = std::unique_ptr<drmModeRes, KmsFree<drmModeFreeResources>>;
+using KmsConnector = std::unique_ptr<drmModeConnector, KmsFree<drmModeFreeConnector>>;
+using KmsPlaneResources = std::unique_ptr<drmModePlaneRes, KmsFree<drmModeFreePlaneResources>>;
+using KmsPlane = std::unique_ptr<drmModePlane, KmsFree<drmModeFreePlane>>;
+using KmsProperties = std::unique_ptr<drmModeObjectProperties, KmsFree<drmModeFreeObjectProperties>>;
+using KmsProperty = std::unique_ptr<drmModePropertyRes, KmsFree<drmModeFreeProperty>>;
+using KmsBlob = std::unique_ptr<drmModePropertyBlobRes, KmsFree<drmModeFreePropertyBlob>>;
+
+/// Of a call that returns a negative errno. Error::errno_value() is what callers of this folder look at.
+Error kms_error(int negative_errno, std::string_view doing);
+
+/// Another process holds the card's master right: drawing must wait for it.
+[[nodiscard]] bool is_master_lost(const Error& error);
+/// The card, or its driver, is no more: only opening everything again helps.
+[[nodiscard]] bool is_card_lost(const Error& error);
+
+}  // namespace cyclorama

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/output/drm/mode_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <tuple>
+
+namespace cyclorama {
+namespace {
+
+constexpr std::size_t kMost = 8;
+constexpr std::uint32_t kUnfit = DRM_MODE_FLAG_INTERLACE | DRM_MODE_FLAG_DBLSCAN | DRM_MODE_FLAG_3D_MASK;
+
+/// VESA DMT id 0x10.
+drmModeModeInfo safe_mode() {
+  drmModeModeInfo mode{};
+  mode.clock = 65000;
+  mode.hdisplay = 1024;
+  mode.hsync_start = 1048;
+  mode.hsync_end = 1184;
+  mode.htotal = 1344;
+  mode.vdisplay = 768;
+  mode.vsync_start = 771;
+  mode.vsync_end = 777;
+  mode.vtotal = 806;
+  mode.vrefresh = 60;
+  mode.flags = DRM_MODE_FLAG_NHSYNC | DRM_MODE_FLAG_NVSYNC;
+  mode.type = DRM_MODE_TYPE_USERDEF;
+  std::strncpy(mode.name, "1024x768", sizeof mode.name - 1);
+  return mode;
+}
+
+bool is_fit(const drmModeModeInfo& mode) {
+  return (mode.flags & kUnfit) == 0 && mode.hdisplay > 0 && mode.vdisplay > 0 && refresh_hz_of(mode) > 0.0;
+}
+
+/// Smaller is better.
+auto rank(const drmModeModeInfo& mode, const ModeWish& wish) {
+  const bool is_wished = mode.hdisplay == wish.width_px && mode.vdisplay == wish.height_px;
+  const bool is_preferred = (mode.type & DRM_MODE_TYPE_PREFERRED) != 0;
+  const int group = is_wished ? 0 : is_preferred ? 1 : 2;
+  const int pixels = static_cast<int>(mode.hdisplay) * mode.vdisplay;
+  // Two modes that differ by less than this are the same rate for us: 59.94 and 60 Hz.
+  constexpr double kSameRate_hz = 0.25;
+  const double off = std::round(std::abs(refresh_hz_of(mode) - wish.refresh_hz) / kSameRate_hz);
+  return std::make_tuple(group, group == 0 ? 0 : -pixels, off, is_preferred ? 0 : 1);
+}
+
+}  // namespace
+
+double refresh_hz_of(const drmModeModeInfo& mode) {
+  if (mode.htotal == 0 || mode.vtotal == 0) return 0.0;
+  return 1000.0 * mode.clock / (static_cast<double>(mode.htotal) * mode.vtotal);
+}
+
+std::string text_of(const drmModeModeInfo& mode) {
+  return fmt::format("{}x{}@{:.2f}", mode.hdisplay, mode.vdisplay, refresh_hz_of(mode));
+}
+
+bool is_same_mode(const drmModeModeInfo& a, const drmModeModeInfo& b) {
+  const auto timing = [](const drmModeModeInfo& m) {
+    return std::make_tuple(m.clock, m.hdisplay, m.hsync_start, m.hsync_end, m.htotal, m.hskew, m.vdisplay,
+                           m.vsync_start, m.vsync_end, m.vtotal, m.vscan, m.flags);
+  };
+  return timing(a) == timing(b);
+}
+
+std::vector<drmModeModeInfo> modes_to_try(std::span<const drmModeModeInfo> offered, const ModeWish& wish) {
+  std::vector<drmModeModeInfo> sorted;
+  std::copy_if(offered.begin(), offered.end(), std::back_inserter(sorted), is_fit);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](const auto& a, const auto& b) { return rank(a, wish) < rank(b, wish); });
+  if (sorted.size() >= kMost) sorted.resize(kMost - 1);
+  sorted.push_back(safe_mode());
+  std::vector<drmModeModeInfo> modes;
+  for (const drmModeModeInfo& mode : sorted) {
+    const auto is_same = [&](const drmModeModeInfo& m) { return is_same_mode(m, mode); };
+    if (std::none_of(modes.begin(), modes.end(), is_same)) modes.push_back(mode);
+  }
+  return modes;
+}
+
+}  // namespace cyclorama

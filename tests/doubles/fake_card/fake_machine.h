@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Graphics cards described as data, in the place of libdrm, GBM, EGL on GBM and udev: whoever links fake_card gets
+/// them instead of the machine's (the linker's --wrap). GL is real, on no surface, so what a connector shows is pixels.
+///
+///   ManualClock clock;
+///   FakeMachine machine({three_projectors()}, &clock);
+///   auto output = open_drm_output(...);
+///   machine.fail("drmModeGetResources", EIO);       // The next call, once.
+///   machine.wall(0, 1)                              // What card 0's second connector shows; nothing: dark.
+#pragma once
+
+#include <xf86drmMode.h>
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/image/image.h"
+#include "tests/doubles/manual_clock.h"
+
+struct gbm_bo {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t format = 0;
+  std::uint32_t handle = 0;
+  unsigned renderbuffer = 0;  ///< Where GL draws it.
+};
+
+namespace cyclorama {
+
+/// A progressive mode with plausible blanking.
+drmModeModeInfo fake_mode(int width_px, int height_px, double refresh_hz, bool is_preferred = false);
+/// A whole EDID 1.4 base block; `colour_bits` 0, 6, 8, ... 16.
+std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits);
+
+struct FakeConnector {
+  std::uint32_t type = DRM_MODE_CONNECTOR_HDMIA;
+  std::uint32_t number = 1;
+  bool is_connected = true;
+  std::vector<drmModeModeInfo> modes;
+  std::vector<std::uint8_t> edid;
+  std::uint32_t possible_crtcs = 0xff;
+  std::uint64_t most_bpc = 0;  ///< 0: the driver has no such property.
+};
+
+struct FakeCard {
+  std::string path = "/dev/dri/card0";
+  std::size_t crtcs = 3;
+  std::vector<FakeConnector> connectors;
+  std::uint64_t most_clock_khz = 0;  ///< Of all modes together, which a card's memory limits; 0: any.
+  bool can_be_deep = true;           ///< Planes take 10 bits.
+  bool has_raster = true;            ///< False: flips happen when they are told to, as on virtual cards.
+};
+/// Three connected projectors of 64x36 pixels at 60 Hz: HDMI-A-1 to -3, 8 bit.
+FakeCard three_projectors();
+
+/// All there is, until it dies; one at a time. Thread-bound, to the thread of the output.
+class FakeMachine {
+ public:
+  FakeMachine(std::vector<FakeCard> cards, ManualClock* clock);
+  ~FakeMachine();
+  FakeMachine(const FakeMachine&) = delete;
+  FakeMachine& operator=(const FakeMachine&) = delete;
+
+  /// To be changed at will; hot_plug() tells the driver that something was.
+  FakeConnector& connector(std::size_t card, std::size_t number);
+  void hot_plug() { ++hot_plugs; }
+  /// Lets `passes` calls of this name pass and fails the next one with this errno. "page flip event": it never comes.
+  /// Commits are "drmModeAtomicCommit (test)", "(modeset)" and "(flip)".
+  void fail(const std::string& call, int error, int passes = 0);
+  /// Whether a fault that was ordered was met.
+  [[nodiscard]] bool was_fault_met() const { return !fault_; }
+  /// Another program takes the card, or leaves it.
+  void set_master_taken(std::size_t card, bool is_taken);
+  /// Everything on the card is lost, as after a hang.
+  void reset_gpu() { is_gpu_reset = true; }
+  /// The rows from the top that a connector scans out now; nothing: no signal. A GL context must be current.
+  [[nodiscard]] std::optional<RgbImage> wall(std::size_t card, std::size_t number) const;
+  /// Of a connector that is lit.
+  [[nodiscard]] std::optional<drmModeModeInfo> mode_of(std::size_t card, std::size_t number) const;
+  [[nodiscard]] bool is_deep(std::size_t card, std::size_t number) const;
+  /// Commits that were not only tried; and how many of them could darken a screen.
+  [[nodiscard]] int commits(std::size_t card) const;
+  [[nodiscard]] int modesets(std::size_t card) const;
+  /// How often each of the wrapped calls was made.
+  [[nodiscard]] const std::map<std::string, int>& calls() const { return calls_; }
+  /// Buffers, images, contexts and files that are still held.
+  [[nodiscard]] std::size_t held() const;
+
+  // What follows is for the wrapped calls alone.
+
+  using State = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t>;  // (object, property) -> value.
+  struct Framebuffer {
+    const gbm_bo* buffer = nullptr;
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::uint32_t format = 0;
+  };
+  struct FlipEvent {
+    std::uint32_t crtc = 0;
+    void* cookie = nullptr;
+  };
+  struct CardState {
+    FakeCard card;
+    State state;
+    std::map<std::uint32_t, std::vector<std::uint8_t>> blobs;
+    std::map<std::uint32_t, Framebuffer> framebuffers;
+    std::map<std::uint32_t, const gbm_bo*> imported;
+    std::vector<FlipEvent> events;
+    std::set<std::uint32_t> flipping;
+    int master_fd = -1;
+    bool is_master_taken = false;
+    int commits = 0;
+    int modesets = 0;
+  };
+
+  static FakeMachine& the();
+  static FakeMachine* the_or_null();
+  /// 0, or the errno that this call must fail with.
+  int meet(const char* call);
+  [[nodiscard]] CardState* card_of(int fd);
+  [[nodiscard]] CardState* card_at(const std::string& path);
+  [[nodiscard]] ManualClock& clock() { return *clock_; }
+  void opened(int fd, CardState* card);
+  void closed(int fd);
+  /// A new number for whatever the kernel numbers.
+  std::uint32_t next_id() { return ++last_id_; }
+  int commit(CardState* card, const State& changes, std::uint32_t flags, void* cookie, int fd);
+
+  static std::uint32_t property_id(const std::string& name);
+  static std::string property_name(std::uint32_t id);
+  static constexpr std::uint32_t kFirstCrtc = 100;
+  static constexpr std::uint32_t kFirstConnector = 200;
+  static constexpr std::uint32_t kFirstPrimary = 300;
+  static constexpr std::uint32_t kFirstCursor = 350;
+
+  int hot_plugs = 0;
+  bool is_gpu_reset = false;
+  unsigned sequence = 0;
+  std::set<gbm_bo*> buffers;
+  std::size_t gbm_devices = 0;
+  std::size_t contexts = 0;
+  std::size_t images = 0;
+  std::size_t udev_objects = 0;
+  std::map<int, gbm_bo*> shared;
+
+ private:
+  struct Fault {
+    std::string call;
+    int error = 0;
+    int passes = 0;
+  };
+  [[nodiscard]] int refusal(const CardState& card, const State& wanted, bool allows_modeset) const;
+  [[nodiscard]] int refusal_of_planes(const CardState& card, const State& wanted) const;
+  [[nodiscard]] int refusal_of_modes(const CardState& card, const State& wanted) const;
+
+  std::vector<std::unique_ptr<CardState>> cards_;
+  std::map<int, CardState*> fds_;
+  ManualClock* clock_;
+  std::optional<Fault> fault_;
+  std::map<std::string, int> calls_;
+  std::uint32_t last_id_ = 5000;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/output/drm/drm_output.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <cmath>
+
+#include "drivers/output/gl_objects.h"
+#include "tests/doubles/fake_card/fake_machine.h"
+
+namespace cyclorama {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class DrmOutputTest : public ::testing::Test {
+ protected:
+  static DrmOptions three_heads() {
+    DrmOptions options;
+    options.heads = {{{"left", 64, 36}, "HDMI-A-1"}, {{"middle", 64, 36}, "HDMI-A-2"}, {{"right", 64, 36}, "HDMI-A-3"}};
+    options.flip_timeout = std::chrono::milliseconds(20);
+    return options;
+  }
+  void use(std::vector<FakeCard> cards) { machine_ = std::make_unique<FakeMachine>(std::move(cards), &clock_); }
+  void open(const DrmOptions& options) {
+    auto output = open_drm_output(options, clock_);
+    ASSERT_TRUE(output) << output.error().message();
+    output_ = *std::move(output);
+  }
+  /// One refresh in which every head gets its own shade of `colour`.
+  Status refresh(int colour) {
+    TRY(output_->wait_for_refresh());
+    for (std::size_t head = 0; head < output_->heads().size(); ++head) {
+      TRY(output_->draw_to(head));
+      fill(colour, static_cast<int>(head));
+    }
+    TRY_ASSIGN(presented_, output_->present());
+    return Done{};
+  }
+  void fill(int colour, int head) const {
+    const Gl& gl = output_->gl();
+    gl.ClearColor(static_cast<float>(colour) / 255.0f, static_cast<float>(head) / 255.0f, 0.0f, 1.0f);
+    gl.Clear(GL_COLOR_BUFFER_BIT);
+  }
+  /// What a connector shows in its middle: {colour, head, 0}; {-1} when it is dark.
+  std::vector<int> seen(std::size_t connector, std::size_t card = 0) const {
+    const auto wall = machine_->wall(card, connector);
+    if (!wall) return {-1};
+    const std::uint8_t* const p = wall->at(wall->width() / 2, wall->height() / 2);
+    return {p[0], p[1], p[2]};
+  }
+
+  ManualClock clock_;
+  std::unique_ptr<FakeMachine> machine_;
+  std::unique_ptr<Output> output_;
+  Presented presented_;
+};
+
+TEST_F(DrmOutputTest, shows_each_head_on_its_connector_with_one_commit) {
+  use({three_projectors()});
+  open(three_heads());
+  EXPECT_EQ(output_->heads().size(), 3U);
+  EXPECT_NEAR(output_->refresh_hz(), 60.0, 0.5);
+  EXPECT_THAT(output_->kind(), HasSubstr("left: HDMI-A-1 CYC P1, 64x36@"));
+  const int before = machine_->commits(0);
+  for (int colour = 1; colour <= 5; ++colour) {
+    ASSERT_TRUE(refresh(colour));
+    for (std::size_t head = 0; head < 3; ++head)
+      EXPECT_THAT(seen(head), ElementsAre(colour, static_cast<int>(head), 0));
+  }
+  EXPECT_EQ(machine_->commits(0), before + 5);
+  EXPECT_EQ(machine_->modesets(0), 1);
+}
+
+TEST_F(DrmOutputTest, counts_refreshes_at_the_projectors_pace) {
+  use({three_projectors()});
+  open(three_heads());
+  ASSERT_TRUE(refresh(1));
+  const Presented first = presented_;
+  for (int n = 0; n < 10; ++n) ASSERT_TRUE(refresh(n));
+  EXPECT_EQ(presented_.refresh, first.refresh + 10);
+  EXPECT_NEAR(to_seconds(presented_.at - first.at), 10.0 / 60.0, 1e-3);
+}
+
+TEST_F(DrmOutputTest, keeps_the_picture_of_a_head_that_was_not_drawn) {
+  use({three_projectors()});
+  open(three_heads());
+  ASSERT_TRUE(refresh(7));
+  for (int n = 1; n < 4; ++n) {
+    ASSERT_TRUE(output_->wait_for_refresh());
+    ASSERT_TRUE(output_->draw_to(1));
+    fill(100 + n, 1);
+    ASSERT_TRUE(output_->present());
+    EXPECT_THAT(seen(0), ElementsAre(7, 0, 0));
+    EXPECT_THAT(seen(1), ElementsAre(100 + n, 1, 0));
+  }
+  ASSERT_TRUE(output_->wait_for_refresh());
+  const int before = machine_->commits(0);
+  const std::uint64_t refresh = output_->present()->refresh;
+  EXPECT_EQ(machine_->commits(0), before);  // Nothing new: nothing to flip.
+  EXPECT_GT(refresh, presented_.refresh);
+}
+
+/// A picture whose corners differ, turned each way; rows of what is seen count from the top.
+TEST_F(DrmOutputTest, turns_a_heads_picture) {
+  const auto corners = [&](Rotation rotation) {
+    output_.reset();
+    FakeCard card = three_projectors();
+    card.connectors.resize(1);
+    machine_.reset();
+    use({card});
+    DrmOptions options = three_heads();
+    options.heads.resize(1);
+    options.heads[0].rotation = rotation;
+    const bool is_aside = rotation == Rotation::kQuarter || rotation == Rotation::kThreeQuarters;
+    options.heads[0].mode = {"left", is_aside ? 36 : 64, is_aside ? 64 : 36};
+    open(options);
+    EXPECT_TRUE(output_->draw_to(0));
+    const Gl& gl = output_->gl();
+    auto program = GlProgram::link(gl,
+                                   "#version 300 es\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, "
+                                   "gl_VertexID == 2 ? 3.0 : -1.0, 0, 1); }",
+                                   "#version 300 es\nprecision highp float;\nout vec4 c;\nvoid main() { c = "
+                                   "vec4(floor(gl_FragCoord.xy) / 255.0, 0, 1); }");
+    EXPECT_TRUE(program);
+    gl.UseProgram(program->id());
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    EXPECT_TRUE(output_->present());
+    const auto wall = machine_->wall(0, 0);
+    EXPECT_TRUE(wall);
+    std::vector<std::pair<int, int>> colours;
+    for (const auto& [x, y] : {std::pair(0, 0), std::pair(63, 0), std::pair(63, 35), std::pair(0, 35)})
+      colours.emplace_back(wall->at(x, y)[0], wall->at(x, y)[1]);
+    return colours;
+  };
+  using P = std::pair<int, int>;
+  // The picture's own corners, (x from the left, y from the bottom), clockwise from the panel's top left.
+  EXPECT_THAT(corners(Rotation::kNone), ElementsAre(P(0, 35), P(63, 35), P(63, 0), P(0, 0)));
+  EXPECT_THAT(corners(Rotation::kQuarter), ElementsAre(P(0, 0), P(0, 63), P(35, 63), P(35, 0)));
+  EXPECT_THAT(corners(Rotation::kHalf), ElementsAre(P(63, 0), P(0, 0), P(0, 35), P(63, 35)));
+  EXPECT_THAT(corners(Rotation::kThreeQuarters), ElementsAre(P(35, 63), P(35, 0), P(0, 0), P(0, 63)));
+}
+
+TEST_F(DrmOutputTest, shows_every_8_bit_value_unchanged_through_10_bits) {
+  FakeCard card = three_projectors();
+  for (FakeConnector& connector : card.connectors) {
+    connector.edid = fake_edid("deep", 10);
+    connector.most_bpc = 12;
+  }
+  use({card});
+  open(three_heads());
+  EXPECT_TRUE(machine_->is_deep(0, 2));
+  EXPECT_THAT(output_->kind(), HasSubstr("10 bit"));
+  for (int colour = 0; colour < 256; ++colour) {
+    ASSERT_TRUE(refresh(colour));
+    ASSERT_THAT(seen(1), ElementsAre(colour, 1, 0));
+  }
+}
+
+TEST_F(DrmOutputTest, is_not_deeper_than_cable_projector_and_card) {
+  FakeCard card = three_projectors();
+  card.connectors[0].edid = fake_edid("shallow", 8);
+  card.connectors[0].most_bpc = 12;
+  card.connectors[1].edid = fake_edid("deep", 12);
+  card.connectors[2].edid = fake_edid("deep", 12);
+  card.connectors[2].most_bpc = 12;
+  use({card});
+  open(three_heads());
+  EXPECT_FALSE(machine_->is_deep(0, 0));
+  EXPECT_FALSE(machine_->is_deep(0, 1));
+  EXPECT_TRUE(machine_->is_deep(0, 2));
+  output_.reset();
+  machine_.reset();
+  card.can_be_deep = false;
+  use({card});
+  open(three_heads());
+  EXPECT_FALSE(machine_->is_deep(0, 2));
+  ASSERT_TRUE(refresh(5));
+  EXPECT_THAT(seen(2), ElementsAre(5, 2, 0));
+}
+
+TEST_F(DrmOutputTest, flips_the_heads_of_two_cards_and_draws_on_the_first) {
+  FakeCard second = three_projectors();
+  second.path = "/dev/dri/card1";
+  use({three_projectors(), second});
+  DrmOptions options = three_heads();
+  options.heads.push_back({{"ceiling", 64, 36}, "1:HDMI-A-2"});
+  open(options);
+  ASSERT_TRUE(refresh(9));
+  EXPECT_THAT(seen(2, 0), ElementsAre(9, 2, 0));
+  EXPECT_THAT(seen(1, 1), ElementsAre(9, 3, 0));
+  EXPECT_THAT(seen(0, 1), ElementsAre(-1));
+  output_.reset();
+  EXPECT_EQ(machine_->held(), 0U);
+}
+
+TEST_F(DrmOutputTest, scales_to_what_another_projector_takes) {
+  FakeCard card = three_projectors();
+  card.connectors[1].modes = {fake_mode(32, 18, 60.0, true)};
+  card.connectors[2].modes.clear();
+  card.connectors[2].edid.clear();
+  use({card});
+  open(three_heads());
+  ASSERT_TRUE(refresh(3));
+  EXPECT_EQ(machine_->wall(0, 1)->width(), 32);
+  EXPECT_THAT(seen(1), ElementsAre(3, 1, 0));
+  EXPECT_EQ(machine_->wall(0, 2)->width(), 1024);
+  EXPECT_THAT(seen(2), ElementsAre(3, 2, 0));
+}
+
+TEST_F(DrmOutputTest, takes_lesser_modes_where_the_card_cannot_feed_all) {
+  FakeCard card = three_projectors();
+  for (FakeConnector& connector : card.connectors) connector.modes.push_back(fake_mode(16, 9, 60.0));
+  const std::uint64_t full = fake_mode(64, 36, 60.0).clock;
+  card.most_clock_khz = 2 * full + fake_mode(16, 9, 60.0).clock;
+  use({card});
+  open(three_heads());
+  ASSERT_TRUE(refresh(3));
+  EXPECT_EQ(machine_->wall(0, 0)->width(), 64);
+  EXPECT_EQ(machine_->wall(0, 1)->width(), 64);
+  EXPECT_EQ(machine_->wall(0, 2)->width(), 16);
+  EXPECT_THAT(seen(2), ElementsAre(3, 2, 0));
+}
+
+TEST_F(DrmOutputTest, gives_a_projector_that_comes_back_its_picture_without_being_drawn_again) {
+  use({three_projectors()});
+  open(three_heads());
+  ASSERT_TRUE(refresh(40));
+  machine_->connector(0, 1).is_connected = false;
+  machine_->hot_plug();
+  ASSERT_TRUE(output_->wait_for_refresh());
+  ASSERT_TRUE(output_->present());
+  EXPECT_THAT(seen(1), ElementsAre(-1));
+  EXPECT_THAT(seen(2), ElementsAre(40, 2, 0));
+  EXPECT_THAT(output_->kind(), HasSubstr("middle: HDMI-A-2 is dark"));
+  // Another one comes in its place.
+  machine_->connector(0, 1).is_connected = true;
+  machine_->connector(0, 1).modes = {fake_mode(80, 45, 60.0, true)};
+  machine_->connector(0, 1).edid = fake_edid("other", 8);
+  machine_->hot_plug();
+  ASSERT_TRUE(output_->wait_for_refresh());
+  EXPECT_THAT(seen(1), ElementsAre(40, 1, 0));
+  EXPECT_EQ(machine_->wall(0, 1)->width(), 80);
+  ASSERT_TRUE(refresh(41));
+  EXPECT_THAT(seen(1), ElementsAre(41, 1, 0));
+}
+
+TEST_F(DrmOutputTest, does_nothing_to_the_screens_when_an_event_changes_nothing) {
+  use({three_projectors()});
+  open(three_heads());
+  ASSERT_TRUE(refresh(1));
+  const int before = machine_->modesets(0);
+  machine_->hot_plug();
+  ASSERT_TRUE(refresh(2));
+  EXPECT_EQ(machine_->modesets(0), before);
+}
+
+TEST_F(DrmOutputTest, starts_without_projectors_and_lights_them_when_they_come) {
+  FakeCard card = three_projectors();
+  for (FakeConnector& connector : card.connectors) connector.is_connected = false;
+  use({card});
+  open(three_heads());
+  const TimePoint before = clock_.now();
+  for (int n = 0; n < 60; ++n) ASSERT_TRUE(refresh(n));
+  EXPECT_NEAR(to_seconds(clock_.now() - before), 1.0, 0.05);
+  EXPECT_THAT(seen(0), ElementsAre(-1));
+  machine_->connector(0, 0).is_connected = true;
+  machine_->hot_plug();
+  ASSERT_TRUE(refresh(99));
+  EXPECT_THAT(seen(0), ElementsAre(99, 0, 0));
+}
+
+TEST_F(DrmOutputTest, looks_by_itself_where_nobody_tells_of_changes) {
+  FakeCard card = three_projectors();
+  card.connectors[0].is_connected = false;
+  use({card});
+  machine_->fail("udev_monitor_new_from_netlink", EPERM);
+  open(three_heads());
+  machine_->connector(0, 0).is_connected = true;
+  for (int n = 0; n < 60 * 6; ++n) ASSERT_TRUE(refresh(50));
+  EXPECT_THAT(seen(0), ElementsAre(50, 0, 0));
+}
+
+TEST_F(DrmOutputTest, waits_for_another_program_to_give_the_card_back) {
+  use({three_projectors()});
+  open(three_heads());
+  ASSERT_TRUE(refresh(1));
+  machine_->set_master_taken(0, true);
+  for (int n = 0; n < 200; ++n) ASSERT_TRUE(refresh(n));
+  machine_->set_master_taken(0, false);
+  for (int n = 0; n < 70; ++n) ASSERT_TRUE(refresh(77));
+  for (std::size_t head = 0; head < 3; ++head) EXPECT_THAT(seen(head), ElementsAre(77, static_cast<int>(head), 0));
+}
+
+TEST_F(DrmOutputTest, is_lost_with_the_graphics_processor_and_a_new_one_shows_again) {
+  use({three_projectors()});
+  open(three_heads());
+  ASSERT_TRUE(refresh(1));
+  machine_->reset_gpu();
+  const auto waited = output_->wait_for_refresh();
+  ASSERT_FALSE(waited);
+  EXPECT_EQ(waited.error().code(), ErrorCode::kUnavailable);
+  output_.reset();
+  EXPECT_EQ(machine_->held(), 0U);
+  open(three_heads());
+  ASSERT_TRUE(refresh(2));
+  EXPECT_THAT(seen(1), ElementsAre(2, 1, 0));
+}
+
+TEST_F(DrmOutputTest, sleeps_and_wakes) {
+  use({three_projectors()});
+  std::atomic<bool> is_awake{true};
+  DrmOptions options = three_heads();
+  options.is_awake = &is_awake;
+  open(options);
+  ASSERT_TRUE(refresh(1));
+  is_awake = false;
+  const TimePoint before = clock_.now();
+  for (int n = 0; n < 60; ++n) ASSERT_TRUE(refresh(n));
+  EXPECT_NEAR(to_seconds(clock_.now() - before), 1.0, 0.05);
+  for (std::size_t head = 0; head < 3; ++head) EXPECT_THAT(seen(head), ElementsAre(-1));
+  is_awake = true;
+  ASSERT_TRUE(refresh(5));
+  for (std::size_t head = 0; head < 3; ++head) EXPECT_THAT(seen(head), ElementsAre(5, static_cast<int>(head), 0));
+}
+
+TEST_F(DrmOutputTest, keeps_pace_on_a_card_without_a_raster) {
+  FakeCard card = three_projectors();
+  card.has_raster = false;
+  use({card});
+  open(three_heads());
+  ASSERT_TRUE(refresh(1));
+  const Presented first = presented_;
+  for (int n = 0; n < 60; ++n) ASSERT_TRUE(refresh(n));
+  EXPECT_NEAR(to_seconds(presented_.at - first.at), 1.0, 0.05);
+  EXPECT_EQ(presented_.refresh, first.refresh + 60);
+}
+
+TEST_F(DrmOutputTest, refuses_what_cannot_be) {
+  use({three_projectors()});
+  const auto error_of = [&](auto change) {
+    DrmOptions options = three_heads();
+    change(&options);
+    auto output = open_drm_output(options, clock_);
+    EXPECT_FALSE(output);
+    EXPECT_EQ(machine_->held(), 0U);
+    return output.error();
+  };
+  EXPECT_EQ(error_of([](DrmOptions* o) { o->heads.clear(); }).code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(error_of([](DrmOptions* o) { o->heads[1].mode.width_px = 0; }).code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(error_of([](DrmOptions* o) { o->refresh_hz = std::nan(""); }).code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(error_of([](DrmOptions* o) { o->heads[0].connector = "x:y"; }).code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(error_of([](DrmOptions* o) { o->cards = {"/dev/dri/card7"}; }).code(), ErrorCode::kNotFound);
+  machine_->set_master_taken(0, true);
+  const Error busy = error_of([](DrmOptions*) {});
+  EXPECT_EQ(busy.code(), ErrorCode::kBusy);
+  EXPECT_THAT(busy.message(), HasSubstr("belongs to another display server"));
+}
+
+TEST_F(DrmOutputTest, holds_nothing_whichever_call_fails) {
+  use({three_projectors()});
+  open(three_heads());
+  output_.reset();
+  const std::map<std::string, int> calls = machine_->calls();
+  EXPECT_GT(calls.size(), 20U);
+  for (const auto& [call, count] : calls) {
+    for (int pass = 0; pass < std::min(count, 4); ++pass) {
+      machine_->fail(call, EIO, pass);
+      auto output = open_drm_output(three_heads(), clock_);
+      if (output) {
+        output->reset();
+      } else {
+        EXPECT_FALSE(output.error().message().empty());
+      }
+      EXPECT_EQ(machine_->held(), 0U) << call;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "appliance/interchange/warp_net.h"
 #include "appliance/interchange/warp_set.h"
 
 namespace cyclorama {
@@ -93,6 +94,31 @@ class GeneratedWarps {
     }
     set.buffers.push_back(std::move(buffer));
     return set;
+  }
+
+  /// A bent grid with dimmed nodes and some that are not drawn, in 7 decimals.
+  WarpNet grid() {
+    WarpNet net;
+    net.columns = count(2, 30);
+    net.rows = count(2, 20);
+    for (int j = 0; j < net.rows; ++j) {
+      for (int i = 0; i < net.columns; ++i) {
+        WarpNode node{static_cast<double>(i) / (net.columns - 1), static_cast<double>(j) / (net.rows - 1),
+                      number(-0.1, 1.1), number(-0.1, 1.1), count(0, 9) == 0 ? -1.0 : number(0.0, 1.0)};
+        node.x += number(-0.01, 0.01);
+        net.nodes.push_back(node);
+      }
+    }
+    return net;
+  }
+
+  /// The same without its grid: triangles, and full light.
+  WarpNet triangles() {
+    WarpNet net = grid();
+    for (WarpNode& node : net.nodes) node.light = 1.0;
+    net.triangles = net.drawn();
+    net.columns = net.rows = 0;
+    return net;
   }
 
   double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// From a region that others measured to what a display draws (appliance/warp), and from our own warp to a region that
+/// others play. Pure; reentrant.
+///
+///     region (2d)       u, v in the source picture ─ picture's shape ─┐
+///     region (3d)       u, v in a frustum's view ─────────────────────┼─▶ directions from the sweet spot ─▶ WarpMesh
+///     region (a3, sl)   x, y, z on the screen ─ where the eye is ─────┘
+///     alpha ────────────────────────────────────────────────────────────▶ MaskImage      beta ─▶ black level
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "appliance/interchange/warp_set.h"
+#include "appliance/warp/blend_mask.h"
+#include "appliance/warp/warp_mesh.h"
+#include "common/geometry/projection.h"
+
+namespace cyclorama {
+
+/// What a file does not say, and we know.
+struct WarpSetting {
+  /// 2d: what the whole picture of the region's buffer shows.
+  PictureShape picture = Panorama{};
+  /// a3 and sl: the sweet spot in the map's frame, metres. Not needed where the data begin at the ideal eye point.
+  std::optional<Eigen::Vector3d> eye_m;
+};
+
+/// Unit vectors in the Eye frame (x right, y up, -z the heading), one per sample of the region's map; NaN where nothing
+/// is mapped or seen.
+using DirectionMap = Image<float, 3>;
+
+/// kInvalidArgument  the region has no map, no frustum (3d), no unit or no place of the eye (a3, sl): says what to
+/// give. kBadData  no sample gives a direction.
+Result<DirectionMap> directions_of(const WarpRegion& region, WarpProfile profile, const WarpSetting& setting);
+
+/// A mesh over the projector's picture whose cells are halved until they keep to `tolerance_rad` of the directions, or
+/// are four pixels wide. Vertices just outside of what is mapped go on straight, so that the rim is drawn: mask_of()
+/// cuts it off pixel by pixel. WarpMesh::worst_error_px is the angle that is left, in the region's mean pixels.
+/// kBadData  nothing mapped.
+Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px, double tolerance_rad);
+
+/// Factors on linear light per projector pixel: alpha (its channels' mean), and 0 where nothing is mapped.
+[[nodiscard]] MaskImage mask_of(const WarpRegion& region);
+/// The linear light that every pixel shows at least (black level); nothing where the region has no beta.
+[[nodiscard]] std::optional<MaskImage> black_level_of(const WarpRegion& region);
+
+/// Our warp as a 2d region over the whole of `picture`: u, v at each pixel's centre, NaN where the mesh is not drawn or
+/// leaves the picture, and the mask as alpha in 16 bits. Precondition: the mask has the mesh's pixels.
+[[nodiscard]] WarpRegion region_of(const WarpMesh& mesh, const MaskImage& mask, const PictureShape& picture,
+                                   const std::string& id);
+
+/// The same as points on the wall, in metres from the eye (a3): right from any place, so other engines can follow an
+/// eye.
+[[nodiscard]] WarpRegion region_in_space(const ProjectorMap& map, const Point<frame::Room>& eye, const MaskImage& mask,
+                                         const std::string& id);
+
+}  // namespace cyclorama

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Text files line by line, with the line's number for errors.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "appliance/interchange/fault.h"
+#include "common/base/result.h"
+#include "common/base/text.h"
+
+namespace cyclorama {
+
+/// Borrows the text. Thread-bound.
+class TextLines {
+ public:
+  explicit TextLines(std::string_view text) : left_(text) {}
+
+  /// The next line that is not blank, without its line end and the blanks around it; nothing at the end.
+  std::optional<std::string_view> next() {
+    while (!left_.empty()) {
+      const std::size_t end = std::min(left_.find('\n'), left_.size());
+      std::string_view line = left_.substr(0, end);
+      left_.remove_prefix(std::min(end + 1, left_.size()));
+      ++number_;
+      while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+      while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+      if (!line.empty()) return line;
+    }
+    return std::nullopt;
+  }
+  /// "line 12": of the one that next() gave last.
+  [[nodiscard]] std::string place() const { return fmt::format("line {}", number_); }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+  std::string_view left_;
+  std::size_t number_ = 0;
+};
+
+/// What stands between blanks, or between `separator` where one is given (then also empty fields).
+inline std::vector<std::string_view> fields_of(std::string_view line, char separator = ' ') {
+  std::vector<std::string_view> fields;
+  const std::string_view ends = separator == ' ' ? std::string_view(" \t") : std::string_view(&separator, 1);
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t end = std::min(line.find_first_of(ends, at), line.size());
+    if (separator != ' ' || end > at) fields.push_back(line.substr(at, end - at));
+    at = end + 1;
+  }
+  return fields;
+}
+
+/// A finite number, or a fault at `place`.
+inline Result<double> number_of(std::string_view field, std::string_view place) {
+  const auto value = parse_double(field);
+  if (!value || !std::isfinite(*value)) {
+    return fault(place, fmt::format("'{}' is no number", printable(field)), "export the file again");
+  }
+  return *value;
+}
+
+/// Seven decimals, without a negative zero: the same after it was read.
+inline std::string decimals(double value) { return fmt::format("{:.7f}", std::abs(value) < 0.5e-7 ? 0.0 : value); }
+
+}  // namespace cyclorama

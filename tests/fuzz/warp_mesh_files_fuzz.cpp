@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first byte chooses the format; what is accepted must be drawn, and written and read again.
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "appliance/interchange/mesh_files.h"
+#include "common/base/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
+  const auto parse = [&]() -> Result<WarpNet> {
+    switch (data[0] % 4) {
+      case 0:
+        return parse_bourke(text, 1.6);
+      case 1:
+        return parse_warp_obj(text);
+      case 2:
+        return parse_domeprojection(text);
+      default:
+        return parse_simcad(text);
+    }
+  };
+  const auto net = parse();
+  if (!net) return 0;
+  CHECK(check(*net).has_value());
+  if (net->columns > 0) {
+    const auto printed = print_bourke(*net, 1.6);
+    CHECK(printed.has_value() && parse_bourke(*printed, 1.6).has_value());
+  }
+  if (net->nodes.size() < 4096) {
+    const auto region = region_from(*net, "r", 16, 9);
+    if (region) CHECK(check(*region, WarpProfile::k2d).has_value());
+  }
+  return 0;
+}

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/interchange/display_warp.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "appliance/interchange/mpcdi.h"
+#include "tests/doubles/demo_room.h"
+
+namespace cyclorama {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kToleranceRad = 1e-4;
+constexpr double kRimRad = 3e-3;  ///< A fifth of a pixel of these small projectors: what is lost where the wall ends.
+
+/// The room's middle projector with a tenth of its pixels, through an MPCDI file and back.
+class Returned : public ::testing::Test {
+ protected:
+  Returned() : room_(small_room()), map_(room_, 1), masks_(make_blend_masks(projector_maps(room_))) {}
+
+  static Installation small_room() {
+    Installation room = demo_room();
+    for (InstalledProjector& projector : room.projectors) {
+      Pinhole& lens = projector.lens;
+      lens.width_px /= 10;
+      lens.height_px /= 10;
+      lens.focal_px /= 10;
+      lens.centre_u_px /= 10;
+      lens.centre_v_px /= 10;
+    }
+    return room;
+  }
+
+  static WarpRegion through_file(WarpRegion region, WarpProfile profile) {
+    WarpSet set;
+    set.profile = profile;
+    set.buffers.push_back({"wall", 0, 0, {std::move(region)}});
+    const auto bytes = encode_mpcdi(set);
+    CHECK(bytes.has_value());
+    const auto back = decode_mpcdi(*bytes);
+    CHECK(back.has_value());
+    return back->set.buffers[0].regions[0];
+  }
+
+  /// The largest angle between what the mesh draws and what the projector truly shows, on the wall.
+  double worst_angle(const WarpMesh& mesh) const {
+    double worst = 0.0;
+    int drawn = 0;
+    for (int y = 0; y < mesh.height_px; ++y) {
+      for (int x = 0; x < mesh.width_px; ++x) {
+        const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
+        if (!map_.wall_point_of(pixel)) continue;
+        const auto truth = map_.direction_of(pixel);
+        const auto meshed = mesh.interpolate(pixel);
+        if (!truth || !meshed) continue;
+        ++drawn;
+        worst = std::max(
+            worst, std::hypot(truth->azimuth_rad - meshed->azimuth_rad, truth->tan_elevation - meshed->tan_elevation));
+      }
+    }
+    CHECK(drawn > 0);
+    return worst;
+  }
+
+  Installation room_;
+  ProjectorMap map_;
+  std::vector<MaskImage> masks_;
+};
+
+TEST_F(Returned, a_flat_region_draws_what_the_projector_showed) {
+  const Panorama picture = room_.panorama(2048);
+  const auto mesh = make_warp_mesh(map_, picture, 0.2);
+  ASSERT_TRUE(mesh.has_value()) << mesh.error().message();
+  const WarpRegion region = through_file(region_of(*mesh, masks_[1], picture, "middle"), WarpProfile::k2d);
+  const auto directions = directions_of(region, WarpProfile::k2d, {.picture = picture, .eye_m = {}});
+  ASSERT_TRUE(directions.has_value()) << directions.error().message();
+  const auto back = mesh_from(*directions, region.width_px, region.height_px, kToleranceRad);
+  ASSERT_TRUE(back.has_value()) << back.error().message();
+  EXPECT_LT(worst_angle(*back), kRimRad);
+  const MaskImage mask = mask_of(region);
+  int lit = 0;
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (!std::isnan(region.map->at(x, y)[0])) {
+        EXPECT_NEAR(*mask.at(x, y), *masks_[1].at(x, y), 1e-5);
+        ++lit;
+      } else {
+        EXPECT_EQ(*mask.at(x, y), 0.0f);
+      }
+    }
+  }
+  EXPECT_GT(lit, mask.width() * mask.height() / 2);
+}
+
+TEST_F(Returned, points_on_the_wall_draw_what_the_projector_showed) {
+  const WarpRegion region =
+      through_file(region_in_space(map_, room_.sweet_spot, masks_[1], "middle"), WarpProfile::kAdvanced3d);
+  EXPECT_EQ(region.unit, LengthUnit::kMetre);
+  const auto directions = directions_of(region, WarpProfile::kAdvanced3d, {});
+  ASSERT_TRUE(directions.has_value()) << directions.error().message();
+  const auto back = mesh_from(*directions, region.width_px, region.height_px, kToleranceRad);
+  ASSERT_TRUE(back.has_value());
+  EXPECT_LT(worst_angle(*back), kRimRad);
+}
+
+TEST_F(Returned, points_from_the_floor_need_the_place_of_the_eye) {
+  WarpRegion region = region_in_space(map_, room_.sweet_spot, masks_[1], "middle");
+  const auto expected = directions_of(region, WarpProfile::kAdvanced3d, {});
+  ASSERT_TRUE(expected.has_value());
+  const Eigen::Vector3d eye(0.1, 1.6, -0.2);
+  for (int y = 0; y < region.height_px; ++y) {
+    for (int x = 0; x < region.width_px; ++x) {
+      for (int i = 0; i < 3; ++i) {
+        float& value = region.map->at(x, y)[i];
+        value = static_cast<float>((static_cast<double>(value) + eye[i]) / 0.3048);
+      }
+    }
+  }
+  region.unit = LengthUnit::kFoot;
+  region.origin = DataOrigin::kFloorCentre;
+  EXPECT_THAT(directions_of(region, WarpProfile::kAdvanced3d, {}).error().message(), HasSubstr("sweet spot"));
+  const auto moved = directions_of(region, WarpProfile::kAdvanced3d, {.picture = Panorama{}, .eye_m = eye});
+  ASSERT_TRUE(moved.has_value());
+  for (std::size_t i = 0; i < moved->data().size(); ++i) {
+    if (std::isnan(expected->data()[i])) continue;
+    EXPECT_NEAR(moved->data()[i], expected->data()[i], 1e-5) << i;
+  }
+}
+
+WarpRegion looking(double yaw, double pitch, double roll, float u, float v) {
+  WarpRegion region;
+  region.id = "r";
+  region.width_px = region.height_px = 1;
+  region.frustum = WarpFrustum{yaw, pitch, roll, 45.0, -45.0, 45.0, -45.0};
+  region.map = WarpMap(1, 1);
+  region.map->at(0, 0)[0] = u;
+  region.map->at(0, 0)[1] = v;
+  return region;
+}
+
+void expect_direction(const WarpRegion& region, const Eigen::Vector3d& expected) {
+  const auto directions = directions_of(region, WarpProfile::k3d, {});
+  ASSERT_TRUE(directions.has_value()) << directions.error().message();
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(directions->at(0, 0)[i], expected.normalized()[i], 1e-6) << i;
+}
+
+TEST(Directions, a_frustum_turns_right_then_up_then_clockwise) {
+  expect_direction(looking(0, 0, 0, 0.5f, 0.5f), {0, 0, -1});
+  expect_direction(looking(0, 0, 0, 1.0f, 1.0f), {1, 1, -1});  // The picture's upper right corner.
+  expect_direction(looking(90, 0, 0, 0.5f, 0.5f), {1, 0, 0});
+  expect_direction(looking(0, 90, 0, 0.5f, 0.5f), {0, 1, 0});
+  expect_direction(looking(0, 0, 90, 0.5f, 1.0f), {1, 0, -1});  // Its upper edge lies to the right.
+  expect_direction(looking(90, 45, 0, 0.5f, 0.5f), {1, 1, 0});
+}
+
+TEST(Directions, a_region_is_a_part_of_its_buffers_picture) {
+  WarpRegion region = looking(0, 0, 0, 0.5f, 0.5f);
+  region.rect = {0.5, 0.5, 0.5, 0.5};  // The upper right quarter.
+  const Panorama picture{400, 200, 2.0, 0.5, -0.5};
+  const auto directions = directions_of(region, WarpProfile::k2d, {.picture = picture, .eye_m = {}});
+  ASSERT_TRUE(directions.has_value()) << directions.error().message();
+  const float* const d = directions->at(0, 0);
+  EXPECT_NEAR(std::atan2(d[0], -d[2]), 0.5, 1e-6);
+  EXPECT_NEAR(d[1] / std::hypot(d[0], d[2]), 0.25, 1e-6);
+}
+
+TEST(Directions, what_cannot_be_seen_is_refused_with_what_to_give) {
+  WarpRegion region = looking(0, 0, 0, 0.5f, 0.5f);
+  EXPECT_THAT(directions_of(region, WarpProfile::kAdvanced3d, {}).error().message(), HasSubstr("geometricUnit"));
+  EXPECT_EQ(directions_of(region, WarpProfile::k2d, {}).error().code(), ErrorCode::kInvalidArgument) << "no picture";
+  region.unit = LengthUnit::kMetre;
+  region.origin = DataOrigin::kIdealEyePoint;
+  region.map = WarpMap(1, 1);
+  EXPECT_THAT(directions_of(region, WarpProfile::kAdvanced3d, {}).error().message(), HasSubstr("no sample"));
+  region.map.reset();
+  EXPECT_THAT(directions_of(region, WarpProfile::k3d, {}).error().message(), HasSubstr("geometryWarpFile"));
+}
+
+TEST(MeshFrom, a_projector_across_the_seam_at_half_a_turn_has_azimuths_that_do_not_jump) {
+  DirectionMap directions(64, 8);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const double azimuth = 3.14159265 + 0.4 * ((x + 0.5) / 64 - 0.5);
+      const float level = static_cast<float>(std::cos(0.1));
+      directions.at(x, y)[0] = level * static_cast<float>(std::sin(azimuth));
+      directions.at(x, y)[1] = static_cast<float>(std::sin(0.1));
+      directions.at(x, y)[2] = -level * static_cast<float>(std::cos(azimuth));
+    }
+  }
+  const auto mesh = mesh_from(directions, 64, 8, 1e-3);
+  ASSERT_TRUE(mesh.has_value());
+  for (int x = 0; x + 1 < 64; ++x) {
+    const double step = mesh->interpolate({x + 1.5, 4.0})->azimuth_rad - mesh->interpolate({x + 0.5, 4.0})->azimuth_rad;
+    EXPECT_NEAR(step, 0.4 / 64, 1e-4) << x;
+  }
+}
+
+TEST(MeshFrom, a_map_without_a_mapped_sample_is_refused) {
+  const DirectionMap none(8, 8, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_THAT(mesh_from(none, 8, 8, 1e-3).error().message(), HasSubstr("too little"));
+}
+
+TEST(BlackLevel, is_light_after_gamma_in_the_projectors_pixels) {
+  WarpRegion region = looking(0, 0, 0, 0.5f, 0.5f);
+  EXPECT_FALSE(black_level_of(region).has_value());
+  region.width_px = 4;
+  region.height_px = 2;
+  region.beta = MaskMap(1, 1, 1, 8);
+  region.beta->samples = {51};
+  region.beta->gamma = 2.0;
+  const auto level = black_level_of(region);
+  ASSERT_TRUE(level.has_value());
+  EXPECT_EQ(level->width(), 4);
+  EXPECT_NEAR(*level->at(3, 1), 0.04, 1e-6);
+}
+
+}  // namespace
+}  // namespace cyclorama

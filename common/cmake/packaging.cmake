@@ -6,9 +6,8 @@ if(HELP2MAN AND programs)
   foreach(program IN LISTS programs)
     get_property(component GLOBAL PROPERTY CYCLORAMA_COMPONENT_${program})
     set(page "${PROJECT_BINARY_DIR}/man/${program}.1.gz")
-    add_custom_command(OUTPUT "${page}" DEPENDS ${program}
-      COMMAND ${HELP2MAN} --no-info --output "${PROJECT_BINARY_DIR}/man/${program}.1" $<TARGET_FILE:${program}>
-      COMMAND gzip -9nf "${PROJECT_BINARY_DIR}/man/${program}.1" VERBATIM)
+    add_custom_command(OUTPUT "${page}" DEPENDS ${program} "${CMAKE_CURRENT_LIST_DIR}/man-page"
+      COMMAND "${CMAKE_CURRENT_LIST_DIR}/man-page" $<TARGET_FILE:${program}> "${PROJECT_BINARY_DIR}/man/${program}.1" VERBATIM)
     list(APPEND pages "${page}")
     install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${component} OPTIONAL)
   endforeach()
@@ -28,15 +27,15 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_DEBUGINFO_PACKAGE ON)  # Programs are stripped; their symbols go into packages of their own.
 set(CPACK_DEBIAN_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_FARM_DESCRIPTION "render farm for projected panoramas: the head
- Museums and nodes dial it. It splits each picture among the nodes so that all of them
- end at the same moment, and passes on what they render.")
+Museums and nodes dial it. It splits each picture among the nodes so that all of them
+end at the same moment, and passes on what they render.")
 set(CPACK_DEBIAN_NODE_DESCRIPTION "render farm for projected panoramas: a node
- Ray traces for a head: dials it, gets the scenes it is told to, renders parts of
- pictures. It never listens.")
+Ray traces for a head: dials it, gets the scenes it is told to, renders parts of
+pictures. It never listens.")
 set(CPACK_DEBIAN_MUSEUM_DESCRIPTION "visits of scenes on a projected panorama: the museum's side
- Tracker, tour, display and operator page.")
+Tracker, tour, display and operator page.")
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "tools for the scenes of a render farm
- Render a scene, measure it, make a grotto to try with.")
+Render a scene, measure it, make a grotto to try with.")
 # dh_installsystemd's duties, in the words of the units that a package brings.
 set(units_of_farm cyclorama-farm.service)
 set(units_of_node cyclorama-node.service)

@@ -6,6 +6,7 @@ what the operator must fill in, and with it they start, report to systemd, and e
 Run: packages_test.py SOURCE_ROOT BUILD_FOLDER [COMPONENT ...]
 """
 import configparser
+import gzip
 import os
 import pathlib
 import random
@@ -52,11 +53,20 @@ def unpack(build, component, folder):
     return root
 
 
+def name_line(page):
+    """Of a man page: what `man -k` and `whatis` show."""
+    lines = gzip.decompress(page.read_bytes()).decode().splitlines()
+    return lines[lines.index(".SH NAME") + 1]
+
+
 def check_files(component, root):
     for program in PROGRAMS[component]:
         file = root / "usr/bin" / program
         expect(os.access(file, os.X_OK), f"{component}: no program {program}")
-        expect((root / f"usr/share/man/man1/{program}.1.gz").exists(), f"{component}: no man page of {program}")
+        page = root / f"usr/share/man/man1/{program}.1.gz"
+        about = name_line(page) if page.exists() else ""
+        expect(about.startswith(f"{program} ") and len(about) > 30 and "manual page" not in about,
+               f"{component}: the man page of {program} calls itself '{about}'")
     names = {path.name for path in (root / "usr/bin").iterdir()}
     expect(names == set(PROGRAMS[component]), f"{component}: usr/bin has {sorted(names)}")
     for file in ("copyright", "changelog.gz"):
@@ -65,6 +75,8 @@ def check_files(component, root):
                not re.match(r"(DEBIAN|usr/bin|usr/lib/(systemd|sysusers\.d)|usr/share/(man|doc)|etc/(cyclorama|logrotate\.d))/", str(p.relative_to(root)))]
     expect(not foreign, f"{component}: unexpected files {foreign}")
     control = (root / "DEBIAN/control").read_text()
+    described = re.search(r"^Description: (\S.*(?:\n .*)+)", control, re.M)
+    expect(described and not re.search(r"\n  ", described[1]), f"{component}: its description is not plain text:\n{control}")
     expect(re.search(r"^Depends: .*libc6", control, re.M), f"{component}: its libraries are no dependencies:\n{control}")
     settings = sorted("/" + str(p.relative_to(root)) for p in root.glob("etc/*/*"))
     conffiles = root / "DEBIAN/conffiles"

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "common/wire/channel.h"
-#include "common/wire/convert.h"
 #include "common/wire/farm.grpc.pb.h"
 
 namespace cyclorama {
@@ -116,7 +115,6 @@ Error FarmClient::visit(const std::shared_ptr<grpc::Channel>& channel, bool* ret
   const grpc::Status status = finish_after_read(visit.context, [&] { return visit.stream().Finish(); });
   const std::lock_guard lock(mutex_);
   context_ = nullptr;
-  opened_ = false;
   if (!fine) return std::move(fine).error();
   if (visit.given_up) return *visit.given_up;
   return status.ok() ? Error(ErrorCode::kUnavailable, "the farm ended the visit") : from_grpc(status, "visiting");
@@ -131,7 +129,7 @@ void FarmClient::write_views(Visit& visit) {
   bool alive = visit.stream().Write(request);
   std::unique_lock lock(mutex_);
   while (alive && !visit.over) {
-    if (opened_ && window_.is_sendable()) {
+    if (window_.is_sendable()) {
       if (window_.in_flight() == 0) heard_at_ = SteadyClock().now();
       *request.mutable_view() = *window_.take_sendable();
       lock.unlock();
@@ -139,7 +137,7 @@ void FarmClient::write_views(Visit& visit) {
       lock.lock();
       continue;
     }
-    const bool owes = !opened_ || window_.in_flight() > 0;
+    const bool owes = !window_.is_opened() || window_.in_flight() > 0;
     const TimePoint until = owes ? heard_at_ + options_.patience : SteadyClock().now() + options_.patience;
     if (owes && SteadyClock().now() >= until) {
       visit.given_up =
@@ -155,27 +153,7 @@ Status FarmClient::handle(const wire::VisitReply& reply, bool* ret_opened) {
   {
     const std::lock_guard lock(mutex_);
     heard_at_ = SteadyClock().now();
-    const bool is_first = reply.message_case() == wire::VisitReply::kOpened;
-    if (is_first == opened_) {
-      return Error(ErrorCode::kBadData, "the farm must describe the scene first, and once");
-    }
-    switch (reply.message_case()) {
-      case wire::VisitReply::kOpened:
-        TRY(validate(reply.opened()));
-        break;
-      case wire::VisitReply::kBegin:
-        TRY(window_.begin(reply.begin()));
-        break;
-      case wire::VisitReply::kTile:
-        TRY(window_.accept(reply.tile()));
-        break;
-      case wire::VisitReply::kEnd:
-        TRY(window_.end(reply.end()));
-        break;
-      case wire::VisitReply::MESSAGE_NOT_SET:
-        return Error(ErrorCode::kBadData, "the farm sent an unknown message");
-    }
-    opened_ = true;
+    TRY(window_.take(reply));
   }
   switch (reply.message_case()) {
     case wire::VisitReply::kOpened:

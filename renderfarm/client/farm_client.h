@@ -100,7 +100,6 @@ class FarmClient {
   std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
   bool stopping_ = false;
-  bool opened_ = false;
   TimePoint heard_at_{};  ///< When the farm last said something, or was last asked while it owed nothing.
   ViewWindow window_;
   grpc::ClientContext* context_ = nullptr;  ///< Of the current call, so that stop() can cancel it.

@@ -10,7 +10,16 @@
 namespace cyclorama {
 namespace {
 
+/// Tiles start on cuts this far apart.
+constexpr std::uint32_t kCutPx = 16;
+
 Error broken(const std::string& what) { return Error(ErrorCode::kBadData, "the farm " + what); }
+
+std::uint32_t cells(std::uint32_t px) { return (px + kCutPx - 1) / kCutPx; }
+
+bool is_same_place(const wire::View& a, const wire::View& b) {
+  return from_wire(a.eye_m()) == from_wire(b.eye_m()) && a.heading_rad() == b.heading_rad();
+}
 
 /// What the farm makes of a panorama that was asked for: the same field, perhaps with fewer pixels.
 Status check_shape(const Panorama& asked, Panorama begun) {
@@ -21,6 +30,25 @@ Status check_shape(const Panorama& asked, Panorama begun) {
 }
 
 }  // namespace
+
+Status ViewWindow::take(const wire::VisitReply& reply) {
+  if (reply.has_opened() == opened_) return broken("must describe the scene first, and once");
+  switch (reply.message_case()) {
+    case wire::VisitReply::kOpened:
+      TRY(validate(reply.opened()));
+      opened_ = true;
+      return Done{};
+    case wire::VisitReply::kBegin:
+      return begin(reply.begin());
+    case wire::VisitReply::kTile:
+      return accept(reply.tile());
+    case wire::VisitReply::kEnd:
+      return end(reply.end());
+    case wire::VisitReply::MESSAGE_NOT_SET:
+      break;
+  }
+  return broken("sent an unknown message");
+}
 
 bool ViewWindow::put(wire::View view) {
   CHECK(view.number() > newest_);
@@ -43,14 +71,18 @@ Status ViewWindow::begin(const wire::View& view) {
   if (!is_refined && asked == in_flight_.end()) {
     return broken(fmt::format("sent frame {}, which nobody asked for", view.number()));
   }
-  TRY_ASSIGN(const Panorama wanted, from_wire((is_refined ? *answered_ : *asked).panorama()));
-  TRY_ASSIGN(const Panorama begun, from_wire(view.panorama()));
-  TRY(check_shape(wanted, begun));
+  const wire::View& wanted = is_refined ? *answered_ : *asked;
+  if (!is_same_place(view, wanted)) return broken("sent a frame from another place");
+  TRY_ASSIGN(const Panorama field, from_wire(wanted.panorama()));
+  const auto begun = from_wire(view.panorama());
+  if (!begun) return broken("sent a frame whose " + begun.error().message());
+  TRY(check_shape(field, *begun));
   if (!is_refined) in_flight_.erase(in_flight_.begin(), asked);  // Older numbers were skipped.
-  open_ = begun;
+  open_ = *begun;
   open_number_ = view.number();
-  corners_.clear();
+  covered_.assign(std::size_t{cells(view.panorama().width_px())} * cells(view.panorama().height_px()), false);
   covered_px_ = 0;
+  tiles_ = 0;
   return Done{};
 }
 
@@ -59,9 +91,23 @@ Status ViewWindow::accept(const wire::Tile& tile) {
     return broken(fmt::format("sent a tile of frame {}, which is not open", tile.view_number()));
   }
   if (const Status fits = validate(tile, *open_); !fits) return broken("sent a " + fits.error().message());
-  if (!corners_.emplace(tile.x_px(), tile.y_px()).second) {
-    return broken(fmt::format("sent the tile at ({}, {}) twice", tile.x_px(), tile.y_px()));
+  const auto each_cell = [&](const auto& use) {
+    const std::size_t columns = cells(static_cast<std::uint32_t>(open_->width_px));
+    for (std::size_t y = tile.y_px() / kCutPx; y < cells(tile.y_px() + tile.height_px()); ++y) {
+      for (std::size_t x = tile.x_px() / kCutPx; x < cells(tile.x_px() + tile.width_px()); ++x) {
+        if (!use(covered_[y * columns + x])) return false;
+      }
+    }
+    return true;
+  };
+  if (!each_cell([](bool covered) { return !covered; })) {
+    return broken(fmt::format("sent a tile at ({}, {}) over another", tile.x_px(), tile.y_px()));
   }
+  each_cell([](std::vector<bool>::reference covered) {
+    covered = true;
+    return true;
+  });
+  ++tiles_;
   covered_px_ += std::uint64_t{tile.width_px()} * tile.height_px();
   return Done{};
 }
@@ -72,7 +118,7 @@ Status ViewWindow::end(const wire::FrameEnd& end) {
   }
   const std::uint64_t whole_px =
       static_cast<std::uint64_t>(open_->width_px) * static_cast<std::uint64_t>(open_->height_px);
-  if (end.complete() && (covered_px_ != whole_px || end.tiles() != corners_.size())) {
+  if (end.complete() && (covered_px_ != whole_px || end.tiles() != tiles_)) {
     return broken(
         fmt::format("called frame {} complete with {} of {} pixels", end.view_number(), covered_px_, whole_px));
   }
@@ -91,6 +137,7 @@ std::optional<std::uint64_t> ViewWindow::lose() {
   in_flight_.clear();
   answered_.reset();
   open_.reset();
+  opened_ = false;
   return open_number;
 }
 

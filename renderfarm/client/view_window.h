@@ -5,12 +5,11 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <set>
-#include <utility>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/geometry/panorama.h"
-#include "common/wire/view.pb.h"
+#include "common/wire/farm.pb.h"
 
 namespace cyclorama {
 
@@ -23,8 +22,9 @@ inline constexpr std::size_t kFramesInFlight = 2;
 ///                 ▲                                                │
 ///                 └──────────────── lose(): the newest ────────────┘
 ///
-/// The frame that ended last may be begun again, refined. Invariant: at most one frame is open (begun and not ended);
-/// it is the oldest in flight, or that one.
+/// The frame that ended last may be begun again, refined. Invariants: 1. at most one frame is open (begun and not
+/// ended); it is the oldest in flight, or that one; 2. no two tiles of a frame share a pixel, and those of a complete
+/// frame cover it.
 class ViewWindow {
  public:
   /// True if a view that waited was dropped for this one. Precondition: numbers grow.
@@ -32,29 +32,37 @@ class ViewWindow {
   /// The waiting view, when fewer than kFramesInFlight are in flight; it is in flight from now on.
   std::optional<wire::View> take_sendable();
 
-  /// What the farm answers, in the order in which it comes. Each is kBadData when it breaks farm.proto: another frame
-  /// is open, a number that was not asked for, another field or more pixels than asked for, a tile twice or outside, a
-  /// "complete" frame with holes.
-  Status begin(const wire::View& view);
-  Status accept(const wire::Tile& tile);
-  Status end(const wire::FrameEnd& end);
+  /// What the farm answers, in the order in which it comes. kBadData when it breaks farm.proto: the scene is not
+  /// described first and once, another frame is open, a number that was not asked for, another place, direction or field
+  /// or more pixels than asked for, a tile outside or over another, a "complete" frame with holes. kInvalidArgument when
+  /// the scene cannot be walked in. What is refused changes nothing.
+  Status take(const wire::VisitReply& reply);
+
+  /// The farm described its scene.
+  [[nodiscard]] bool is_opened() const { return opened_; }
 
   /// The farm is gone. The newest unanswered view waits again, unless a newer one waits already.
   /// Returns the number of the frame that was open, if one was.
   std::optional<std::uint64_t> lose();
 
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }
-  [[nodiscard]] bool is_sendable() const { return waiting_ && in_flight_.size() < kFramesInFlight; }
+  [[nodiscard]] bool is_sendable() const { return opened_ && waiting_ && in_flight_.size() < kFramesInFlight; }
 
  private:
+  Status begin(const wire::View& view);
+  Status accept(const wire::Tile& tile);
+  Status end(const wire::FrameEnd& end);
+
+  bool opened_ = false;
   std::uint64_t newest_ = 0;
   std::optional<wire::View> waiting_;
   std::deque<wire::View> in_flight_;    ///< Growing numbers.
   std::optional<wire::View> answered_;  ///< As asked: the last whose frame ended.
   std::optional<Panorama> open_;        ///< As begun.
   std::uint64_t open_number_ = 0;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> corners_;  ///< Of the open frame's tiles.
+  std::vector<bool> covered_;           ///< The open frame's cells of 16 x 16, row by row.
   std::uint64_t covered_px_ = 0;
+  std::uint32_t tiles_ = 0;
 };
 
 }  // namespace cyclorama

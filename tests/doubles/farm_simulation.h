@@ -72,7 +72,9 @@ class FarmSimulation {
     request.mutable_open()->set_frame_budget_ms(frame_budget_ms);
     request.mutable_open()->set_reference_samples(reference_samples);
     state.visit_asked(id, request, clock.now());
-    windows[id];
+    ViewWindow& window = windows[id];
+    // The client may ask at once, while the reply still waits to be taken.
+    if (!peers.replies[id].empty()) EXPECT_TRUE(window.take(peers.replies[id].front()));
     return id;
   }
   void ask(SessionId id, const wire::View& view) {
@@ -86,14 +88,9 @@ class FarmSimulation {
     const wire::VisitReply reply = std::move(queue.front());
     queue.pop_front();
     ViewWindow& window = windows.at(id);
-    Status fine = Done{};
-    if (reply.has_begin()) {
-      fine = window.begin(reply.begin());
-      begun.push_back(reply.begin());
-    }
-    if (reply.has_tile()) fine = window.accept(reply.tile());
+    const Status fine = reply.has_opened() ? Status(Done{}) : window.take(reply);
+    if (reply.has_begin()) begun.push_back(reply.begin());
     if (reply.has_end()) {
-      fine = window.end(reply.end());
       ++(reply.end().complete() ? complete : given_up);
       answered[id] = reply.end().view_number();
       last_end = reply.end();

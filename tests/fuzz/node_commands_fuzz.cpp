@@ -43,6 +43,35 @@ void open(NodeDesk& desk, Head& head) {
   }
 }
 
+/// A command of another kind that may well be right, as the bytes choose it.
+wire::NodeCommand sound_other(const std::uint8_t* bytes, std::size_t length) {
+  std::array<std::uint8_t, 3> chosen{};
+  std::copy_n(bytes, std::min(length, chosen.size()), chosen.begin());
+  wire::NodeCommand command;
+  switch (chosen[0] % 3) {
+    case 0: {
+      wire::LoadScene& load = *command.mutable_load_scene();
+      load.set_scene(std::string(1, static_cast<char>('a' + chosen[1] % 4)));
+      if (chosen[1] / 4 % 4 == 3) {
+        load.set_digest(std::string(64, 'd'));
+      } else {
+        load.set_path(load.scene());
+      }
+      for (int bit = 0; bit < 4; ++bit) {
+        if ((chosen[2] >> bit & 1) == 1) load.add_in_use(std::string(1, static_cast<char>('a' + bit)));
+      }
+      break;
+    }
+    case 1:
+      command.mutable_cancel()->set_block(chosen[1]);
+      break;
+    case 2:
+      command.mutable_forget_visit()->set_visit(chosen[1] % 4);
+      break;
+  }
+  return command;
+}
+
 /// One that a node renders, as the bytes choose it: number, rank, kind, samples, visit.
 wire::NodeCommand sound_block(const std::uint8_t* bytes, std::size_t length) {
   std::array<std::uint8_t, 5> chosen{};
@@ -51,7 +80,7 @@ wire::NodeCommand sound_block(const std::uint8_t* bytes, std::size_t length) {
   wire::RenderBlock& block = *command.mutable_render();
   block.set_block(chosen[0]);
   block.set_rank(chosen[1]);
-  block.set_scene("a");
+  block.set_scene(chosen[4] / 4 % 8 == 7 ? "b" : "a");
   block.set_keep(chosen[2] % 2 == 1);
   block.set_visit(chosen[4] % 4);
   block.set_width_px(96);
@@ -102,6 +131,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Head& head = heads[what / 8 % heads.size()];
     wire::NodeCommand command;
     switch (what % 8) {
+      case 2:
+        command = sound_other(data + 2, length);
+        order(desk, head, command);
+        break;
       case 3:
         command = sound_block(data + 2, length);
         order(desk, head, command);

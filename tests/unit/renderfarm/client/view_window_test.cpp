@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/client/view_window.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/doubles/fake_scene.h"
 
 namespace cyclorama {
 namespace {
+
+using testing::HasSubstr;
 
 wire::View view_of(std::uint64_t number, std::uint32_t width = 64, std::uint32_t height = 32) {
   wire::View view;
@@ -19,25 +26,92 @@ wire::View view_of(std::uint64_t number, std::uint32_t width = 64, std::uint32_t
   return view;
 }
 
-wire::Tile tile_of(std::uint64_t number, std::uint32_t x, std::uint32_t width) {
-  wire::Tile tile;
+wire::VisitReply opened() {
+  wire::VisitReply reply;
+  *reply.mutable_opened() = fake_scene("plain");
+  return reply;
+}
+
+wire::VisitReply begin_of(const wire::View& view) {
+  wire::VisitReply reply;
+  *reply.mutable_begin() = view;
+  return reply;
+}
+
+wire::VisitReply begin_of(std::uint64_t number, std::uint32_t width = 64, std::uint32_t height = 32) {
+  return begin_of(view_of(number, width, height));
+}
+
+wire::VisitReply tile_of(std::uint64_t number, std::uint32_t x, std::uint32_t width) {
+  wire::VisitReply reply;
+  wire::Tile& tile = *reply.mutable_tile();
   tile.set_view_number(number);
   tile.set_x_px(x);
   tile.set_width_px(width);
   tile.set_height_px(32);
-  return tile;
+  return reply;
 }
 
-wire::FrameEnd end_of(std::uint64_t number, std::uint32_t tiles, bool complete = true) {
-  wire::FrameEnd end;
+wire::VisitReply end_of(std::uint64_t number, std::uint32_t tiles, bool complete = true) {
+  wire::VisitReply reply;
+  wire::FrameEnd& end = *reply.mutable_end();
   end.set_view_number(number);
   end.set_tiles(tiles);
   end.set_complete(complete);
-  return end;
+  return reply;
+}
+
+/// Of a visit that is open.
+ViewWindow open_window() {
+  ViewWindow window;
+  CHECK(window.take(opened()));
+  return window;
+}
+
+TEST(ViewWindow, wants_the_scene_first_and_once) {
+  ViewWindow window;
+  window.put(view_of(1));
+  EXPECT_FALSE(window.take_sendable()) << "nobody knows yet what is to be seen";
+  EXPECT_THAT(window.take(begin_of(1)).error().message(), HasSubstr("the scene first"));
+  wire::VisitReply nowhere = opened();
+  nowhere.mutable_opened()->clear_walkable();
+  EXPECT_FALSE(window.take(nowhere));
+  EXPECT_FALSE(window.is_opened());
+  ASSERT_TRUE(window.take(opened()));
+  EXPECT_THAT(window.take(opened()).error().message(), HasSubstr("once"));
+  EXPECT_THAT(window.take({}).error().message(), HasSubstr("unknown"));
+  EXPECT_TRUE(window.take_sendable());
+}
+
+TEST(ViewWindow, refuses_tiles_over_others_that_add_up_to_a_whole_picture) {
+  ViewWindow window = open_window();
+  window.put(view_of(1));
+  ASSERT_TRUE(window.take_sendable());
+  ASSERT_TRUE(window.take(begin_of(1)));
+  ASSERT_TRUE(window.take(tile_of(1, 0, 48)));
+  EXPECT_THAT(window.take(tile_of(1, 32, 16)).error().message(), HasSubstr("(32, 0) over another"));
+  EXPECT_FALSE(window.take(end_of(1, 2)));
+  EXPECT_TRUE(window.take(tile_of(1, 48, 16)));
+  EXPECT_TRUE(window.take(end_of(1, 2)));
+}
+
+TEST(ViewWindow, refuses_a_frame_from_where_nobody_stands) {
+  ViewWindow window = open_window();
+  window.put(view_of(1));
+  ASSERT_TRUE(window.take_sendable());
+  wire::View turned = view_of(1);
+  turned.set_heading_rad(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(window.take(begin_of(turned)).error().message(), HasSubstr("another place"));
+  wire::View moved = view_of(1);
+  moved.mutable_eye_m()->set_y(1e300);
+  EXPECT_FALSE(window.take(begin_of(moved)));
+  wire::View shapeless = view_of(1, 0);
+  EXPECT_EQ(window.take(begin_of(shapeless)).error().code(), ErrorCode::kBadData);
+  EXPECT_TRUE(window.take(begin_of(1)));
 }
 
 TEST(ViewWindow, lets_two_out_and_keeps_only_the_newest_of_the_rest) {
-  ViewWindow window;
+  ViewWindow window = open_window();
   EXPECT_FALSE(window.put(view_of(1)));
   EXPECT_EQ(window.take_sendable()->number(), 1u);
   EXPECT_FALSE(window.put(view_of(2)));
@@ -45,114 +119,118 @@ TEST(ViewWindow, lets_two_out_and_keeps_only_the_newest_of_the_rest) {
   EXPECT_FALSE(window.put(view_of(3)));
   EXPECT_FALSE(window.take_sendable());
   EXPECT_TRUE(window.put(view_of(4)));
-  EXPECT_TRUE(window.begin(view_of(1)));
+  EXPECT_TRUE(window.take(begin_of(1)));
   EXPECT_FALSE(window.take_sendable());
-  EXPECT_TRUE(window.end(end_of(1, 0, false)));
+  EXPECT_TRUE(window.take(end_of(1, 0, false)));
   EXPECT_EQ(window.take_sendable()->number(), 4u);
   EXPECT_EQ(window.in_flight(), 2u);
 }
 
 TEST(ViewWindow, forgets_the_numbers_that_the_farm_skips) {
-  ViewWindow window;
+  ViewWindow window = open_window();
   for (std::uint64_t n : {1u, 2u}) {
     window.put(view_of(n));
     ASSERT_TRUE(window.take_sendable());
   }
-  EXPECT_TRUE(window.begin(view_of(2)));
+  EXPECT_TRUE(window.take(begin_of(2)));
   EXPECT_EQ(window.in_flight(), 1u);
-  EXPECT_FALSE(window.end(end_of(1, 0, false)));
+  EXPECT_FALSE(window.take(end_of(1, 0, false)));
 }
 
 TEST(ViewWindow, takes_a_whole_frame_and_refuses_one_with_a_hole) {
-  ViewWindow window;
+  ViewWindow window = open_window();
   for (std::uint64_t n : {1u, 2u}) {
     window.put(view_of(n));
     ASSERT_TRUE(window.take_sendable());
   }
-  ASSERT_TRUE(window.begin(view_of(1)));
-  EXPECT_TRUE(window.accept(tile_of(1, 0, 32)));
-  EXPECT_TRUE(window.accept(tile_of(1, 32, 32)));
-  EXPECT_TRUE(window.end(end_of(1, 2)));
-  ASSERT_TRUE(window.begin(view_of(2)));
-  EXPECT_TRUE(window.accept(tile_of(2, 0, 32)));
-  EXPECT_FALSE(window.end(end_of(2, 1)));
+  ASSERT_TRUE(window.take(begin_of(1)));
+  EXPECT_TRUE(window.take(tile_of(1, 0, 32)));
+  EXPECT_TRUE(window.take(tile_of(1, 32, 32)));
+  EXPECT_TRUE(window.take(end_of(1, 2)));
+  ASSERT_TRUE(window.take(begin_of(2)));
+  EXPECT_TRUE(window.take(tile_of(2, 0, 32)));
+  EXPECT_FALSE(window.take(end_of(2, 1)));
 }
 
 TEST(ViewWindow, refuses_what_breaks_the_order) {
-  ViewWindow window;
+  ViewWindow window = open_window();
   for (std::uint64_t n : {1u, 2u}) {
     window.put(view_of(n));
     ASSERT_TRUE(window.take_sendable());
   }
-  EXPECT_FALSE(window.accept(tile_of(1, 0, 32)));
-  EXPECT_FALSE(window.end(end_of(1, 0)));
-  EXPECT_FALSE(window.begin(view_of(7)));
-  EXPECT_FALSE(window.begin(view_of(1, 128)));
-  ASSERT_TRUE(window.begin(view_of(1)));
-  EXPECT_FALSE(window.begin(view_of(2)));
-  EXPECT_FALSE(window.accept(tile_of(2, 0, 32)));
-  EXPECT_FALSE(window.accept(tile_of(1, 48, 32)));
-  EXPECT_FALSE(window.accept(tile_of(1, 8, 32)));
-  EXPECT_TRUE(window.accept(tile_of(1, 0, 32)));
-  EXPECT_EQ(window.accept(tile_of(1, 0, 32)).error().code(), ErrorCode::kBadData);
+  EXPECT_FALSE(window.take(tile_of(1, 0, 32)));
+  EXPECT_FALSE(window.take(end_of(1, 0)));
+  EXPECT_FALSE(window.take(begin_of(7)));
+  EXPECT_FALSE(window.take(begin_of(1, 128)));
+  ASSERT_TRUE(window.take(begin_of(1)));
+  EXPECT_FALSE(window.take(begin_of(2)));
+  EXPECT_FALSE(window.take(tile_of(2, 0, 32)));
+  EXPECT_FALSE(window.take(tile_of(1, 48, 32)));
+  EXPECT_FALSE(window.take(tile_of(1, 8, 32)));
+  EXPECT_TRUE(window.take(tile_of(1, 0, 32)));
+  EXPECT_EQ(window.take(tile_of(1, 0, 32)).error().code(), ErrorCode::kBadData);
 }
 
 TEST(ViewWindow, takes_a_frame_with_fewer_pixels_and_checks_its_tiles_by_its_own_size) {
-  ViewWindow window;
+  ViewWindow window = open_window();
   window.put(view_of(1, 64, 64));
   ASSERT_TRUE(window.take_sendable());
-  EXPECT_FALSE(window.begin(view_of(1, 64, 65)));
+  EXPECT_FALSE(window.take(begin_of(1, 64, 65)));
   wire::View other_field = view_of(1, 32, 32);
   other_field.mutable_panorama()->set_azimuth_span_rad(1.1);
-  EXPECT_FALSE(window.begin(other_field));
-  ASSERT_TRUE(window.begin(view_of(1, 48, 32)));
-  EXPECT_FALSE(window.accept(tile_of(1, 32, 32)));
-  EXPECT_TRUE(window.accept(tile_of(1, 0, 48)));
-  EXPECT_TRUE(window.end(end_of(1, 1)));
+  EXPECT_FALSE(window.take(begin_of(other_field)));
+  ASSERT_TRUE(window.take(begin_of(1, 48, 32)));
+  EXPECT_FALSE(window.take(tile_of(1, 32, 32)));
+  EXPECT_TRUE(window.take(tile_of(1, 0, 48)));
+  EXPECT_TRUE(window.take(end_of(1, 1)));
 }
 
 TEST(ViewWindow, takes_the_last_frame_again_refined_even_while_a_newer_view_is_in_flight) {
-  ViewWindow window;
+  ViewWindow window = open_window();
   window.put(view_of(1));
   ASSERT_TRUE(window.take_sendable());
-  ASSERT_TRUE(window.begin(view_of(1, 32)));
-  ASSERT_TRUE(window.accept(tile_of(1, 0, 32)));
-  ASSERT_TRUE(window.end(end_of(1, 1)));
+  ASSERT_TRUE(window.take(begin_of(1, 32)));
+  ASSERT_TRUE(window.take(tile_of(1, 0, 32)));
+  ASSERT_TRUE(window.take(end_of(1, 1)));
   for (int again = 0; again < 2; ++again) {
-    ASSERT_TRUE(window.begin(view_of(1)));
+    ASSERT_TRUE(window.take(begin_of(1)));
     EXPECT_EQ(window.in_flight(), again == 0 ? 0u : 1u);
-    EXPECT_TRUE(window.accept(tile_of(1, 0, 64)));
+    EXPECT_TRUE(window.take(tile_of(1, 0, 64)));
     window.put(view_of(2 + static_cast<std::uint64_t>(again)));
     window.take_sendable();
-    EXPECT_TRUE(window.end(end_of(1, 1)));
+    EXPECT_TRUE(window.take(end_of(1, 1)));
   }
   EXPECT_EQ(window.in_flight(), 2u);
-  ASSERT_TRUE(window.begin(view_of(2)));
-  EXPECT_TRUE(window.end(end_of(2, 0, false)));
-  EXPECT_FALSE(window.begin(view_of(1))) << "2 was answered since";
+  ASSERT_TRUE(window.take(begin_of(2)));
+  EXPECT_TRUE(window.take(end_of(2, 0, false)));
+  EXPECT_FALSE(window.take(begin_of(1))) << "2 was answered since";
 }
 
 TEST(ViewWindow, expects_no_refined_frame_from_the_next_farm) {
-  ViewWindow window;
+  ViewWindow window = open_window();
   window.put(view_of(1));
   ASSERT_TRUE(window.take_sendable());
-  ASSERT_TRUE(window.begin(view_of(1)));
-  ASSERT_TRUE(window.end(end_of(1, 0, false)));
+  ASSERT_TRUE(window.take(begin_of(1)));
+  ASSERT_TRUE(window.take(end_of(1, 0, false)));
   EXPECT_EQ(window.lose(), std::nullopt);
-  EXPECT_FALSE(window.begin(view_of(1)));
+  ASSERT_TRUE(window.take(opened()));
+  EXPECT_FALSE(window.take(begin_of(1)));
 }
 
 TEST(ViewWindow, asks_again_for_the_newest_view_after_a_loss) {
-  ViewWindow window;
+  ViewWindow window = open_window();
   for (std::uint64_t n : {1u, 2u}) {
     window.put(view_of(n));
     ASSERT_TRUE(window.take_sendable());
   }
-  ASSERT_TRUE(window.begin(view_of(1)));
+  ASSERT_TRUE(window.take(begin_of(1)));
   EXPECT_EQ(window.lose(), 1u);
+  EXPECT_FALSE(window.take_sendable()) << "no visit is open";
+  ASSERT_TRUE(window.take(opened()));
   EXPECT_EQ(window.take_sendable()->number(), 2u);
   window.put(view_of(3));
   EXPECT_EQ(window.lose(), std::nullopt);
+  ASSERT_TRUE(window.take(opened()));
   EXPECT_EQ(window.take_sendable()->number(), 3u);
   EXPECT_FALSE(window.take_sendable());
 }

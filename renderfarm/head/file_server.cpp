@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "common/base/token_bucket.h"
 #include "common/wire/channel.h"
 
 namespace cyclorama {
@@ -177,7 +178,7 @@ void FileServer::cut_stalled() {
 }
 
 void FileServer::run() {
-  Pacer pacer(options_.bytes_per_second);
+  TokenBucket bucket(options_.bytes_per_second, 0.0);
   TimePoint looked = clock_.now();
   std::unique_lock lock(mutex_);
   while (!stopping_) {
@@ -186,8 +187,8 @@ void FileServer::run() {
       looked = now;
       cut_stalled();
     }
-    if (queue_.empty() || pacer.next() > now) {
-      changed_.wait_until(lock, queue_.empty() ? now + kLook : std::min(pacer.next(), now + kLook));
+    if (queue_.empty() || bucket.paid_at() > now) {
+      changed_.wait_until(lock, queue_.empty() ? now + kLook : std::min(bucket.paid_at(), now + kLook));
       continue;
     }
     Stream& stream = *queue_.front();
@@ -195,7 +196,7 @@ void FileServer::run() {
     lock.unlock();
     const std::uint64_t bytes = stream.send_next();
     lock.lock();
-    pacer.spend(bytes, now);
+    bucket.take(static_cast<double>(bytes), now);
   }
 }
 

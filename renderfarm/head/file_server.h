@@ -16,7 +16,6 @@
 #include "common/base/clock.h"
 #include "common/wire/identity.h"
 #include "common/wire/nodes.pb.h"
-#include "renderfarm/head/pacer.h"
 #include "renderfarm/scenes/scene_library.h"
 
 namespace cyclorama {

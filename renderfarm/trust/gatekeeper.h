@@ -12,12 +12,12 @@
 
 #include "common/base/clock.h"
 #include "common/base/result.h"
+#include "common/base/token_bucket.h"
 #include "common/wire/farm.pb.h"
 #include "common/wire/tls.h"
 #include "renderfarm/trust/audit_log.h"
 #include "renderfarm/trust/grants.h"
 #include "renderfarm/trust/revocations.h"
-#include "renderfarm/trust/token_bucket.h"
 #include "renderfarm/trust/watched_file.h"
 
 namespace cyclorama {

@@ -355,20 +355,5 @@ TEST_F(Files, need_a_place) {
   EXPECT_THAT(node.find(order("../x"), silently, never).error().message(), HasSubstr("neither a path nor a digest"));
 }
 
-TEST(Pacer, keeps_the_mean_rate_and_saves_nothing_up) {
-  Pacer pacer(1000.0);
-  const TimePoint start(std::chrono::seconds(100));
-  EXPECT_LE(pacer.next(), start);
-  pacer.spend(500, start);
-  EXPECT_EQ(pacer.next(), start + std::chrono::milliseconds(500));
-  pacer.spend(500, pacer.next());
-  EXPECT_EQ(pacer.next(), start + std::chrono::seconds(1));
-  pacer.spend(100, start + std::chrono::seconds(50));
-  EXPECT_EQ(pacer.next(), start + std::chrono::milliseconds(50'100));
-  Pacer free(0.0);
-  free.spend(std::uint64_t{1} << 40, start);
-  EXPECT_LE(free.next(), start);
-}
-
 }  // namespace
 }  // namespace cyclorama

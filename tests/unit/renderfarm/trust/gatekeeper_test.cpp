@@ -222,15 +222,5 @@ TEST(Nobody, may_do_everything_where_there_is_no_tls) {
   for (std::uint64_t id = 1; id < 100; ++id) EXPECT_TRUE(gate->visit_came(id, {})->allows("grotto"));
 }
 
-TEST(TokenBucket, lets_the_burst_go_and_then_the_rate) {
-  TokenBucket bucket(10.0, 5.0);
-  const TimePoint start = TimePoint{} + std::chrono::hours(1);
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(bucket.take(1.0, start), start);
-  EXPECT_NEAR(to_seconds(bucket.take(1.0, start) - start), 0.1, 1e-6);
-  EXPECT_NEAR(to_seconds(bucket.take(2.0, start) - start), 0.3, 1e-6);
-  const TimePoint later = start + std::chrono::seconds(10);
-  EXPECT_EQ(bucket.take(5.0, later), later);
-}
-
 }  // namespace
 }  // namespace cyclorama

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/base/token_bucket.h"
+
+#include <gtest/gtest.h>
+
+namespace cyclorama {
+namespace {
+
+TEST(TokenBucket, lets_the_burst_go_and_then_the_rate) {
+  TokenBucket bucket(10.0, 5.0);
+  const TimePoint start = TimePoint{} + std::chrono::hours(1);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(bucket.take(1.0, start), start);
+  EXPECT_NEAR(to_seconds(bucket.take(1.0, start) - start), 0.1, 1e-6);
+  EXPECT_NEAR(to_seconds(bucket.take(2.0, start) - start), 0.3, 1e-6);
+  const TimePoint later = start + std::chrono::seconds(10);
+  EXPECT_EQ(bucket.take(5.0, later), later);
+}
+
+TEST(TokenBucket, without_a_reserve_keeps_the_mean_rate_and_saves_nothing_up) {
+  TokenBucket bucket(1000.0, 0.0);
+  const TimePoint start(std::chrono::seconds(100));
+  EXPECT_LE(bucket.paid_at(), start);
+  EXPECT_EQ(bucket.take(500.0, start), start + std::chrono::milliseconds(500));
+  EXPECT_EQ(bucket.take(500.0, bucket.paid_at()), start + std::chrono::seconds(1));
+  EXPECT_EQ(bucket.take(100.0, start + std::chrono::seconds(50)), start + std::chrono::milliseconds(50'100));
+  EXPECT_EQ(bucket.paid_at(), start + std::chrono::milliseconds(50'100));
+}
+
+TEST(TokenBucket, without_a_rate_pays_at_once) {
+  TokenBucket bucket(0.0, 0.0);
+  const TimePoint start(std::chrono::seconds(100));
+  EXPECT_EQ(bucket.take(1e12, start), start);
+  EXPECT_LE(bucket.paid_at(), start);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -139,6 +139,7 @@ class Head::Loop final : private Peers {
       cut_late_ones(nodes_, now);
       cut_late_ones(museums_, now);
       meters_.update(state_, now);
+      watch_.metrics().scene_bytes_sent(files_.sent_bytes());
     }
   }
 

@@ -122,6 +122,8 @@ struct FarmMetrics::Series {
       counter(registry, "cyclorama_blocks_moved_total", "Blocks that a node that was done took from another").Add({});
   Counter& sent_away =
       counter(registry, "cyclorama_nodes_sent_away_total", "Nodes whose stream the head ended").Add({});
+  Counter& scene_bytes =
+      counter(registry, "cyclorama_scene_bytes_sent_total", "Bytes of scenes' files that nodes were given").Add({});
   Family<Histogram>& stages = prometheus::BuildHistogram()
                                   .Name("cyclorama_frame_seconds")
                                   .Help("One step of a frame's way through the farm")
@@ -215,6 +217,9 @@ void FarmMetrics::visit_opened(const std::string& museum) {
 
 void FarmMetrics::visit_refused(ErrorCode reason) { series_->refusals.Add({{"reason", word_for(reason)}}).Increment(); }
 void FarmMetrics::node_sent_away() { series_->sent_away.Increment(); }
+void FarmMetrics::scene_bytes_sent(std::uint64_t so_far) {
+  series_->scene_bytes.Increment(static_cast<double>(so_far) - series_->scene_bytes.Value());
+}
 
 void FarmMetrics::show(FarmOverview overview) {
   const std::lock_guard lock(series_->mutex);

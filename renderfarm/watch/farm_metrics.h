@@ -39,6 +39,8 @@ class FarmMetrics {
   void visit_opened(const std::string& museum);
   void visit_refused(ErrorCode reason);
   void node_sent_away();
+  /// Of scenes' files, to nodes, since the head's start. By one thread.
+  void scene_bytes_sent(std::uint64_t so_far);
   /// Takes the place of what was shown before.
   void show(FarmOverview overview);
 

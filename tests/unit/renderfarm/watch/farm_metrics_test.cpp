@@ -109,6 +109,13 @@ TEST(FarmMetrics, museums_beyond_the_limit_share_one_series) {
   EXPECT_EQ(samples.at("cyclorama_visits{museum=\"museum 1\"}"), 1);
 }
 
+TEST(FarmMetrics, counts_the_bytes_of_scenes_once) {
+  FarmMetrics metrics;
+  EXPECT_EQ(samples_of(metrics.text()).at("cyclorama_scene_bytes_sent_total"), 0);
+  for (const std::uint64_t so_far : {1'000'000u, 1'000'000u, 3'500'000u}) metrics.scene_bytes_sent(so_far);
+  EXPECT_EQ(samples_of(metrics.text()).at("cyclorama_scene_bytes_sent_total"), 3'500'000);
+}
+
 TEST(FarmMetrics, says_why_visits_were_refused) {
   FarmMetrics metrics;
   metrics.visit_refused(ErrorCode::kBusy);

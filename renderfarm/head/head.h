@@ -45,7 +45,7 @@ Status validate(const HeadOptions& options);
 
 /// The farm's head as a running service: gRPC's streams around HeadState. Threads: `head` (the one loop that HeadState
 /// lives on), `scenes` (reads the scenes that the head hands out, at the start), `files` (reads what it sends of them),
-/// and gRPC's own, which only carry messages. Thread-safe.
+/// `audit` (waits for the disk), and gRPC's own, which only carry messages. Thread-safe.
 class Head {
  public:
   using Notice = std::function<void(const std::string& sentence, const NoticeAbout& about)>;

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
+#include <vector>
 
+#include "common/base/clock.h"
 #include "common/base/result.h"
 #include "common/base/unique_fd.h"
 #include "common/wire/identity.h"
@@ -30,28 +34,53 @@ struct AuditEvent {
   std::optional<VisitSummary> visit{};
 };
 
-/// Who came, saw, was refused or left: a file of JSON lines that only grows, in the order of things:
+/// Who came, saw, was refused or left: a file of JSON lines, in the order of things:
 ///
 ///   {"time":"2026-11-22T01:02:03.456Z","event":"visit ended","role":"museum","name":"hall-3","serial":"4C97...",
 ///    "address":"ipv6:[::1]:40112","scene":"grotto","seconds":12.5,"frames":240,"bytes":151000000}
 ///
-/// Each line is one write to a file opened for appending, so that no crash of the head leaves half a line. When the
-/// file was moved away (logrotate), the next line begins a new one. Thread-safe.
+/// Each line is one write to a file opened for appending, so that no crash of the head leaves half a line; neither does
+/// a disk that fills up. When the file was moved away (logrotate), the next line begins a new one. A file that would
+/// grow beyond its limit becomes PATH.1, in place of the last one: the two take at most twice the limit. Lines outlive a
+/// power cut a second later: the thread `audit` has the disk take them (fdatasync), twice a second at most, so that
+/// nobody waits for it. Thread-safe.
 class AuditLog {
  public:
+  /// Some 200 000 lines.
+  static constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20;
+
   /// kNotFound, kSystem  it cannot be opened.
-  static Result<std::unique_ptr<AuditLog>> open(std::filesystem::path path);
-  /// kSystem  the disk is full, say.
+  static Result<std::unique_ptr<AuditLog>> open(std::filesystem::path path, std::uint64_t most_bytes = kMostBytes);
+  /// Waits for the disk.
+  ~AuditLog();
+  AuditLog(const AuditLog&) = delete;
+  AuditLog& operator=(const AuditLog&) = delete;
+
+  /// kSystem  the disk is full, say, and the line is lost; or it is written, but the disk did not take earlier ones, or
+  /// PATH could not be renamed.
   Status write(const AuditEvent& event);
+  /// Waits until the disk has all lines so far; false at the deadline.
+  bool wait_for_disk(Duration limit);
 
  private:
-  explicit AuditLog(std::filesystem::path path) : path_(std::move(path)) {}
+  using File = std::shared_ptr<const UniqueFd>;
+  AuditLog(std::filesystem::path path, std::uint64_t most_bytes);
   Status open_file();
   [[nodiscard]] bool was_moved() const;
+  Status make_room(std::uint64_t bytes);
+  Status append(const std::string& line);
+  void run();
 
   const std::filesystem::path path_;
+  const std::uint64_t most_bytes_;
   std::mutex mutex_;  ///< Guards the following.
-  UniqueFd file_;
+  std::condition_variable changed_;
+  File file_;  ///< Null: none could be opened.
+  std::vector<File> unsynced_;
+  bool is_syncing_ = false;
+  Status synced_ = Done{};  ///< A failure is told with the next line.
+  bool stopping_ = false;
+  std::thread thread_;  ///< Last: started when everything else is made.
 };
 
 }  // namespace cyclorama

@@ -104,7 +104,7 @@ class RawVisit {
 class Trust : public testing::Test {
  protected:
   /// With two scenes and a node that has them.
-  void start() {
+  void start(const std::filesystem::path& audit = "audit.jsonl") {
     grant("[[museum]]\nname = \"hall-3\"\nscenes = [\"grotto\"]\n[[museum]]\nname = \"hall-4\"\nscenes = [\"*\"]\n");
     HeadOptions options;
     options.scenes = {{"grotto", "a"}, {"relic", "b"}};
@@ -112,7 +112,7 @@ class Trust : public testing::Test {
     options.trust.tls = authority_.head();
     options.trust.revoked = authority_.revocations();
     options.trust.museums = museums();
-    options.trust.audit = authority_.folder() / "audit.jsonl";
+    options.trust.audit = authority_.folder() / audit;
     auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
     head_ = *std::move(started);
@@ -161,6 +161,13 @@ TEST_F(Trust, shows_and_opens_to_a_museum_what_it_is_granted) {
   std::string as_absent = hidden.error_message();
   as_absent.replace(as_absent.find("relic"), 5, "nowhere");
   EXPECT_EQ(as_absent, absent.error_message()) << "nobody learns what else the farm has";
+}
+
+TEST_F(Trust, opens_visits_while_the_disk_of_the_audit_log_is_full) {
+  start("/dev/full");
+  RawVisit open = visit(authority_.museum("hall-3"));
+  EXPECT_TRUE(open.open("grotto"));
+  EXPECT_TRUE(open.close().ok());
 }
 
 TEST_F(Trust, keeps_museums_and_nodes_at_their_own_ports) {

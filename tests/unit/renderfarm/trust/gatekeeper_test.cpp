@@ -216,6 +216,24 @@ TEST_F(GatekeeperTest, wants_good_files_to_begin_with) {
   EXPECT_THAT(refusal_of({.audit = "/nowhere/audit"}), HasSubstr("/nowhere/audit"));
 }
 
+TEST(FullDisk, is_told_once_and_harms_no_visit) {
+  ManualClock clock;
+  std::vector<std::string> said;
+  const auto gate =
+      *Gatekeeper::open({.audit = "/dev/full"}, clock, [&](const std::string& sentence) { said.push_back(sentence); });
+  for (std::uint64_t id = 1; id <= 3; ++id) {
+    EXPECT_TRUE(gate->visit_came(id, {})->allows("grotto"));
+    gate->visit_opened(id, "grotto");
+    EXPECT_TRUE(gate->view_came(id));
+    gate->visit_ended(id, "");
+    gate->node_came(id, {});
+    clock.advance(std::chrono::seconds(1));
+    EXPECT_FALSE(gate->tick().changed);
+    gate->node_gone(id, "");
+  }
+  EXPECT_THAT(said, ElementsAre(AllOf(HasSubstr("/dev/full"), HasSubstr("visits go on without it"))));
+}
+
 TEST(Nobody, may_do_everything_where_there_is_no_tls) {
   ManualClock clock;
   const auto gate = *Gatekeeper::open({}, clock, [](const std::string&) {});

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/trust/audit_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/base/file.h"
+#include "tests/doubles/scene_folder.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr Duration kPatience = std::chrono::seconds(20);
+
+class Audit : public testing::Test {
+ protected:
+  void open(std::uint64_t most_bytes = AuditLog::kMostBytes) {
+    auto opened = AuditLog::open(path, most_bytes);
+    ASSERT_TRUE(opened) << opened.error().message();
+    log = *std::move(opened);
+  }
+  Status write(const std::string& reason) { return log->write({.event = "visit refused", .reason = reason}); }
+  /// The reasons of a file's lines, each of which must be whole.
+  static std::vector<std::string> reasons(const std::filesystem::path& file) {
+    const auto text = read_text_file(file, 1 << 20);
+    EXPECT_TRUE(text);
+    std::vector<std::string> found;
+    std::istringstream lines(text ? *text : "");
+    for (std::string line; std::getline(lines, line);) {
+      const auto json = nlohmann::json::parse(line, nullptr, false);
+      EXPECT_FALSE(json.is_discarded()) << line;
+      found.push_back(json.value("reason", ""));
+    }
+    return found;
+  }
+
+  TemporaryFolder temporary;
+  const std::filesystem::path path = temporary.path() / "audit.jsonl";
+  const std::filesystem::path previous = temporary.path() / "audit.jsonl.1";
+  std::unique_ptr<AuditLog> log;
+};
+
+TEST_F(Audit, goes_on_in_the_file_that_is_there_and_in_a_new_one_when_it_was_moved) {
+  open();
+  EXPECT_TRUE(write("a"));
+  log.reset();
+  open();
+  EXPECT_TRUE(write("b"));
+  std::filesystem::rename(path, previous);
+  EXPECT_TRUE(write("c"));
+  EXPECT_THAT(reasons(previous), ElementsAre("a", "b"));
+  EXPECT_THAT(reasons(path), ElementsAre("c"));
+}
+
+TEST_F(Audit, keeps_one_predecessor_and_never_more_than_its_limit) {
+  open(300);  // Some three lines.
+  for (int i = 10; i < 30; ++i) {
+    EXPECT_TRUE(write(std::to_string(i)));
+    EXPECT_LE(std::filesystem::file_size(path), 300u);
+  }
+  std::vector<std::string> last = reasons(previous);
+  EXPECT_THAT(last, testing::SizeIs(testing::Ge(2u)));
+  for (const std::string& reason : reasons(path)) last.push_back(reason);
+  for (std::size_t i = 0; i < last.size(); ++i) EXPECT_EQ(last[i], std::to_string(30 - last.size() + i));
+  const auto files = std::distance(std::filesystem::directory_iterator(temporary.path()), {});
+  EXPECT_EQ(files, 2);
+  EXPECT_TRUE(log->wait_for_disk(kPatience)) << "files that were left are kept too";
+}
+
+TEST_F(Audit, grows_and_says_so_where_it_cannot_be_moved_away) {
+  open(150);
+  EXPECT_TRUE(write("a"));
+  std::filesystem::create_directory(previous);
+  EXPECT_TRUE(write_file_atomically(previous / "in the way", std::string("x")));
+  EXPECT_TRUE(write("b").has_value() == false);
+  EXPECT_THAT(write("c").error().message(), HasSubstr("moving the full audit log"));
+  EXPECT_THAT(reasons(path), ElementsAre("a", "b", "c"));
+}
+
+TEST_F(Audit, has_its_lines_on_disk_soon) {
+  open();
+  for (const char* const reason : {"a", "b"}) {
+    EXPECT_TRUE(write(reason));
+    EXPECT_TRUE(log->wait_for_disk(kPatience));
+  }
+  EXPECT_TRUE(write("c"));
+  log.reset();
+  EXPECT_THAT(reasons(path), ElementsAre("a", "b", "c"));
+}
+
+TEST_F(Audit, leaves_no_half_line_when_the_disk_fills_up) {
+  open();
+  EXPECT_TRUE(write("a"));
+  const auto size = std::filesystem::file_size(path);
+  struct ::rlimit before {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  struct ::rlimit full = before;
+  full.rlim_cur = size + 20;
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &full), 0);
+  const Status refused = write("b");
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message(), HasSubstr("audit.jsonl' is full"));
+  EXPECT_EQ(std::filesystem::file_size(path), size);
+  EXPECT_TRUE(write("c"));
+  EXPECT_THAT(reasons(path), ElementsAre("a", "c"));
+}
+
+TEST(AuditDevice, that_is_full_refuses_each_line_and_is_never_moved) {
+  const auto log = AuditLog::open("/dev/full", 1);
+  ASSERT_TRUE(log);
+  for (int i = 0; i < 3; ++i) EXPECT_THAT((*log)->write({.event = "node came"}).error().message(), HasSubstr("/dev/full"));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -37,6 +37,7 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
       : server_(server), context_(context), who_(identity_of(*context)), file_(std::move(file)), offset_(offset) {}
 
   [[nodiscard]] bool is_at_end() const { return offset_ == file_.stamp.bytes; }
+  [[nodiscard]] bool is_cancelled() const { return context_->IsCancelled(); }
   void end(const grpc::Status& status) { Finish(status); }
 
   /// Reads and sends; what it costs. The stream may be gone afterwards.
@@ -177,6 +178,16 @@ void FileServer::cut_stalled() {
   for (Stream* const stream : streams_) stream->cut_if_stalled(clock_.now());
 }
 
+std::vector<FileServer::Stream*> FileServer::take_cancelled() {
+  std::vector<Stream*> cancelled;
+  std::erase_if(queue_, [&](Stream* stream) {
+    if (!stream->is_cancelled()) return false;
+    cancelled.push_back(stream);
+    return true;
+  });
+  return cancelled;
+}
+
 void FileServer::run() {
   TokenBucket bucket(options_.bytes_per_second, 0.0);
   TimePoint looked = clock_.now();
@@ -186,6 +197,11 @@ void FileServer::run() {
     if (now - looked > kLook) {
       looked = now;
       cut_stalled();
+      const std::vector<Stream*> cancelled = take_cancelled();
+      lock.unlock();
+      for (Stream* const stream : cancelled) stream->end(grpc::Status::CANCELLED);
+      lock.lock();
+      continue;
     }
     if (queue_.empty() || bucket.paid_at() > now) {
       changed_.wait_until(lock, queue_.empty() ? now + kLook : std::min(bucket.paid_at(), now + kLook));

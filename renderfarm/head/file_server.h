@@ -12,6 +12,7 @@
 #include <mutex>
 #include <set>
 #include <thread>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "common/wire/identity.h"
@@ -54,6 +55,8 @@ class FileServer {
   void queue(Stream& stream);
   void forget(Stream& stream);
   void cut_stalled();
+  /// Out of the queue: their turn may be long in coming, and they hold a place.
+  std::vector<Stream*> take_cancelled();
 
   const SceneLibrary& library_;
   const Options options_;

@@ -11,6 +11,7 @@
 #include "common/wire/nodes.grpc.pb.h"
 #include "renderfarm/node/scene_fetcher.h"
 #include "tests/doubles/scene_folder.h"
+#include "tests/doubles/test_authority.h"
 
 namespace cyclorama {
 namespace {
@@ -21,10 +22,11 @@ using testing::HasSubstr;
 /// What of the head hands files out.
 class ServingHead {
  public:
-  explicit ServingHead(const fs::path& scene, FileServer::Options options = {}, int port = 0)
+  explicit ServingHead(const fs::path& scene, FileServer::Options options = {}, int port = 0,
+                       const ServerOptions& serving = {})
       : library_({{"grotto", scene}}, {}, [this](const SceneLibrary::News& news) { tell(news); }),
         files_(library_, options) {
-    auto server = WireServer::start("[::1]:" + std::to_string(port), {&service_});
+    auto server = WireServer::start("[::1]:" + std::to_string(port), {&service_}, serving);
     CHECK(server);
     server_ = *std::move(server);
   }
@@ -36,7 +38,9 @@ class ServingHead {
   ServingHead& operator=(const ServingHead&) = delete;
 
   [[nodiscard]] int port() const { return server_->port(); }
-  [[nodiscard]] std::shared_ptr<grpc::Channel> dial() const { return *make_channel("[::1]:" + std::to_string(port())); }
+  [[nodiscard]] std::shared_ptr<grpc::Channel> dial(const std::optional<TlsFiles>& tls = std::nullopt) const {
+    return *make_channel("[::1]:" + std::to_string(port()), tls);
+  }
   [[nodiscard]] std::string digest() { return digest_.get_future().get(); }
   [[nodiscard]] std::string complaint() { return complaint_.get_future().get(); }
   FileServer& files() { return files_; }
@@ -134,6 +138,52 @@ class FetchingNode {
   SceneFetcher fetcher_;
 };
 
+/// A node's call for one file, read as the test wants.
+class Transfer {
+ public:
+  Transfer(const std::shared_ptr<grpc::Channel>& head, const std::string& sha256, std::uint64_t offset = 0)
+      : stub_(wire::Nodes::NewStub(head)), offset_(offset) {
+    wire::FetchFileRequest request;
+    request.set_sha256(sha256);
+    request.set_offset(offset);
+    context_.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(30));
+    stream_ = stub_->FetchFile(&context_, request);
+  }
+  bool read() {
+    wire::FileChunk piece;
+    if (!stream_->Read(&piece)) return false;
+    EXPECT_EQ(piece.offset(), offset_ + bytes_.size());
+    EXPECT_LE(piece.data().size(), std::size_t{1} << 20);
+    bytes_ += piece.data();
+    return true;
+  }
+  grpc::Status end() {
+    while (read()) {
+    }
+    return stream_->Finish();
+  }
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  const std::unique_ptr<wire::Nodes::Stub> stub_;
+  const std::uint64_t offset_;
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReader<wire::FileChunk>> stream_;
+  std::string bytes_;
+};
+
+/// Whether one more transfer finds a place, sooner or later.
+bool finds_a_place(const std::shared_ptr<grpc::Channel>& channel, const std::string& file) {
+  const SteadyClock clock;
+  const TimePoint deadline = clock.now() + std::chrono::seconds(20);
+  const std::uint64_t nothing_left = file.size();
+  while (clock.now() < deadline) {
+    if (Transfer(channel, sha256_of(file), nothing_left).end().ok()) return true;
+    clock.wait_until(clock.now() + std::chrono::milliseconds(20));
+  }
+  return false;
+}
+
 class Files : public testing::Test {
  protected:
   void SetUp() override {
@@ -143,18 +193,10 @@ class Files : public testing::Test {
   /// What one call answers, and how many bytes it brings.
   static grpc::Status fetch(const ServingHead& head, const std::string& sha256, std::uint64_t offset,
                             std::string* ret_bytes) {
-    const auto stub = wire::Nodes::NewStub(head.dial());
-    grpc::ClientContext context;
-    wire::FetchFileRequest request;
-    request.set_sha256(sha256);
-    request.set_offset(offset);
-    const auto stream = stub->FetchFile(&context, request);
-    for (wire::FileChunk piece; stream->Read(&piece);) {
-      EXPECT_EQ(piece.offset(), offset + ret_bytes->size());
-      EXPECT_LE(piece.data().size(), std::size_t{1} << 20);
-      *ret_bytes += piece.data();
-    }
-    return stream->Finish();
+    Transfer transfer(head.dial(), sha256, offset);
+    const grpc::Status end = transfer.end();
+    *ret_bytes += transfer.bytes();
+    return end;
   }
 
   TemporaryFolder temporary;
@@ -316,6 +358,37 @@ TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_head_is_silent) {
       [&] { return enough.load(); });
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code(), ErrorCode::kUnavailable);
+}
+
+TEST_F(Files, of_a_revoked_node_are_cut_in_the_middle_and_those_of_others_are_not) {
+  TestAuthority authority;
+  ServingHead head(folder, {.streams = 2}, 0,
+                   {.tls = authority.head(), .admit = [](const Identity&) { return std::nullopt; }});
+  (void)head.digest();
+  const auto other_node = head.dial(authority.node("n2"));
+  // Neither reads on, so neither comes to an end by itself.
+  Transfer revoked(head.dial(authority.node("n1")), sha256_of(walls));
+  Transfer other(other_node, sha256_of(walls));
+  ASSERT_TRUE(revoked.read());
+  ASSERT_TRUE(other.read());
+  EXPECT_EQ(Transfer(other_node, sha256_of(walls), walls.size()).end().error_code(),
+            grpc::StatusCode::RESOURCE_EXHAUSTED);
+  head.files().cut([](const Identity& who) { return who.name == "n1"; });
+  EXPECT_EQ(revoked.end().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_LT(revoked.bytes().size(), walls.size());
+  EXPECT_TRUE(finds_a_place(other_node, walls));
+  EXPECT_TRUE(other.end().ok());
+  EXPECT_EQ(other.bytes(), walls);
+}
+
+TEST_F(Files, that_are_cut_before_their_turn_hold_no_place) {
+  ServingHead head(folder, {.bytes_per_second = 1.0, .streams = 1});
+  (void)head.digest();
+  Transfer transfer(head.dial(), sha256_of(walls));
+  ASSERT_TRUE(transfer.read()) << "the next piece is due in days";
+  head.files().cut([](const Identity&) { return true; });
+  EXPECT_EQ(transfer.end().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(finds_a_place(head.dial(), walls));
 }
 
 TEST_F(Files, of_a_lying_head_are_refused) {

@@ -29,6 +29,8 @@ constexpr double kLate = 2.0;
 constexpr double kStealSeconds = 0.001;
 /// A node whose blocks wait for its processors this much more than other nodes' is not just unlucky.
 constexpr double kSlowed = 0.5;
+/// A node that is late again and again is worth one line of the log in so long.
+constexpr Duration kTellLate = std::chrono::seconds(10);
 
 Duration duration_of(double seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
@@ -127,14 +129,26 @@ std::vector<NodeId> HeadState::silent_nodes(const Session& session, const FrameI
 void HeadState::retire(NodeId id) {
   Node& node = nodes_.at(id);
   if (std::exchange(node.late, true)) return;
-  peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over", printable(node.name)),
-                {.node = node.name, .is_trouble = true});
+  tell_late(node);
   const std::map<std::uint64_t, BlockPlace> blocks = node.blocks;  // A copy: what follows orders blocks.
   for (const auto& [block, place] : blocks) {
     FrameInFlight* const frame = find_frame(place);
     if (frame != nullptr && !frame->failure) frame->assembly.excuse(block);
   }
   lose_blocks(blocks, id);
+}
+
+void HeadState::tell_late(Node& node) {
+  const TimePoint now = clock_.now();
+  if (node.late_told_at && now - *node.late_told_at < kTellLate) {
+    ++node.late_untold;
+    return;
+  }
+  node.late_told_at = now;
+  const int untold = std::exchange(node.late_untold, 0);
+  const std::string more = untold == 0 ? "" : fmt::format(" ({} times more since it was last said)", untold);
+  peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over{}", printable(node.name), more),
+                {.node = node.name, .is_trouble = true});
 }
 
 void HeadState::lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks, NodeId not_to) {

@@ -166,6 +166,7 @@ class HeadState {
   [[nodiscard]] bool has_idle_node(const Session& session, const FrameInFlight& frame) const;
   /// It gets no more blocks, and others what it owes.
   void retire(NodeId id);
+  void tell_late(Node& node);
   void lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks, NodeId not_to);
   void give_again(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles, NodeId not_to);
   /// The node is done with the frame: it may take a block that another has not begun.

@@ -109,7 +109,9 @@ struct Node {
   TimePoint arrived_at{};
   TimePoint worked_at{};  ///< When it last sent a tile or ended a block, or was given one while it had none.
   bool late = false;  ///< It kept a frame waiting, and has said nothing since: it gets no new blocks while others do.
-  double utilisation = 1.0;   ///< Of its threads by its blocks: cpu time over wall time, of the last few.
+  std::optional<TimePoint> late_told_at{};  ///< When the log last said so.
+  int late_untold = 0;                      ///< How often it did not, since then.
+  double utilisation = 1.0;                 ///< Of its threads by its blocks: cpu time over wall time, of the last few.
   wire::NodeStatus status{};  ///< The last it told.
   std::map<std::string, LoadedScene> scenes{};
   std::map<std::uint64_t, BlockPlace> blocks{};  ///< Ordered and not yet ended, whether or not still wanted.

@@ -90,6 +90,30 @@ TEST_F(Faults, nodes_that_are_only_slow_never_end_a_frame_however_many) {
   EXPECT_EQ(s.complete, 1);
 }
 
+TEST_F(Faults, a_node_that_is_late_again_and_again_is_one_line_of_the_log_in_ten_seconds) {
+  open(3);
+  const NodeId stuck = nodes.front();
+  const auto lines = [&] {
+    return std::ranges::count_if(s.peers.notices, [](const std::string& said) {
+      return said.find("keeps a frame waiting") != std::string::npos;
+    });
+  };
+  const auto be_late = [&] {
+    s.ask(visit, view_of(++number));
+    settle_without(stuck);
+    pass(61ms);
+    settle_without(stuck);
+    s.settle(nodes);
+  };
+  for (int i = 0; i < 5; ++i) be_late();
+  EXPECT_EQ(lines(), 1);
+  EXPECT_EQ(s.complete, 5);
+  s.clock.advance(10s);
+  be_late();
+  EXPECT_EQ(lines(), 2);
+  EXPECT_THAT(s.peers.notices.back(), HasSubstr("(4 times more since it was last said)"));
+}
+
 TEST_F(Faults, a_node_that_is_done_takes_what_another_has_not_begun) {
   open(3);
   s.ask(visit, view_of(++number));

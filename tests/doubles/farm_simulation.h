@@ -74,7 +74,9 @@ class FarmSimulation {
     state.visit_asked(id, request, clock.now());
     ViewWindow& window = windows[id];
     // The client may ask at once, while the reply still waits to be taken.
-    if (!peers.replies[id].empty()) EXPECT_TRUE(window.take(peers.replies[id].front()));
+    if (!peers.replies[id].empty()) {
+      EXPECT_TRUE(window.take(peers.replies[id].front()));
+    }
     return id;
   }
   void ask(SessionId id, const wire::View& view) {

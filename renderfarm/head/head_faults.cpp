@@ -31,6 +31,11 @@ constexpr double kStealSeconds = 0.001;
 constexpr double kSlowed = 0.5;
 /// A node that is late again and again is worth one line of the log in so long.
 constexpr Duration kTellLate = std::chrono::seconds(10);
+/// A slowed node that was not measured for so long, since it got no block, is believed so many times as fast: it may
+/// have recovered, and of its little share it will be seen.
+constexpr Duration kForgotten = std::chrono::seconds(1);
+constexpr double kRecovery = 1.5;
+constexpr double kRemembered = 0.5;
 
 Duration duration_of(double seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
@@ -244,11 +249,16 @@ double HeadState::turn_seconds(const Node& node, const std::string& scene) const
 }
 
 void HeadState::learn_utilisation(Node& node, const wire::BlockEnd& end) {
-  constexpr double kNew = 0.3;
+  constexpr double kKept = 0.9;
+  constexpr double kLongest = 1e6;
   const double possible = end.wall_seconds() * node.threads;
-  const double used = end.render_cpu_seconds() / possible;
-  if (!(possible > 0.0) || !std::isfinite(used)) return;
-  node.utilisation += kNew * (std::clamp(used, 0.01, 1.0) - node.utilisation);
+  const double used = end.render_cpu_seconds();
+  if (!(possible > 0.0 && possible < kLongest && used >= 0.0 && used < kLongest)) return;
+  // Of all the time, no mean of the blocks: most blocks of a node that is stopped now and then are as quick as ever.
+  node.used_seconds = kKept * node.used_seconds + used;
+  node.possible_seconds = kKept * node.possible_seconds + possible;
+  node.utilisation = std::clamp(node.used_seconds / node.possible_seconds, 0.01, 1.0);
+  node.measured_at = clock_.now();
 }
 
 void HeadState::compare_nodes() {
@@ -259,7 +269,15 @@ void HeadState::compare_nodes() {
     }
     const auto middle = utilisations.begin() + static_cast<std::ptrdiff_t>(utilisations.size() / 2);
     std::ranges::nth_element(utilisations, middle);
-    usual_utilisation_[scene.name] = utilisations.empty() ? 1.0 : *middle;
+    const double usual = usual_utilisation_[scene.name] = utilisations.empty() ? 1.0 : *middle;
+    for (auto& [id, node] : nodes_) {
+      const bool is_slowed = node.has(scene.name) && node.utilisation < kSlowed * usual;
+      if (!is_slowed || clock_.now() - node.measured_at < kForgotten) continue;
+      node.utilisation *= kRecovery;
+      node.possible_seconds *= kRemembered;  // What comes next says more of how fast it is now.
+      node.used_seconds = node.utilisation * node.possible_seconds;
+      node.measured_at = clock_.now();
+    }
   }
 }
 

@@ -111,8 +111,11 @@ struct Node {
   bool late = false;  ///< It kept a frame waiting, and has said nothing since: it gets no new blocks while others do.
   std::optional<TimePoint> late_told_at{};  ///< When the log last said so.
   int late_untold = 0;                      ///< How often it did not, since then.
-  double utilisation = 1.0;                 ///< Of its threads by its blocks: cpu time over wall time, of the last few.
-  wire::NodeStatus status{};  ///< The last it told.
+  double utilisation = 1.0;                 ///< Of its threads by its blocks, of the last few.
+  double used_seconds = 0.0;                ///< By them; older ones count less.
+  double possible_seconds = 0.0;            ///< Wall time of all threads meanwhile.
+  TimePoint measured_at{};                  ///< When the utilisation was last seen, or guessed.
+  wire::NodeStatus status{};                ///< The last it told.
   std::map<std::string, LoadedScene> scenes{};
   std::map<std::uint64_t, BlockPlace> blocks{};  ///< Ordered and not yet ended, whether or not still wanted.
 

@@ -41,6 +41,18 @@ class Faults : public testing::Test {
     s.clock.advance(time);
     s.state.tick();
   }
+  /// One of which the first node is slowed so many times. How much of it was that node's, in pixels.
+  std::int64_t frame(double slowed) {
+    s.ask(visit, view_of(++number));
+    std::int64_t share = 0;
+    for (const auto& block : blocks(s.peers.commands[nodes[0]])) {
+      share += std::int64_t{block.width_px()} * block.height_px();
+    }
+    s.slowed[nodes[0]] = slowed;
+    s.settle(nodes);
+    pass(100ms);
+    return share;
+  }
   static std::vector<wire::RenderBlock> blocks(const std::deque<wire::NodeCommand>& commands) {
     std::vector<wire::RenderBlock> out;
     for (const wire::NodeCommand& command : commands) {
@@ -232,24 +244,37 @@ TEST_F(Faults, a_draining_node_ends_what_it_has_and_gets_nothing_new) {
 
 TEST_F(Faults, a_slowed_node_is_given_less_until_it_recovers) {
   open(4);
-  const auto area = [&](NodeId node) {
-    std::int64_t sum = 0;
-    for (const auto& block : blocks(s.peers.commands[node])) sum += std::int64_t{block.width_px()} * block.height_px();
-    return sum;
-  };
-  const auto frame = [&](double slowed) {
-    s.ask(visit, view_of(++number));
-    const std::int64_t share = area(nodes[0]);
-    s.slowed[nodes[0]] = slowed;
-    pass(100ms);
-    s.settle(nodes);
-    return share;
-  };
   const std::int64_t fair = frame(1.0);
   for (int i = 0; i < 20; ++i) frame(10.0);
   EXPECT_LT(frame(10.0), fair / 4);
   for (int i = 0; i < 20; ++i) frame(1.0);
   EXPECT_GT(frame(1.0), fair / 2);
+}
+
+TEST_F(Faults, a_node_that_was_too_slow_to_help_is_tried_again_with_a_little) {
+  open(4);
+  const std::int64_t fair = frame(1.0);
+  for (int i = 0; i < 20; ++i) frame(100.0);
+  std::int64_t most = 0;
+  int left_out = 0;
+  for (int i = 0; i < 100; ++i) {
+    const std::int64_t share = frame(100.0);
+    most = std::max(most, share);
+    left_out += share == 0 ? 1 : 0;
+  }
+  EXPECT_GT(left_out, 50);
+  EXPECT_GT(most, 0);
+  EXPECT_LT(most, fair / 4);
+  for (int i = 0; i < 100; ++i) frame(1.0);
+  EXPECT_GT(frame(1.0), fair / 2);
+}
+
+TEST_F(Faults, a_node_that_is_stopped_now_and_then_counts_as_slow_though_most_blocks_are_quick) {
+  open(4);
+  const std::int64_t fair = frame(1.0);
+  const auto stopped = [](int i) { return i % 3 == 0 ? 40.0 : 1.0; };
+  for (int i = 0; i < 30; ++i) frame(stopped(i));
+  for (int i = 0; i < 30; ++i) EXPECT_LT(frame(stopped(i)), fair / 2) << i;
 }
 
 TEST_F(Faults, a_scene_that_was_dropped_is_loaded_anew_for_the_next_visit) {

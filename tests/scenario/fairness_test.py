@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Several museums at one farm that want more than it can make: each gets its share, and a slow one takes nothing from the others.
+"""Several museums at one farm that want more than it can make: each gets its share, by the weight that museums.toml gives
+it, and a slow one takes nothing from the others.
 
 Run: fairness_test.py SOURCE_ROOT BUILD_FOLDER
 """
 import json
+import pathlib
 import sys
 import tempfile
 
-from farm.farm import Farm
+from farm.authority import TLS, Authority
+from farm.farm import Farm, make_scene
 from farm.museum import now
 from farm.processes import wait_until
 
@@ -16,6 +19,8 @@ GREEDY_HZ = 200  # More than any machine makes of these pictures.
 SLOW = ("--tile-delay-ms", 300)
 ENOUGH = 15   # Frames of each, for shares to show through what else the machine does.
 UNFAIR = 1.8  # Frames of one over those of another of the same weight; 1 is fair.
+WEIGHTS = {"hall-2": 2.0, "hall-1": 1.0}
+WEIGHED = (1.5, 2.7)  # Frames of the one over those of the other.
 SLOWED = 0.4  # Of the frames per second without the slow museum, so many are left at least.
 
 
@@ -33,7 +38,34 @@ def rates(counted, others=()):
     return [len(museum.whole_frames(began, until)) / (until - began) for museum in [*counted, *others]]
 
 
-def check(farm):
+def check_weights(farm):
+    farm.ready()
+    museums = [start(farm, name, "--bundle", farm.folder / name) for name in WEIGHTS]
+    rate, other = rates(museums)
+    least, most = WEIGHED
+    assert least <= rate / other <= most, f"{rate} frames/s with weight 2, {other} with weight 1"
+    return {"weight_2_per_s": rate, "weight_1_per_s": other}
+
+
+def trusting_farm(build, folder):
+    """Certificates for all, and a file of weights."""
+    folder, scene = pathlib.Path(folder), make_scene(build, folder)
+    authority = Authority(build, folder)
+    authority.bundle("head", "farm", "--address", "::1")
+    authority.bundle("node", "nodes")
+    for name in WEIGHTS:
+        authority.bundle("museum", name)
+    (folder / "museums.toml").write_text("".join(
+        f'[[museum]]\nname = "{name}"\nscenes = ["*"]\nweight = {weight}\n' for name, weight in WEIGHTS.items()))
+    # Ports and scenes are as the command line says.
+    (folder / "farm.toml").write_text(f'museums = "[::1]:1"\nnodes = "[::1]:2"\nmuseums_file = "museums.toml"\n[[scene]]\n'
+                                      f'name = "visit"\npath = "{scene}"\n[tls]\n' + TLS.format("farm"))
+    (folder / "node.toml").write_text("[tls]\n" + TLS.format("nodes"))
+    return Farm(build, folder, nodes=2, scene=scene, head_options=("--config", folder / "farm.toml"),
+                node_options=("--config", folder / "node.toml"))
+
+
+def check_equals(farm):
     farm.ready()
     fast = start(farm, "fast")
     slow = start(farm, "slow", *SLOW)
@@ -48,19 +80,25 @@ def check(farm):
     return {"alone_per_s": alone, "beside_a_slow_one_per_s": beside_slow, "slow_per_s": slow_rate, "three_equal_per_s": equal}
 
 
-def main(_, build):
+def is_fair(make, build, check):
     with tempfile.TemporaryDirectory() as folder:
-        with Farm(build, folder, nodes=2) as farm:
+        with make(build, folder) as farm:
             try:
                 print(json.dumps(check(farm)))
             except AssertionError as error:
                 print(farm.heads[0].process.said()[-1500:])
                 print(error)
-                return 1
+                return False
         holes, breaches = farm.wrong()
         if holes or breaches or farm.stuck:
             print(f"{holes} frames with holes, {breaches}, {farm.stuck} processes did not stop")
-            return 1
+            return False
+    return True
+
+
+def main(_, build):
+    if not is_fair(lambda *where: Farm(*where, nodes=2), build, check_equals) or not is_fair(trusting_farm, build, check_weights):
+        return 1
     print("fairness: ok")
     return 0
 

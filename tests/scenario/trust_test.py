@@ -13,11 +13,10 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from farm.authority import TLS, Authority  # noqa: E402
 from farm.farm import make_scene  # noqa: E402
 from farm.museum import Museum  # noqa: E402
 from farm.processes import Process, free_port, wait_until  # noqa: E402
-
-TLS = 'authority = "{0}/authority.crt"\ncertificate = "{0}/certificate.crt"\nkey = "{0}/key.pem"\n'
 
 
 class TrustedFarm:
@@ -26,11 +25,11 @@ class TrustedFarm:
         self.audit_file = self.folder / "audit.jsonl"
         self.museums, self.nodes = free_port(), free_port()
         self.running = []
-        self.authority("init")
-        self.bundle("head", "farm", "--address", "::1")
-        self.bundle("node", "n1")
-        self.bundle("museum", "hall-3")
-        self.bundle("museum", "hall-4")
+        self.authority = Authority(build, folder)
+        self.authority.bundle("head", "farm", "--address", "::1")
+        self.authority.bundle("node", "n1")
+        self.authority.bundle("museum", "hall-3")
+        self.authority.bundle("museum", "hall-4")
         self.grant("visit")
         scene = make_scene(build, folder)
         (self.folder / "farm.toml").write_text(
@@ -47,16 +46,6 @@ class TrustedFarm:
         self.walker = Museum("walker", pathlib.Path(build) / "tests" / "test-museum", folder, [f"[::1]:{self.museums}"], 10,
                              ["--bundle", self.folder / "hall-4", "--width", 256, "--height", 128])
         self.running.append(self.walker.process)
-
-    def authority(self, *words):
-        subprocess.run([self.bin.resolve() / "cyclorama-authority", "--folder", "ca", *words], cwd=self.folder, check=True,
-                       capture_output=True, timeout=60)
-
-    def bundle(self, role, name, *words):
-        """A certificate, unpacked where the last of that name was."""
-        self.authority(role, name, *words, "--replace")
-        (self.folder / name).mkdir(exist_ok=True)
-        subprocess.run(["tar", "-xf", f"{name}.tar", "-C", name], cwd=self.folder, check=True)
 
     def grant(self, scene):
         """To hall-3; hall-4 may see all."""
@@ -101,16 +90,16 @@ def check(farm):
     farm.grant("visit")
     farm.wait_for(2, "visit opened", name="hall-3")
 
-    farm.authority("revoke", "hall-3")
+    farm.authority.do("revoke", "hall-3")
     ended, museum_s = farm.wait_for(1, "visit ended", reason="revoked")
     assert ended["serial"] == opened["serial"], ended
     farm.wait_for(1, "museum refused", serial=opened["serial"], reason="revoked")
-    farm.bundle("museum", "hall-3")
+    farm.authority.bundle("museum", "hall-3")
     again, _ = farm.wait_for(3, "visit opened", name="hall-3")
     assert again["serial"] != opened["serial"], again
 
     assert farm.walker.wrong() == (0, []) and len(farm.walker.events("opened")) == 1, "what is done to one, another feels"
-    farm.authority("revoke", "n1")
+    farm.authority.do("revoke", "n1")
     _, node_s = farm.wait_for(1, "node gone", reason="revoked")
     assert all(process.alive() for process in farm.running), "something was restarted"
     assert farm.stop(), "something did not stop when it was asked to"

@@ -48,7 +48,7 @@ class Node:
 
     def is_ready(self):
         """Since it was started, a head has said that this node has the scene."""
-        return any(f"node '{self.name}' has scene" in head.process.said()[heard:]
+        return any(f"{self.name}' has scene" in head.process.said()[heard:]
                    for head, heard in zip(self.farm.heads, self.heard))
 
 

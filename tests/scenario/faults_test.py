@@ -19,6 +19,7 @@ from farm.processes import wait_until
 
 LATE_AFTER_S = 1.0  # A whole frame that took longer is late too, whatever the head calls it.
 NEAR_S, FAR = 0.7, 60  # All pictures of so long after a fault are compared, and so many others.
+GOVERNED = ("--budget-ms", 40, "--reference-samples", 2, "--walk-s", 4, "--rest-s", 3)
 GROWN = {"rss_kib": 64 * 1024, "threads": 8, "fds": 16}  # Of a head, from the first fault to the last: a leak is more.
 
 
@@ -39,6 +40,7 @@ def run(farm, kinds, count, seed):
     farm.ready()
     farm.add_museum("museum-1")
     farm.add_museum("museum-2")
+    farm.add_museum("governed", *GOVERNED)
     for museum in farm.museums.values():
         wait_until(museum.whole_frames, 60, f"{museum.name} sees something")
     chosen, lots = picked(kinds, count, seed)
@@ -56,15 +58,18 @@ def run(farm, kinds, count, seed):
 
 def mixed_frames(farm, records, folder, lots):
     """How many views came with other pixels than one node alone gives them, of how many compared: those next to a fault
-    first."""
-    digests = farm.digests()
-    near = {frame["view"] for museum in [*farm.past, *farm.museums.values()] for record in records
+    first. Pictures at rest are compared with each other."""
+    museums = [*farm.past, *farm.museums.values()]
+    frames = {frame["view_hex"]: frame for museum in museums for frame in museum.whole_frames()}
+    near = {frame["view_hex"] for museum in museums for record in records
             for frame in museum.whole_frames(record["began_s"], record["began_s"] + NEAR_S)}
-    rest = sorted(digests.keys() - near)
-    chosen = near | set(lots.sample(rest, min(len(rest), FAR)))
-    alone = render(farm.build, folder, farm.scene, chosen)
+    far = sorted(frames.keys() - near)
+    chosen = near | set(lots.sample(far, min(len(far), FAR)))
+    alone = render(farm.build, folder, farm.scene, [frames[view] for view in chosen])
     assert alone.keys() == chosen
-    return sum(len(d) > 1 or alone.get(number, min(d)) not in d for number, d in digests.items()), len(chosen)
+    asked, at_rest = farm.pictures()
+    return sum(len(digests) > 1 or alone.get(view, min(digests)) not in digests
+               for view, digests in (asked | at_rest).items()), len(chosen)
 
 
 def table(records):
@@ -79,6 +84,8 @@ def table(records):
 
 def summary_of(farm, records, grown):
     holes, breaches = farm.wrong()
+    museums = [*farm.past, *farm.museums.values()]
+    governed = [museum for museum in museums if museum.rests]
     return {
         "benchmark": "farm-faults", "faults": len(records), "holes": holes, "breaches": breaches,
         "hangs": sum(r["hangs"] for r in records), "lost_sessions": sum(r["lost_sessions"] for r in records),
@@ -86,7 +93,9 @@ def summary_of(farm, records, grown):
         "seconds_to_full_rate_max": round(max(r["full_rate_s"] for r in records), 2),
         "joined_s_max": round(max([r["joined_s"] for r in records if r["joined_s"] is not None], default=0.0), 2),
         "stuck_processes": farm.stuck, "grown": grown,
-        "frames": sum(len(m.whole_frames()) for m in [*farm.past, *farm.museums.values()]),
+        "frames": sum(len(m.whole_frames()) for m in museums),
+        "governed_frames": sum(len(m.whole_frames()) for m in governed), "frames_at_rest": len(farm.pictures()[1]),
+        "qualities": len({(f["samples"], f["width_px"]) for m in governed for f in m.whole_frames()}),
     }
 
 

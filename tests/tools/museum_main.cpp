@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <deque>
@@ -53,18 +54,52 @@ std::uint64_t digest_of(std::span<const std::byte> bytes) {
   return digest;
 }
 
-/// One number per line, growing. Errors as read_file(), and kBadData.
-Result<std::deque<std::uint64_t>> read_numbers(const std::string& path) {
-  constexpr std::size_t kLimitBytes = 16 << 20;
+/// All that a picture depends on: the same digits, the same picture.
+std::string to_hex(const wire::View& view) {
+  std::string hex;
+  for (const char byte : view.SerializeAsString()) {
+    fmt::format_to(std::back_inserter(hex), "{:02x}", static_cast<unsigned char>(byte));
+  }
+  return hex;
+}
+
+/// Nothing for what to_hex() never writes.
+std::optional<wire::View> view_from_hex(std::string_view hex) {
+  std::string bytes;
+  for (; hex.size() >= 2; hex.remove_prefix(2)) {
+    unsigned char byte = 0;
+    const auto [end, error] = std::from_chars(hex.data(), hex.data() + 2, byte, 16);
+    if (error != std::errc() || end != hex.data() + 2) return std::nullopt;
+    bytes += static_cast<char>(byte);
+  }
+  wire::View view;
+  if (!hex.empty() || !view.ParseFromString(bytes)) return std::nullopt;
+  return view;
+}
+
+/// One view per line, numbers growing: its number alone, or all of it as to_hex() writes it, which begins with 0 as no
+/// number does. Errors as read_file(), and kBadData.
+Result<std::deque<wire::View>> read_views(const std::string& path) {
+  constexpr std::size_t kLimitBytes = 64 << 20;
   TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kLimitBytes));
   std::istringstream lines(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-  std::deque<std::uint64_t> numbers;
-  for (std::uint64_t number = 0; lines >> number;) {
-    if (number <= (numbers.empty() ? 0 : numbers.back())) return Error(ErrorCode::kBadData, path + ": must grow");
-    numbers.push_back(number);
+  std::deque<wire::View> views;
+  for (std::string line; std::getline(lines, line);) {
+    std::optional<wire::View> view = line.starts_with('0') ? view_from_hex(line) : wire::View();
+    if (view && !view->has_panorama()) {
+      std::uint64_t number = 0;
+      const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
+      if (error != std::errc() || end != line.data() + line.size()) view.reset();
+      if (view) view->set_number(number);
+    }
+    if (!view || view->number() <= (views.empty() ? 0 : views.back().number())) {
+      return Error(ErrorCode::kBadData,
+                   fmt::format("{}:{}: neither a number above the one before nor such a view", path, views.size() + 1));
+    }
+    views.push_back(*std::move(view));
   }
-  if (numbers.empty() || !lines.eof()) return Error(ErrorCode::kBadData, path + ": not a list of numbers");
-  return numbers;
+  if (views.empty()) return Error(ErrorCode::kBadData, path + ": no views");
+  return views;
 }
 
 /// How often each cell of the 16-pixel grid was sent: a frame is whole when that is once everywhere.
@@ -98,11 +133,11 @@ class Witness final : public FarmListener {
  public:
   explicit Witness(const Arguments& arguments) : arguments_(arguments) {}
 
-  /// What a view shows depends on its number alone. False when no visit was open yet.
-  bool ask(FarmClient& client, std::uint64_t number) {
+  /// What a view of nothing but a number shows depends on that alone. False when no visit was open yet.
+  bool ask(FarmClient& client, wire::View view) {
     const std::lock_guard lock(mutex_);
     if (!scene_) return false;
-    wire::View view = view_of(number);
+    if (!view.has_panorama()) view = view_of(view.number());
     asked_at_[view.number()] = seconds_now();
     client.request(std::move(view));
     return true;
@@ -137,10 +172,7 @@ class Witness final : public FarmListener {
     cover_.add(tile);
     bytes_ += tile.jpeg().size();
     if (arguments_.blind) return;
-    const Status decoded = decoder_.decode_into(
-        std::as_bytes(std::span(tile.jpeg())),
-        picture_.at(static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px())), static_cast<int>(tile.width_px()),
-        static_cast<int>(tile.height_px()), picture_.row_values());
+    const Status decoded = view_.subsample_chroma() ? draw_grey(tile) : draw(tile);
     if (!decoded) say({{"event", "violation"}, {"reason", decoded.error().message()}});
   }
   void on_end(const wire::FrameEnd& end) override {
@@ -155,13 +187,15 @@ class Witness final : public FarmListener {
               {"efficiency", end.balance_efficiency()},
               {"begun_s", begun_at_},
               {"bytes", bytes_},
-              {"refined", view_.first_sample() > 0},
+              {"refined", view_.number() <= last_ended_},
+              {"view_hex", to_hex(view_)},
               {"width_px", picture_.width()}};
     for (const wire::StageTime& stage : end.stages()) line["stages_ms"][stage.name()] = 1e3 * stage.seconds();
     if (end.complete()) {
       line["whole"] = cover_.is_whole();
       if (!arguments_.blind) line["digest"] = fmt::format("{:016x}", digest_of(std::as_bytes(picture_.data())));
     }
+    last_ended_ = end.view_number();
     const std::lock_guard lock(mutex_);
     const auto asked = asked_at_.find(end.view_number());
     if (asked != asked_at_.end()) line["asked_s"] = asked->second;
@@ -171,6 +205,26 @@ class Witness final : public FarmListener {
   }
 
  private:
+  Status draw(const wire::Tile& tile) {
+    return decoder_.decode_into(std::as_bytes(std::span(tile.jpeg())),
+                                picture_.at(static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px())),
+                                static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px()),
+                                picture_.row_values());
+  }
+  /// Colours of half the pixels are made smooth as far as their tile goes, so that they depend on where it was cut.
+  Status draw_grey(const wire::Tile& tile) {
+    const auto width = static_cast<int>(tile.width_px()), height = static_cast<int>(tile.height_px());
+    TRY_ASSIGN(const GreyImage grey, decoder_.decode_grey(std::as_bytes(std::span(tile.jpeg())),
+                                                          std::size_t{tile.width_px()} * tile.height_px()));
+    if (grey.width() != width || grey.height() != height) {
+      return Error(ErrorCode::kBadData, "a tile's JPEG has another size than the tile");
+    }
+    for (int y = 0; y < height; ++y) {
+      std::uint8_t* pixel = picture_.at(static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()) + y);
+      for (int x = 0; x < width; ++x, pixel += 3) std::fill_n(pixel, 3, *grey.at(x, y));
+    }
+    return Done{};
+  }
   wire::View view_of(std::uint64_t number) const {
     constexpr double kRadiusM = 0.25;
     const auto pose = static_cast<double>(number % static_cast<std::uint64_t>(arguments_.poses));
@@ -208,7 +262,8 @@ class Witness final : public FarmListener {
   int ended_ = 0;
   // The client's thread only.
   wire::View view_;
-  RgbImage picture_;
+  RgbImage picture_;  ///< Grey where the farm chose to halve the colours.
+  std::uint64_t last_ended_ = 0;
   Cover cover_;
   std::size_t bytes_ = 0;
   double begun_at_ = 0.0;
@@ -216,7 +271,7 @@ class Witness final : public FarmListener {
 };
 
 /// At its rate, for ever; with a list of views, these, each when the frame before has ended.
-void walk(const Arguments& arguments, std::deque<std::uint64_t> list, Witness& witness, FarmClient& client,
+void walk(const Arguments& arguments, std::deque<wire::View> list, Witness& witness, FarmClient& client,
           const StopSignal& stop) {
   const bool lockstep = !list.empty();
   const auto period = std::chrono::duration_cast<Duration>(
@@ -224,11 +279,12 @@ void walk(const Arguments& arguments, std::deque<std::uint64_t> list, Witness& w
   const SteadyClock clock;
   const TimePoint began = clock.now();
   TimePoint next = began;
-  std::uint64_t number = 1;
+  wire::View next_view;
+  next_view.set_number(1);
   for (int asked = 0; !stop.wait_until(next); next = std::max(next + period, clock.now())) {
     if (!lockstep) {
       const bool rests = std::fmod(to_seconds(next - began), arguments.walk_s + arguments.rest_s) >= arguments.walk_s;
-      if (!rests && witness.ask(client, number)) ++number;
+      if (!rests && witness.ask(client, next_view)) next_view.set_number(next_view.number() + 1);
     } else if (asked <= witness.ended()) {
       if (list.empty()) return;
       if (!witness.ask(client, list.front())) continue;
@@ -244,9 +300,9 @@ Status run(Arguments& arguments, const StopSignal& stop) {
     const std::filesystem::path folder = arguments.bundle;
     arguments.farm.tls = TlsFiles{folder / "authority.crt", folder / "certificate.crt", folder / "key.pem"};
   }
-  std::deque<std::uint64_t> list;
+  std::deque<wire::View> list;
   if (!arguments.views.empty()) {
-    TRY_ASSIGN(list, read_numbers(arguments.views));
+    TRY_ASSIGN(list, read_views(arguments.views));
   }
   Witness witness(arguments);
   TRY_ASSIGN(const auto client, FarmClient::start(arguments.farm, witness));
@@ -275,7 +331,8 @@ int main(int argc, char** argv) {
   app.add_option("--walk-s", arguments.walk_s, "Between two rests")->check(CLI::Range(0.1, 1e6));
   app.add_option("--rest-s", arguments.rest_s, "Ask for nothing for so long, again and again; 0: never")
       ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--views", arguments.views, "Ask for the views of these numbers, each when the one before has come");
+  app.add_option("--views", arguments.views,
+                 "Ask for these views, one a line, each when the one before has come: a number, or a frame's view_hex");
   app.add_option("--width", arguments.width, "Of the picture, in pixels");
   app.add_option("--height", arguments.height, "Of the picture, in pixels");
   app.add_option("--samples", arguments.samples, "Per pixel");

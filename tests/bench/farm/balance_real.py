@@ -69,9 +69,8 @@ def measure(build, folder, scene, nodes, frames, strategy):
 
 
 def differing(build, folder, scene, seen):
-    numbers = [frame["view"] for frame in seen[::max(1, len(seen) // ALIKE)]]
-    alone = render(build, folder, scene, numbers, size=SIZE, poses=POSES)
-    return sum(alone[frame["view"]] != frame["digest"] for frame in seen if frame["view"] in alone), len(alone)
+    alone = render(build, folder, scene, seen[::max(1, len(seen) // ALIKE)])
+    return sum(alone[frame["view_hex"]] != frame["digest"] for frame in seen if frame["view_hex"] in alone), len(alone)
 
 
 def main(build, frames, *counts):

@@ -116,23 +116,32 @@ class Farm:
         each = [museum.wrong() for museum in [*self.past, *self.museums.values()]]
         return sum(holes for holes, _ in each), [reason for _, breaches in each for reason in breaches]
 
-    def digests(self):
-        """By a view's number, those of all its whole pictures as museums got them: more than one is too many."""
-        digests = {}
+    def pictures(self):
+        """Digests of whole pictures as museums got them, by what was to be seen: more than one is too many. First those
+        of views that were asked for, then those of visitors at rest."""
+        asked, at_rest = {}, {}
         for museum in [*self.past, *self.museums.values()]:
-            for frame in museum.whole_frames():
-                digests.setdefault(frame["view"], set()).add(frame["digest"])
-        return digests
+            for frame in museum.events("frame"):
+                if frame["complete"]:
+                    (at_rest if frame["refined"] else asked).setdefault(frame["view_hex"], set()).add(frame["digest"])
+        return asked, at_rest
 
 
-def render(build, folder, scene, numbers, size=SIZE, poses=POSES):
-    """The digests of these views' pictures, each rendered whole by one node that nothing happens to."""
-    views = pathlib.Path(folder) / "views"
-    views.write_text("\n".join(str(n) for n in sorted(numbers)) + "\n")
+def render(build, folder, scene, frames):
+    """What these frames show, rendered whole by one node that nothing happens to: digests by view_hex."""
+    rounds = []  # A visit's numbers grow; visits of other museums may have had the same.
+    for number, view in sorted({(frame["view"], frame["view_hex"]) for frame in frames}):
+        free = next((views for views in rounds if views[-1][0] < number), None)
+        rounds.append([(number, view)]) if free is None else free.append((number, view))
+    digests = {}
     with Farm(build, folder, nodes=1, scene=scene) as alone:
         alone.ready()
-        museum = alone.add_museum("reference", "--views", views, size=size, poses=poses)
-        assert museum.process.popen.wait(600) == 0, "the reference was not rendered"
-        museum.reader.join()
-        assert museum.wrong() == (0, []), museum.wrong()
-        return {frame["view"]: frame["digest"] for frame in museum.whole_frames()}
+        for i, views in enumerate(rounds):
+            file = pathlib.Path(folder) / f"views-{i}"
+            file.write_text("".join(f"{view}\n" for _, view in views))
+            museum = alone.add_museum("reference", "--views", file)
+            assert museum.process.popen.wait(600) == 0, "the reference was not rendered"
+            museum.reader.join()
+            assert museum.wrong() == (0, []), museum.wrong()
+            digests |= {frame["view_hex"]: frame["digest"] for frame in museum.whole_frames()}
+    return digests

@@ -196,6 +196,12 @@ def seconds_to_full_rate(museum, since):
     return at - since
 
 
+def most_seconds_to_full_rate(museums, since):
+    """Waits for all; who rests now and then is not in the figure."""
+    seconds = [(seconds_to_full_rate(museum, since), museum.rests) for museum in museums]
+    return max([figure for figure, rests in seconds if not rests], default=0.0)
+
+
 def seconds_to_take_part(farm, node, limit_s):
     """From the head's word that the node has the scene to the first frame that all nodes made. None: not seen; a picture
     may be too small for one more."""
@@ -224,19 +230,19 @@ def see_through(fault, farm, lots, late_after_s):
     thing = fault.happen(farm, lots)
     struck = thing if fault.hurts == "museum" else None
     others = [museum for museum in farm.museums.values() if museum is not struck]
-    seconds = [seconds_to_full_rate(museum, began) for museum in others]
+    seconds = most_seconds_to_full_rate(others, began)
     if fault.passes:
         time.sleep(max(0.0, began + HELD_S - now()))
         passed = now()
         fault.passes(farm, thing)
     joined = seconds_to_take_part(farm, thing, 3.0) if fault.node_comes else None
-    seconds += [seconds_to_full_rate(museum, passed) for museum in farm.museums.values()]
+    seconds = max(seconds, most_seconds_to_full_rate(farm.museums.values(), passed))
     time.sleep(0.3)
     end = now()
     # When it happened, and once more when it passed: each counts for itself.
     late = [museum.late_frames(a, b, late_after_s) for museum in others for a, b in ((began, passed), (passed, end)) if a < b]
     return {
-        "kind": fault.kind, "began_s": began, "to_node": fault.to_node, "full_rate_s": max(seconds), "joined_s": joined,
+        "kind": fault.kind, "began_s": began, "to_node": fault.to_node, "full_rate_s": seconds, "joined_s": joined,
         "hangs": sum(m.longest_gap(passed if m is struck else began, end) >= HANG_S for m in farm.museums.values()),
         "late": max(map(len, late), default=0),
         "reasons": sorted({frame["reason"] or f"after {frame['at_s'] - frame['asked_s']:.1f} s" for some in late for frame in some}),

@@ -13,6 +13,7 @@ RUN = 10  # So many whole frames in a row, at the rate asked for, are the full r
 class Museum:
     def __init__(self, name, program, folder, heads, rate_hz, options=(), host=()):
         self.name, self.rate_hz, self.lines, self.lock = name, rate_hz, [], threading.Lock()
+        self.rests = "--rest-s" in options
         command = [*host, program, "--museum", name, "--rate-hz", rate_hz, *options]
         for head in heads:
             command += ["--farm", head]

@@ -1,16 +1,22 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Installs what is missing, builds everything, runs all quick tests.
-#   ./test.sh [--preset release|dev|asan|tsan] [CTEST OPTIONS]      ./test.sh --fuzz SECONDS
+#   ./test.sh [--preset release|dev|asan|tsan] [--only LABEL] [CTEST OPTIONS]      ./test.sh --fuzz SECONDS
+# --only builds and runs no more than the tests of one label: unit or farm.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")"
 preset=release
-case "${1:-}" in
-  --preset) preset=${2:?release, dev, asan or tsan}; shift 2 ;;
-  --fuzz) exec tests/fuzz/run "${2:?seconds per target}" ;;
-  -h|--help) sed -n '3,4s/^# //p' "$0"; exit 0 ;;
-esac
+what=() which=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --preset) preset=${2:?release, dev, asan or tsan}; shift 2 ;;
+    --only) what=(--target "tests-${2:?a label}") which=(--label-regex "^$2\$"); shift 2 ;;
+    --fuzz) exec tests/fuzz/run "${2:?seconds per target}" ;;
+    -h|--help) sed -n '3,5s/^# //p' "$0"; exit 0 ;;
+    *) break ;;
+  esac
+done
 scripts/install-packages test
 cmake --preset "$preset" >/dev/null
-cmake --build --preset "$preset"
-ctest --preset "$preset" "$@"
+cmake --build --preset "$preset" "${what[@]}"
+ctest --preset "$preset" "${which[@]}" "$@"

@@ -92,6 +92,14 @@ function(project_program)
   set_property(GLOBAL PROPERTY CYCLORAMA_COMPONENT_${arg_NAME} ${arg_COMPONENT})
 endfunction()
 
+# project_test_group(LABEL TARGET...): `tests-LABEL` builds no more than the tests of that label need.
+function(project_test_group label)
+  if(NOT TARGET tests-${label})
+    add_custom_target(tests-${label})
+  endif()
+  add_dependencies(tests-${label} ${ARGN})
+endfunction()
+
 # project_test(unit/common/base/result_test LINK cyclorama::base [LABELS unit])
 function(project_test path)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "LINK;LABELS")
@@ -107,6 +115,9 @@ function(project_test path)
   add_test(NAME ${path} COMMAND ${name})
   set_tests_properties(${path} PROPERTIES LABELS "${arg_LABELS}" SKIP_RETURN_CODE 77 TIMEOUT ${arg_TIMEOUT}
     ENVIRONMENT "CYCLORAMA_SHARED=${PROJECT_SOURCE_DIR}/../shared;CYCLORAMA_SOURCE=${PROJECT_SOURCE_DIR};LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp;TSAN_OPTIONS=ignore_noninstrumented_modules=1 suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")
+  foreach(label IN LISTS arg_LABELS)
+    project_test_group(${label} ${name})
+  endforeach()
 endfunction()
 
 # project_fuzz(fuzz/ply_fuzz LINK cyclorama::scene): a libFuzzer target; tests/fuzz/run starts them.

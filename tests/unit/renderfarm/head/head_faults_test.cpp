@@ -252,7 +252,7 @@ TEST_F(Faults, a_slowed_node_is_given_less_until_it_recovers) {
 }
 
 TEST_F(Faults, a_node_that_was_too_slow_to_help_is_tried_again_with_a_little) {
-  open(4);
+  open(8);
   const std::int64_t fair = frame(1.0);
   for (int i = 0; i < 20; ++i) frame(100.0);
   std::int64_t most = 0;

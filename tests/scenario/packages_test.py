@@ -20,7 +20,7 @@ import time
 
 SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator"], "tools": []}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
-            "museum": ["cyclorama", "cyclorama-display", "cyclorama-operator", "cyclorama-tour", "cyclorama-tracker"],
+            "museum": ["cyclorama", "cyclorama-display", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
             "tools": ["cyclorama-balance", "cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-warp"]}
 problems = []
 

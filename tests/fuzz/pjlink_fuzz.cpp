@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a projector says over the network.
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "drivers/output/power/pjlink.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  static_cast<void>(pjlink::authorise(text, "secret"));
+  static_cast<void>(pjlink::parse_power(text));
+  return 0;
+}

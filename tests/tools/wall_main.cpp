@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Known pictures on the heads of this machine's graphics card, for tests/image/heads_test.py: eight bars of colour, and
+// in the lowest 32 rows one white square per head's number. As a virtual machine's first process it also mounts what it
+// needs and loads /modules/*. Says "wall: ..." once it shows, and again whenever the heads' modes change.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mount.h>
+#include <sys/reboot.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "drivers/output/drm/drm_output.h"
+#include "drivers/output/gl_objects.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr char kVertexShader[] = R"(#version 300 es
+void main() {
+  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
+}
+)";
+constexpr char kFragmentShader[] = R"(#version 300 es
+precision highp float;
+uniform vec4 head;  // Its number from 1, the picture's width.
+out vec4 colour;
+void main() {
+  int bar = int(floor(8.0 * gl_FragCoord.x / head.y));
+  colour = vec4(float(bar & 1), float(bar >> 1 & 1), float(bar >> 2 & 1), 1.0);
+  if (gl_FragCoord.y < 32.0) {
+    float square = floor(gl_FragCoord.x / 32.0);
+    float lit = mod(square, 2.0) == 0.0 && square < 2.0 * head.x ? 1.0 : 0.0;
+    colour = vec4(vec3(lit), 1.0);
+  }
+}
+)";
+
+void become_first_process() {
+  ::mkdir("/dev", 0755);
+  ::mkdir("/proc", 0755);
+  ::mkdir("/sys", 0755);
+  ::mount("none", "/dev", "devtmpfs", 0, nullptr);
+  ::mount("none", "/proc", "proc", 0, nullptr);
+  ::mount("none", "/sys", "sysfs", 0, nullptr);
+  const int console = ::open("/dev/console", O_RDWR);
+  for (int fd = 0; fd < 3; ++fd) ::dup2(console, fd);
+  std::vector<std::filesystem::path> modules;
+  for (const auto& entry : std::filesystem::directory_iterator("/modules")) modules.push_back(entry.path());
+  std::sort(modules.begin(), modules.end());
+  for (const std::filesystem::path& module : modules) {
+    const int fd = ::open(module.c_str(), O_RDONLY | O_CLOEXEC);
+    if (::syscall(SYS_finit_module, fd, "", 0) != 0) std::perror(module.c_str());
+    ::close(fd);
+  }
+}
+
+Status show(Output* output) {
+  TRY_ASSIGN(const GlProgram program, GlProgram::link(output->gl(), kVertexShader, kFragmentShader));
+  const GlVertexArray no_attributes(output->gl());
+  const Gl& gl = output->gl();
+  std::string said;
+  for (;;) {
+    TRY(output->wait_for_refresh());
+    for (std::size_t head = 0; head < output->heads().size(); ++head) {
+      TRY(output->draw_to(head));
+      gl.UseProgram(program.id());
+      gl.Uniform4f(program.uniform("head"), static_cast<float>(head + 1),
+                   static_cast<float>(output->heads()[head].width_px), 0.0f, 0.0f);
+      gl.BindVertexArray(no_attributes.id());
+      gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+    TRY_ASSIGN(const Presented presented, output->present());
+    if (const std::string kind = output->kind(); kind != said) {
+      fmt::print("wall: {}; {}; refresh {}\n", kind, gl.renderer(), presented.refresh);
+      std::fflush(stdout);
+      said = kind;
+    }
+  }
+}
+
+Status run(int heads, int width_px, int height_px) {
+  const SteadyClock clock;
+  DrmOptions options;
+  for (int head = 0; head < heads; ++head)
+    options.heads.push_back(
+        {{fmt::format("head {}", head + 1), width_px, height_px}, fmt::format("Virtual-{}", head + 1)});
+  for (;;) {
+    TRY_ASSIGN(const std::unique_ptr<Output> output, open_drm_output(options, clock));
+    const auto shown = show(output.get());
+    if (shown.error().code() != ErrorCode::kUnavailable) return shown;
+    fmt::print("wall: lost: {}\n", shown.error().message());
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main() {
+  using namespace cyclorama;
+  const bool is_first = ::getpid() == 1;
+  if (is_first) become_first_process();
+  const auto ended = run(3, 640, 480);
+  fmt::print("wall: failed: {}\n", ended.error().message());
+  std::fflush(stdout);
+  if (is_first) ::reboot(RB_POWER_OFF);
+  return 1;
+}

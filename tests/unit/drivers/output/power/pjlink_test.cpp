@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/output/power/pjlink.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/doubles/fake_projector.h"
+
+namespace cyclorama {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr auto kPatience = std::chrono::seconds(20);
+
+PjlinkProjector at(const FakeProjector& fake, std::string password = {}) {
+  return {{"::1", fake.port()}, std::move(password)};
+}
+
+TEST(Pjlink, switches_on_and_off) {
+  const FakeProjector fake("PJLINK 0\r", [](const std::string&) { return "%1POWR=OK\r"; });
+  EXPECT_TRUE(set_power(at(fake), true, kPatience));
+  EXPECT_TRUE(set_power(at(fake), false, kPatience));
+  EXPECT_THAT(fake.heard(), ElementsAre("%1POWR 1", "%1POWR 0"));
+}
+
+TEST(Pjlink, asks_how_it_is) {
+  for (const auto& [digit, power] :
+       {std::pair("0", ProjectorPower::kOff), std::pair("1", ProjectorPower::kOn),
+        std::pair("2", ProjectorPower::kCooling), std::pair("3", ProjectorPower::kWarming)}) {
+    const std::string answer = std::string("%1POWR=") + digit + "\r";
+    const FakeProjector fake("PJLINK 0\r", [&](const std::string&) { return answer; });
+    const auto asked = ask_power(at(fake), kPatience);
+    ASSERT_TRUE(asked) << asked.error().message();
+    EXPECT_EQ(*asked, power);
+    EXPECT_THAT(fake.heard(), ElementsAre("%1POWR ?"));
+  }
+}
+
+// The example of the specification, 5.2: 498e4a67 and JBMIAProjectorLink.
+TEST(Pjlink, proves_that_it_knows_the_password) {
+  const FakeProjector fake("PJLINK 1 498e4a67\r", [](const std::string& line) {
+    return line.starts_with("5d8409bc1c3fa39749434aa3a5c38682%1POWR") ? "%1POWR=1\r" : "PJLINK ERRA\r";
+  });
+  EXPECT_TRUE(ask_power(at(fake, "JBMIAProjectorLink"), kPatience));
+  const auto wrong = ask_power(at(fake, "wrong"), kPatience);
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(wrong.error().message(), HasSubstr("refuses the password"));
+  EXPECT_THAT(ask_power(at(fake), kPatience).error().message(), HasSubstr("wants a password"));
+}
+
+TEST(Pjlink, tells_what_a_projector_refuses) {
+  const auto code = [](const char* line) { return pjlink::parse_power(line).error().code(); };
+  EXPECT_EQ(code("%1POWR=ERR1"), ErrorCode::kBadData);
+  EXPECT_EQ(code("%1POWR=ERR3"), ErrorCode::kUnavailable);
+  EXPECT_EQ(code("%1POWR=ERR4"), ErrorCode::kSystem);
+  EXPECT_EQ(code("PJLINK ERRA"), ErrorCode::kInvalidArgument);
+  for (const char* wrong : {"", "%1POWR=", "%1POWR=4", "%1POWR=11", "%2POWR=1", "HTTP/1.1 400 Bad Request"})
+    EXPECT_EQ(code(wrong), ErrorCode::kBadData) << wrong;
+  EXPECT_EQ(pjlink::parse_answer("%1POWR=" + std::string(1000, 'x')).error().code(), ErrorCode::kBadData);
+}
+
+TEST(Pjlink, knows_who_does_not_speak_it) {
+  for (const char* wrong : {"", "PJLINK", "PJLINK 2", "PJLINK 1 ", "PJLINK 1 498e4a6", "PJLINK 1 498e4a6g", "SSH-2.0"})
+    EXPECT_EQ(pjlink::authorise(wrong, "x").error().code(), ErrorCode::kBadData) << wrong;
+  const FakeProjector endless(std::string(1000, 'x'), [](const std::string&) { return ""; });
+  EXPECT_EQ(ask_power(at(endless), kPatience).error().code(), ErrorCode::kBadData);
+}
+
+TEST(Pjlink, gives_up_on_one_that_is_silent_or_gone) {
+  const FakeProjector silent("", [](const std::string&) { return ""; });
+  const auto asked = ask_power(at(silent), milliseconds(30));
+  ASSERT_FALSE(asked);
+  EXPECT_EQ(asked.error().code(), ErrorCode::kUnavailable);
+  EXPECT_THAT(asked.error().message(), HasSubstr("projector at ::1:"));
+  const FakeProjector hangs_up("PJLINK 0\r", [](const std::string&) { return ""; });
+  EXPECT_EQ(ask_power(at(hangs_up), kPatience).error().code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(ask_power({{"::1", 1}, ""}, kPatience).error().code(), ErrorCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -32,13 +32,6 @@ Result<std::vector<HeadWarp>> make_warps(const Installation& installation, const
   return warps;
 }
 
-std::vector<HeadMode> heads_of(const Installation& installation) {
-  std::vector<HeadMode> heads;
-  for (const InstalledProjector& p : installation.projectors)
-    heads.push_back({p.name, p.lens.width_px, p.lens.height_px});
-  return heads;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Display>> Display::start(DisplayOptions options, const Clock& clock) {
@@ -63,8 +56,7 @@ Status Display::prepare() {
 
   PresentPlan plan;
   plan.open_output = [this] {
-    return open_headless_output(
-        {heads_of(options_.installation), options_.refresh_hz, options_.run_dir, options_.renderer}, clock_);
+    return make_output(options_.output, options_.installation, options_.refresh_hz, clock_);
   };
   plan.warps = std::move(warps);
   plan.first = attract_frame(wanted_);

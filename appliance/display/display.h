@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "appliance/display/frame_assembler.h"
+#include "appliance/display/make_output.h"
 #include "appliance/display/present_thread.h"
 #include "appliance/display/refresh_reporter.h"
 #include "appliance/display/show_stream.h"
 #include "common/room/installation.h"
 #include "common/wire/channel.h"
 #include "common/wire/inspection_service.h"
-#include "drivers/output/headless/headless_output.h"
 
 namespace cyclorama {
 
@@ -22,11 +22,10 @@ struct DisplayOptions {
   Installation installation;
   std::string tour;                ///< HOST:PORT that is dialled.
   std::string listen = "[::1]:0";  ///< HOST:PORT of the inspection service.
-  std::filesystem::path run_dir;   ///< For shared pictures; empty: none.
   int width_px = 1024;             ///< Of the panorama that is asked for.
   int height_px = 0;               ///< 0: as high as square pixels make it.
   double refresh_hz = 30.0;
-  HeadlessOptions::Renderer renderer = HeadlessOptions::Renderer::kAny;
+  OutputChoice output;
   int decode_threads = 2;
 };
 

@@ -17,6 +17,7 @@ constexpr auto kTurn = std::chrono::milliseconds(100);  // How soon a stop is no
 struct Options {
   std::string installation;
   std::string output = "headless";
+  std::vector<std::string> heads;
   DisplayOptions display;
 };
 
@@ -27,7 +28,8 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7403")->required();
   app->add_option("--listen", display.listen, "HOST:PORT for inspection; port 0 takes a free one")
       ->capture_default_str();
-  app->add_option("--run-dir", display.run_dir, "Publish what each head shows as head-NAME.picture in this folder");
+  app->add_option("--run-dir", display.output.run_dir,
+                  "Publish what each head shows as head-NAME.picture in this folder");
   app->add_option("--width", display.width_px, "Width in pixels of the panorama to ask for")
       ->check(CLI::Range(16, 16384))
       ->capture_default_str();
@@ -37,9 +39,17 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option("--refresh-hz", display.refresh_hz, "Refreshes per second")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
-  app->add_option("--output", options->output, "Where to draw: headless (EGL, else OSMesa), egl or osmesa")
-      ->check(CLI::IsMember({"headless", "egl", "osmesa"}))
+  app->add_option("--output", options->output,
+                  "Where to draw: drm (the projectors), headless (EGL, else OSMesa), egl or osmesa")
+      ->check(CLI::IsMember({"drm", "headless", "egl", "osmesa"}))
       ->capture_default_str();
+  app->add_option(
+      "--head", options->heads,
+      "With drm: PROJECTOR=CONNECTOR, such as left=HDMI-A-1; 1:HDMI-A-1 is on the second card; ,90 (180, 270) "
+      "turns the picture clockwise. Projectors that are not named take the connectors that are free");
+  app->add_option(
+      "--card", display.output.cards,
+      "With drm: the graphics cards, such as /dev/dri/card0; the first one draws. Without: all that there are");
   app->add_option("--decode-threads", display.decode_threads, "Threads that decode tiles")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
@@ -61,8 +71,14 @@ class StateLog {
 
 Status run_display(Options options, const StopSignal& stop) {
   TRY_ASSIGN(options.display.installation, read_installation(options.installation));
-  if (options.output == "egl") options.display.renderer = HeadlessOptions::Renderer::kEgl;
-  if (options.output == "osmesa") options.display.renderer = HeadlessOptions::Renderer::kOsMesa;
+  OutputChoice& output = options.display.output;
+  if (options.output == "drm") output.kind = OutputChoice::Kind::kDrm;
+  if (options.output == "egl") output.renderer = HeadlessOptions::Renderer::kEgl;
+  if (options.output == "osmesa") output.renderer = HeadlessOptions::Renderer::kOsMesa;
+  for (const std::string& head : options.heads) {
+    TRY_ASSIGN(OutputChoice::Head parsed, parse_head(head));
+    output.heads.push_back(std::move(parsed));
+  }
   const SteadyClock clock;
   const std::string tour = options.display.tour;
   TRY_ASSIGN(const std::unique_ptr<Display> display, Display::start(std::move(options.display), clock));

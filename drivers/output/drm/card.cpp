@@ -108,6 +108,7 @@ Result<std::vector<Connector>> Card::probe() const {
 Result<std::vector<std::filesystem::path>> list_cards() {
   std::array<drmDevicePtr, 16> devices{};
   const int count = drmGetDevices2(0, devices.data(), static_cast<int>(devices.size()));
+  if (count == -ENOENT) return std::vector<std::filesystem::path>();  // Not even the folder for them.
   if (count < 0) return kms_error(count, "listing graphics cards");
   const int listed = std::min(count, static_cast<int>(devices.size()));
   std::vector<std::filesystem::path> nodes;

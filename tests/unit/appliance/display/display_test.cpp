@@ -35,7 +35,7 @@ class Displaying : public ::testing::Test {
     DisplayOptions options;
     options.installation = demo_room();
     options.tour = tour;
-    options.run_dir = run_dir_;
+    options.output.run_dir = run_dir_;
     options.width_px = 512;
     options.refresh_hz = 60.0;
     auto display = Display::start(std::move(options), clock_);
@@ -277,7 +277,7 @@ TEST(Display, refuses_options_that_cannot_work) {
   EXPECT_EQ(code_of([](DisplayOptions* o) { o->listen = "nonsense"; }), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code_of([](DisplayOptions* o) { o->width_px = 0; }), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code_of([](DisplayOptions* o) { o->refresh_hz = -1.0; }), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(code_of([](DisplayOptions* o) { o->run_dir = "/nowhere/at/all"; }), ErrorCode::kNotFound);
+  EXPECT_EQ(code_of([](DisplayOptions* o) { o->output.run_dir = "/nowhere/at/all"; }), ErrorCode::kNotFound);
 }
 
 }  // namespace

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/make_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "common/base/text.h"
+#include "drivers/output/drm/head_placement.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::array<Rotation, 4> kTurns{Rotation::kNone, Rotation::kQuarter, Rotation::kHalf,
+                                         Rotation::kThreeQuarters};
+
+HeadMode mode_of(const InstalledProjector& projector) {
+  return {projector.name, projector.lens.width_px, projector.lens.height_px};
+}
+
+Result<std::unique_ptr<Output>> make_drm(const OutputChoice& choice, const Installation& installation,
+                                         double refresh_hz, const Clock& clock) {
+  DrmOptions options;
+  options.refresh_hz = refresh_hz;
+  options.cards = choice.cards;
+  for (const InstalledProjector& projector : installation.projectors) {
+    options.heads.push_back({mode_of(projector), {}, Rotation::kNone});
+  }
+  for (const OutputChoice::Head& head : choice.heads) {
+    const auto found = std::find_if(options.heads.begin(), options.heads.end(),
+                                    [&](const DrmHead& h) { return h.mode.name == head.projector; });
+    if (found == options.heads.end()) {
+      return Error(ErrorCode::kInvalidArgument,
+                   fmt::format("head '{}' is no projector of this installation; use a [[projector]]'s name",
+                               printable(head.projector)));
+    }
+    found->connector = head.connector;
+    found->rotation = head.rotation;
+  }
+  return open_drm_output(options, clock);
+}
+
+}  // namespace
+
+Result<OutputChoice::Head> parse_head(std::string_view text) {
+  const std::size_t equals = text.rfind('=');
+  const Error wrong(ErrorCode::kInvalidArgument,
+                    fmt::format("head '{}': write PROJECTOR=CONNECTOR, such as left=HDMI-A-1, or left=HDMI-A-1,90 to "
+                                "turn it clockwise by 90, 180 or 270 degrees",
+                                printable(text)));
+  if (equals == std::string_view::npos || equals == 0) return wrong;
+  OutputChoice::Head head;
+  head.projector = text.substr(0, equals);
+  std::string_view place = text.substr(equals + 1);
+  if (const std::size_t comma = place.find(','); comma != std::string_view::npos) {
+    const auto degrees = parse_integer(place.substr(comma + 1));
+    if (!degrees || *degrees < 0 || *degrees > 270 || *degrees % 90 != 0) return wrong;
+    head.rotation = kTurns[static_cast<std::size_t>(*degrees / 90)];
+    place = place.substr(0, comma);
+  }
+  head.connector = place;
+  TRY(parse_socket(head.connector));
+  return head;
+}
+
+Result<std::unique_ptr<Output>> make_output(const OutputChoice& choice, const Installation& installation,
+                                            double refresh_hz, const Clock& clock) {
+  if (choice.kind == OutputChoice::Kind::kDrm) return make_drm(choice, installation, refresh_hz, clock);
+  HeadlessOptions options;
+  for (const InstalledProjector& projector : installation.projectors) options.heads.push_back(mode_of(projector));
+  options.refresh_hz = refresh_hz;
+  options.run_dir = choice.run_dir;
+  options.renderer = choice.renderer;
+  return open_headless_output(options, clock);
+}
+
+}  // namespace cyclorama

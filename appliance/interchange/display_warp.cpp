@@ -241,4 +241,17 @@ WarpRegion region_in_space(const ProjectorMap& map, const Point<frame::Room>& ey
   return region;
 }
 
+WarpSet set_of(const Installation& installation) {
+  WarpSet set;
+  set.profile = WarpProfile::kAdvanced3d;
+  set.buffers.push_back({installation.name, 0, 0, {}});
+  const std::vector<ProjectorMap> maps = projector_maps(installation);
+  const std::vector<MaskImage> masks = make_blend_masks(maps);
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    set.buffers.back().regions.push_back(
+        region_in_space(maps[i], installation.sweet_spot, masks[i], installation.projectors[i].name));
+  }
+  return set;
+}
+
 }  // namespace cyclorama

@@ -56,4 +56,8 @@ Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int hei
 [[nodiscard]] WarpRegion region_in_space(const ProjectorMap& map, const Point<frame::Room>& eye, const MaskImage& mask,
                                          const std::string& id);
 
+/// All of a room's projectors as MPCDI a3: what region_in_space() says of each, with the blend of them all, in one
+/// buffer that is named as the installation; regions are named as the projectors.
+[[nodiscard]] WarpSet set_of(const Installation& installation);
+
 }  // namespace cyclorama

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cyclorama-warp: calibrations of projectors from and to other programs.
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <chrono>
+
+#include "appliance/interchange/display_warp.h"
+#include "appliance/interchange/mpcdi.h"
 #include "appliance/interchange/mpcdi_words.h"
 #include "appliance/interchange/warp_file.h"
 #include "appliance/interchange/warp_picture.h"
 #include "common/image/png.h"
 #include "common/process/program.h"
+#include "common/room/installation.h"
 
 namespace cyclorama {
 namespace {
@@ -89,6 +95,15 @@ Status convert(Arguments arguments) {
   return write_warp_file(arguments.out, file.set, arguments.region, arguments.options);
 }
 
+Status write_room(const Arguments& arguments) {
+  TRY_ASSIGN(const Installation installation, read_installation(arguments.in));
+  WarpSet set = set_of(installation);
+  set.version = arguments.options.version;
+  set.date = fmt::format("{:%Y-%m-%d %H:%M:%S}",
+                         fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+  return write_mpcdi(arguments.out, set);
+}
+
 }  // namespace
 }  // namespace cyclorama
 
@@ -114,10 +129,17 @@ int main(int argc, char** argv) {
   converted->add_option("--rows", arguments.options.rows, "Nodes down")
       ->check(CLI::Range(2, 4096))
       ->capture_default_str();
-  converted->add_flag_callback(
-      "--mpcdi-1", [&] { arguments.options.version = MpcdiVersion::k1_0; }, "Write MPCDI 1.0 instead of 2.0");
+  CLI::App* const room =
+      options->add_subcommand("room", "Write an installation's projectors as MPCDI a3, for other engines");
+  room->add_option("in", arguments.in, "installation.toml")->required();
+  room->add_option("out", arguments.out, "The .mpcdi file that is written")->required();
+  for (CLI::App* const writer : {converted, room}) {
+    writer->add_flag_callback(
+        "--mpcdi-1", [&] { arguments.options.version = MpcdiVersion::k1_0; }, "Write MPCDI 1.0 instead of 2.0");
+  }
   return program.run(argc, argv, [&](const StopSignal&) -> Status {
     if (!arguments.mask.empty()) arguments.options.mask = arguments.mask;
+    if (room->parsed()) return write_room(arguments);
     return shown->parsed() ? show(arguments) : convert(arguments);
   });
 }

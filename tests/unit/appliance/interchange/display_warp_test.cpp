@@ -132,6 +132,20 @@ TEST_F(Returned, points_from_the_floor_need_the_place_of_the_eye) {
   }
 }
 
+TEST_F(Returned, a_whole_room_is_written_with_its_projectors_names_and_blend) {
+  const auto bytes = encode_mpcdi(set_of(room_));
+  ASSERT_TRUE(bytes.has_value()) << bytes.error().message();
+  const auto file = decode_mpcdi(*bytes);
+  ASSERT_TRUE(file.has_value()) << file.error().message();
+  EXPECT_EQ(file->set.buffers[0].id, room_.name);
+  ASSERT_EQ(file->set.buffers[0].regions.size(), room_.projectors.size());
+  for (std::size_t i = 0; i < room_.projectors.size(); ++i) {
+    const WarpRegion* const region = file->set.region(room_.projectors[i].name);
+    ASSERT_NE(region, nullptr);
+    EXPECT_NEAR(region->alpha->light_at(32, 24), *masks_[i].at(32, 24), 1e-5) << i;
+  }
+}
+
 WarpRegion looking(double yaw, double pitch, double roll, float u, float v) {
   WarpRegion region;
   region.id = "r";

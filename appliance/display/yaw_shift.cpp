@@ -3,13 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace cyclorama {
-
-bool is_whole_turn(const Panorama& picture) {
-  return picture.azimuth_span_rad > 2.0 * std::numbers::pi - picture.radians_per_px();
-}
 
 YawShift yaw_shift(const Panorama& picture, double picture_heading_rad, double heading_now_rad, double shown_span_rad) {
   const double turned = wrapped_angle(heading_now_rad - picture_heading_rad);

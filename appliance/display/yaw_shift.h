@@ -5,9 +5,6 @@
 
 namespace cyclorama {
 
-/// Whether the picture goes all the way round (but for less than a pixel), so that its left edge continues its right.
-[[nodiscard]] bool is_whole_turn(const Panorama& picture);
-
 struct YawShift {
   double angle_rad = 0.0;      ///< How far the visitor has turned to the right since the picture was asked for.
   bool is_past_guard = false;  ///< The visitor turned farther than the guard band reaches; `angle_rad` stops there.

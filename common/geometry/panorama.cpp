@@ -53,6 +53,10 @@ Panorama Panorama::with_guard_band(double guard_rad) const {
   return wider;
 }
 
+bool is_whole_turn(const Panorama& picture) {
+  return picture.azimuth_span_rad > 2.0 * std::numbers::pi - picture.radians_per_px();
+}
+
 double wrapped_angle(double angle) {
   const double wrapped = std::remainder(angle, 2.0 * std::numbers::pi);
   return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;

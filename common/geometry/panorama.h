@@ -50,6 +50,9 @@ struct Panorama {
   friend bool operator==(const Panorama&, const Panorama&) = default;
 };
 
+/// Whether the picture goes all the way round (but for less than a pixel), so that its left edge continues its right.
+[[nodiscard]] bool is_whole_turn(const Panorama& picture);
+
 /// The angle in (-pi, pi] that differs from `angle` by whole turns.
 [[nodiscard]] double wrapped_angle(double angle);
 

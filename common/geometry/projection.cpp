@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/geometry/picture_place.h"
+
 namespace cyclorama {
 namespace {
 
@@ -29,9 +31,6 @@ Status check_tilt(std::string_view shape, double tilt) {
   if (std::abs(tilt) <= std::numbers::pi + kRounding) return Done{};
   return refuse(shape, "tilt_rad", tilt, "within half a turn");
 }
-
-/// The picture's axis turned up by `tilt`.
-Eigen::Matrix3d tilted(double tilt) { return Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()).toRotationMatrix(); }
 
 Status check(const Panorama& s) { return s.validate(); }
 
@@ -72,61 +71,6 @@ Status check(const Equirectangular& s) {
   return Done{};
 }
 
-std::optional<Eigen::Vector3d> seen(const Panorama& s, PanoramaPixel p) { return s.direction_at(p); }
-
-std::optional<Eigen::Vector3d> seen(const Perspective& s, PanoramaPixel p) {
-  const Eigen::Vector3d d(s.tan_left + (s.tan_right - s.tan_left) * p.u / s.width_px,
-                          s.tan_top + (s.tan_bottom - s.tan_top) * p.v / s.height_px, -1.0);
-  return tilted(s.tilt_rad) * d;
-}
-
-std::optional<Eigen::Vector3d> seen(const Fisheye& s, PanoramaPixel p) {
-  const double right = p.u - 0.5 * s.width_px;
-  const double up = 0.5 * s.height_px - p.v;
-  const double from_middle = std::hypot(right, up);
-  if (from_middle > s.radius_px()) return std::nullopt;
-  const double angle = from_middle * s.radians_per_px();
-  const double sideways = from_middle > 0.0 ? std::sin(angle) / from_middle : 0.0;
-  return tilted(s.tilt_rad) * Eigen::Vector3d(sideways * right, sideways * up, -std::cos(angle));
-}
-
-std::optional<Eigen::Vector3d> seen(const Equirectangular& s, PanoramaPixel p) {
-  const double azimuth = (p.u / s.width_px - 0.5) * s.azimuth_span_rad;
-  const double elevation = s.elevation_top_rad + (s.elevation_bottom_rad - s.elevation_top_rad) * p.v / s.height_px;
-  return Eigen::Vector3d(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                         -std::cos(azimuth) * std::cos(elevation));
-}
-
-std::optional<PanoramaPixel> place(const Panorama& s, const Eigen::Vector3d& d) {
-  if (d.x() == 0.0 && d.z() == 0.0) return std::nullopt;
-  return s.pixel_of(d);
-}
-
-std::optional<PanoramaPixel> place(const Perspective& s, const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d d = tilted(s.tilt_rad).transpose() * direction;
-  if (!(d.z() < 0.0)) return std::nullopt;
-  return PanoramaPixel{(d.x() / -d.z() - s.tan_left) / (s.tan_right - s.tan_left) * s.width_px,
-                       (d.y() / -d.z() - s.tan_top) / (s.tan_bottom - s.tan_top) * s.height_px};
-}
-
-std::optional<PanoramaPixel> place(const Fisheye& s, const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d d = tilted(s.tilt_rad).transpose() * direction;
-  const double sideways = std::hypot(d.x(), d.y());
-  const double angle = std::atan2(sideways, -d.z());
-  if (!(angle <= 0.5 * s.field_rad)) return std::nullopt;
-  const double from_middle = angle / s.radians_per_px();
-  const double scale = sideways > 0.0 ? from_middle / sideways : 0.0;
-  return PanoramaPixel{0.5 * s.width_px + scale * d.x(), 0.5 * s.height_px - scale * d.y()};
-}
-
-std::optional<PanoramaPixel> place(const Equirectangular& s, const Eigen::Vector3d& d) {
-  const double azimuth = std::atan2(d.x(), -d.z());
-  const double elevation = std::atan2(d.y(), std::hypot(d.x(), d.z()));
-  return PanoramaPixel{
-      (azimuth / s.azimuth_span_rad + 0.5) * s.width_px,
-      (elevation - s.elevation_top_rad) / (s.elevation_bottom_rad - s.elevation_top_rad) * s.height_px};
-}
-
 /// Both eyes are on the sweet spot's side of the screen.
 bool in_front_of_screen(const Projection& p) {
   const Viewing& v = p.viewing;
@@ -134,8 +78,8 @@ bool in_front_of_screen(const Projection& p) {
   if (std::holds_alternative<Panorama>(p.shape)) {
     return std::hypot(v.viewer_m.x(), v.viewer_m.z()) + half < v.screen_distance_m;
   }
-  if (const auto* plane = std::get_if<Perspective>(&p.shape)) {
-    return -(tilted(plane->tilt_rad).transpose() * v.viewer_m).z() < v.screen_distance_m;
+  if (std::holds_alternative<Perspective>(p.shape)) {
+    return -(R_eye_picture(p.shape).transpose() * v.viewer_m).z() < v.screen_distance_m;
   }
   return v.viewer_m.norm() + half < v.screen_distance_m;
 }
@@ -170,11 +114,20 @@ Status validate(const PictureShape& shape) {
 }
 
 std::optional<Eigen::Vector3d> direction_at(const PictureShape& shape, PanoramaPixel p) {
-  return std::visit([&](const auto& s) { return seen(s, p); }, shape);
+  if (const auto* fisheye = std::get_if<Fisheye>(&shape)) {
+    const double from_middle = std::hypot(p.u - 0.5 * fisheye->width_px, p.v - 0.5 * fisheye->height_px);
+    if (from_middle > fisheye->radius_px()) return std::nullopt;
+  }
+  if (const auto* panorama = std::get_if<Panorama>(&shape)) return panorama->direction_at(p);
+  return direction_of(shape, pixel_scale(shape).place_at(p));
 }
 
 std::optional<PanoramaPixel> pixel_of(const PictureShape& shape, const Eigen::Vector3d& direction) {
-  return std::visit([&](const auto& s) { return place(s, direction); }, shape);
+  const std::optional<PicturePlace> place = place_of(shape, direction);
+  if (!place) return std::nullopt;
+  const auto* fisheye = std::get_if<Fisheye>(&shape);
+  if (fisheye != nullptr && !(std::hypot(place->across, place->up) <= 0.5 * fisheye->field_rad)) return std::nullopt;
+  return pixel_scale(shape).pixel_at(*place);
 }
 
 int Projection::height_px() const { return cyclorama::height_px(shape) * (viewing.eyes == Eyes::kOverUnder ? 2 : 1); }

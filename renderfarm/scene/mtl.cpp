@@ -11,8 +11,8 @@
 
 #include "common/base/file.h"
 #include "common/base/text.h"
+#include "common/geometry/obj_text.h"
 #include "common/image/image_file.h"
-#include "renderfarm/scene/obj_text.h"
 
 namespace cyclorama {
 namespace {

@@ -11,12 +11,12 @@
 
 #include "common/base/file.h"
 #include "common/base/text.h"
+#include "common/geometry/obj_text.h"
+#include "common/geometry/polygon.h"
 #include "renderfarm/scene/mesh_repair.h"
 #include "renderfarm/scene/model.h"
 #include "renderfarm/scene/mtl.h"
 #include "renderfarm/scene/obj_mesh.h"
-#include "renderfarm/scene/obj_text.h"
-#include "renderfarm/scene/polygon.h"
 
 namespace cyclorama {
 namespace {

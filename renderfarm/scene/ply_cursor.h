@@ -13,8 +13,8 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/text_lines.h"
 #include "renderfarm/scene/ply_header.h"
-#include "renderfarm/scene/text_lines.h"
 
 namespace cyclorama {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "common/base/text.h"
-#include "renderfarm/scene/text_lines.h"
+#include "common/base/text_lines.h"
 
 namespace cyclorama {
 namespace {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <string_view>
 
+#include "common/geometry/polygon.h"
 #include "renderfarm/scene/mesh_repair.h"
-#include "renderfarm/scene/polygon.h"
 
 namespace cyclorama {
 namespace {

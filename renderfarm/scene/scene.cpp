@@ -11,11 +11,11 @@
 #include <system_error>
 
 #include "common/base/file.h"
+#include "common/base/text_lines.h"
 #include "renderfarm/scene/assemble.h"
 #include "renderfarm/scene/environment_file.h"
 #include "renderfarm/scene/found_settings.h"
 #include "renderfarm/scene/scene_package.h"
-#include "renderfarm/scene/text_lines.h"
 
 namespace cyclorama {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "common/base/result.h"
-#include "renderfarm/scene/text_lines.h"
+#include "common/base/text_lines.h"
 
 namespace cyclorama {
 

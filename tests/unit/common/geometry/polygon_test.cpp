@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "renderfarm/scene/polygon.h"
+#include "common/geometry/polygon.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "renderfarm/scene/obj_text.h"
+#include "common/geometry/obj_text.h"
 
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "renderfarm/scene/text_lines.h"
+#include "common/base/text_lines.h"
 
 #include <gtest/gtest.h>
 

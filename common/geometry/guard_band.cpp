@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/geometry/guard_band.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/geometry/picture_place.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+constexpr int kLargestSidePx = 16384;
+constexpr int kCutPx = 16;
+constexpr double kWidestTangent = 5.671;  // Of 80 degrees: beyond, a flat picture is mostly rim.
+constexpr double kSameEdge = 1e-9;        // In tangents: a picture that is not turned stays inside itself.
+
+int whole_px(double px) { return static_cast<int>(std::clamp(std::ceil(px - 1e-6), 1.0, double{kLargestSidePx})); }
+int cut_px(double px) { return std::min((whole_px(px) + kCutPx - 1) / kCutPx * kCutPx, kLargestSidePx); }
+
+/// Of a perspective's picture, in tangents.
+struct Extent {
+  double left;
+  double right;
+  double top;
+  double bottom;
+};
+
+/// Of the places that a picture shows when it is turned by `turn_rad` either way; nothing if a corner comes to lie too
+/// far out. Lines stay straight, so the corners tell.
+std::optional<Extent> swept(const Perspective& p, double turn_rad) {
+  Extent extent{p.tan_left, p.tan_right, p.tan_top, p.tan_bottom};
+  for (const double turn : {-turn_rad, turn_rad}) {
+    for (const double across : {p.tan_left, p.tan_right}) {
+      for (const double up : {p.tan_top, p.tan_bottom}) {
+        const auto at = turned(p, {across, up}, turn);
+        if (!at || !(std::max(std::abs(at->across), std::abs(at->up)) <= kWidestTangent)) return std::nullopt;
+        extent = {std::min(extent.left, at->across), std::max(extent.right, at->across), std::max(extent.top, at->up),
+                  std::min(extent.bottom, at->up)};
+      }
+    }
+  }
+  return extent;
+}
+
+/// The largest turn up to `most` of which `is_possible` holds, which holds for all smaller ones as well.
+double largest_turn(double most, const auto& is_possible) {
+  if (is_possible(most)) return most;
+  double possible = 0.0;
+  double not_possible = most;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (possible + not_possible);
+    (is_possible(middle) ? possible : not_possible) = middle;
+  }
+  return possible;
+}
+
+PictureShape grown(const Panorama& p, double guard) { return p.with_guard_band(guard); }
+PictureShape grown(const Perspective& p, double guard) {
+  const auto extent = swept(p, largest_turn(guard, [&](double turn) { return swept(p, turn).has_value(); }));
+  if (!extent) return p;
+  const double across_px = p.width_px / (p.tan_right - p.tan_left);
+  const double up_px = p.height_px / (p.tan_top - p.tan_bottom);
+  Perspective wider = p;
+  wider.width_px = cut_px((extent->right - extent->left) * across_px);
+  wider.height_px = whole_px((extent->top - extent->bottom) * up_px);
+  // What rounding adds goes to both sides alike, and pixels keep their size.
+  const double middle = 0.5 * (extent->left + extent->right);
+  const double half = std::max(0.5 * wider.width_px / across_px, 0.5 * (extent->right - extent->left));
+  wider.tan_left = middle - half;
+  wider.tan_right = middle + half;
+  wider.tan_top = extent->top;
+  wider.tan_bottom = std::min(extent->bottom, extent->top - wider.height_px / up_px);
+  return wider;
+}
+PictureShape grown(const Fisheye& p, double guard) {
+  // By how much a turn moves the axis.
+  const double moves = 2.0 * std::asin(std::abs(std::cos(p.tilt_rad)) * std::sin(0.5 * std::min(guard, 0.5 * kTurn)));
+  const double field = std::min(p.field_rad + 2.0 * moves, kTurn);
+  const double larger = field / p.field_rad;
+  if (!(larger > 1.0)) return p;
+  return Fisheye{cut_px(larger * p.width_px), cut_px(larger * p.height_px), field, p.tilt_rad};
+}
+PictureShape grown(const Equirectangular& p, double) { return p; }
+
+double reach(const Panorama& picture, const Panorama& shown) {
+  if (is_whole_turn(picture)) return kEndless;
+  return std::max(0.0, 0.5 * (picture.azimuth_span_rad - shown.azimuth_span_rad));
+}
+double reach(const Perspective& picture, const Perspective& shown) {
+  if (picture.tilt_rad != shown.tilt_rad) return 0.0;
+  return largest_turn(0.25 * kTurn, [&](double turn) {
+    const auto extent = swept(shown, turn);
+    return extent && extent->left >= picture.tan_left - kSameEdge && extent->right <= picture.tan_right + kSameEdge &&
+           extent->top <= picture.tan_top + kSameEdge && extent->bottom >= picture.tan_bottom - kSameEdge;
+  });
+}
+double reach(const Fisheye& picture, const Fisheye& shown) {
+  if (picture.tilt_rad != shown.tilt_rad) return 0.0;
+  if (picture.field_rad >= kTurn) return kEndless;
+  const double moves = 0.5 * (picture.field_rad - shown.field_rad);
+  const double level = std::abs(std::cos(picture.tilt_rad));
+  const double half = std::sin(0.5 * std::max(moves, 0.0)) / std::max(level, 1e-9);
+  // At the zenith the circle stays where it is.
+  if (half >= 1.0 || (level < 1e-9 && moves >= 0.0)) return kEndless;
+  return 2.0 * std::asin(half);
+}
+template <typename A, typename B>
+double reach(const A&, const B&) {
+  return 0.0;
+}
+
+std::optional<PictureShape> joined(const Panorama& a, const Panorama& b) {
+  Panorama both;
+  both.azimuth_span_rad = std::max(a.azimuth_span_rad, b.azimuth_span_rad);
+  both.tan_elevation_top = std::max(a.tan_elevation_top, b.tan_elevation_top);
+  both.tan_elevation_bottom = std::min(a.tan_elevation_bottom, b.tan_elevation_bottom);
+  const auto rows_per_tan = [](const Panorama& p) {
+    return p.height_px / (p.tan_elevation_top - p.tan_elevation_bottom);
+  };
+  both.width_px = whole_px(both.azimuth_span_rad / std::min(a.radians_per_px(), b.radians_per_px()));
+  both.height_px = whole_px((both.tan_elevation_top - both.tan_elevation_bottom) *
+                            std::max(rows_per_tan(a), rows_per_tan(b)));
+  return both;
+}
+std::optional<PictureShape> joined(const Perspective& a, const Perspective& b) {
+  Perspective both = a;
+  both.tan_left = std::min(a.tan_left, b.tan_left);
+  both.tan_right = std::max(a.tan_right, b.tan_right);
+  both.tan_top = std::max(a.tan_top, b.tan_top);
+  both.tan_bottom = std::min(a.tan_bottom, b.tan_bottom);
+  const auto columns_per_tan = [](const Perspective& p) { return p.width_px / (p.tan_right - p.tan_left); };
+  const auto rows_per_tan = [](const Perspective& p) { return p.height_px / (p.tan_top - p.tan_bottom); };
+  both.width_px = whole_px((both.tan_right - both.tan_left) * std::max(columns_per_tan(a), columns_per_tan(b)));
+  both.height_px = whole_px((both.tan_top - both.tan_bottom) * std::max(rows_per_tan(a), rows_per_tan(b)));
+  return both;
+}
+std::optional<PictureShape> joined(const Fisheye& a, const Fisheye& b) {
+  Fisheye both = a;
+  both.field_rad = std::max(a.field_rad, b.field_rad);
+  both.width_px = both.height_px = whole_px(both.field_rad / std::min(a.radians_per_px(), b.radians_per_px()));
+  return both;
+}
+template <typename A, typename B>
+std::optional<PictureShape> joined(const A&, const B&) {
+  return std::nullopt;
+}
+
+}  // namespace
+
+PictureShape with_guard_band(const PictureShape& shape, double guard_rad) {
+  return std::visit([&](const auto& s) { return grown(s, std::max(guard_rad, 0.0)); }, shape);
+}
+
+double turn_reach(const PictureShape& picture, const PictureShape& shown) {
+  return std::visit([](const auto& p, const auto& s) { return reach(p, s); }, picture, shown);
+}
+
+std::optional<PictureShape> covering(const PictureShape& a, const PictureShape& b) {
+  if (a == b) return a;
+  if (R_eye_picture(a) != R_eye_picture(b)) return std::nullopt;
+  return std::visit([](const auto& p, const auto& q) { return joined(p, q); }, a, b);
+}
+
+}  // namespace cyclorama

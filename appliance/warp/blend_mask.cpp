@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/warp/blend_mask.h"
 
+#include <algorithm>
+
 namespace cyclorama {
 namespace {
 
@@ -63,21 +65,16 @@ std::vector<MaskImage> make_blend_masks(const std::vector<ProjectorMap>& maps) {
 }
 
 double unlit_fraction(const Installation& installation) {
-  constexpr int kAcross = 512;
-  constexpr int kDown = 256;
+  constexpr std::size_t kPatches = 1 << 17;
   const std::vector<ProjectorMap> maps = projector_maps(installation);
-  const CylinderWall& wall = installation.wall;
-  int unlit = 0;
-  for (int j = 0; j <= kDown; ++j) {
-    const double height = wall.bottom_m + (wall.top_m - wall.bottom_m) * j / kDown;
-    for (int i = 0; i <= kAcross; ++i) {
-      const Point<frame::Room> point = wall.point_at(wall.arc_rad * (static_cast<double>(i) / kAcross - 0.5), height);
-      bool lit = false;
-      for (const ProjectorMap& map : maps) lit = lit || map.pixel_lighting(point).has_value();
-      if (!lit) ++unlit;
-    }
+  double unlit_m2 = 0.0;
+  double all_m2 = 0.0;
+  for (const WallPatch& patch : patches(installation.wall, kPatches)) {
+    const bool lit = std::ranges::any_of(maps, [&](const ProjectorMap& m) { return !!m.pixel_lighting(patch.middle); });
+    all_m2 += patch.area_m2;
+    if (!lit) unlit_m2 += patch.area_m2;
   }
-  return static_cast<double>(unlit) / ((kAcross + 1) * (kDown + 1));
+  return unlit_m2 / all_m2;
 }
 
 }  // namespace cyclorama

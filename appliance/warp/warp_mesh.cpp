@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
+
+#include "appliance/warp/cut_cells.h"
 
 namespace cyclorama {
 namespace {
@@ -14,28 +15,30 @@ namespace {
 constexpr int kFewestCells = 4;
 constexpr int kSamplesPerCell = 4;  // Each way; a cell's largest error lies in its middle or on the middle of an edge.
 
-WarpMesh sampled(const ProjectorMap& map, int cells_x, int cells_y) {
+/// Of a free-form wall the sharpest; the others must do with fine cells.
+constexpr std::size_t kMostLines = 256;
+
+WarpMesh sampled(const ProjectorMap& map, const PictureShape& picture,
+                 const std::vector<Eigen::Hyperplane<double, 2>>& creases, int cells_x, int cells_y) {
   WarpMesh mesh{map.lens().width_px, map.lens().height_px, cells_x, cells_y, {}, 0.0};
-  mesh.vertices.reserve(static_cast<std::size_t>(cells_x + 1) * static_cast<std::size_t>(cells_y + 1));
-  for (int j = 0; j <= cells_y; ++j) {
-    for (int i = 0; i <= cells_x; ++i) {
-      const Eigen::Vector2d pixel(static_cast<double>(mesh.width_px) * i / cells_x,
-                                  static_cast<double>(mesh.height_px) * j / cells_y);
-      constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-      WarpVertex vertex{static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), kNone, kNone};
-      if (const auto direction = map.direction_of(pixel)) {
-        vertex.azimuth_rad = static_cast<float>(direction->azimuth_rad);
-        vertex.tan_elevation = static_cast<float>(direction->tan_elevation);
-      }
-      mesh.vertices.push_back(vertex);
+  CutGrid grid = cut_grid(Eigen::Vector2d(mesh.width_px, mesh.height_px), cells_x, cells_y, creases);
+  mesh.cuts = std::move(grid.cuts);
+  mesh.vertices.reserve(grid.places.size());
+  for (const Eigen::Vector2d& pixel : grid.places) {
+    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+    WarpVertex vertex{static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), kNone, kNone};
+    if (const auto place = map.place_of(pixel, picture)) {
+      vertex.across = static_cast<float>(place->across);
+      vertex.up = static_cast<float>(place->up);
     }
+    mesh.vertices.push_back(vertex);
   }
   return mesh;
 }
 
 /// Infinity when a pixel that meets the wall lies in no triangle.
-double worst_error(const ProjectorMap& map, const WarpMesh& mesh, const Panorama& picture) {
-  const double px_per_tan = picture.height_px / (picture.tan_elevation_top - picture.tan_elevation_bottom);
+double worst_error(const ProjectorMap& map, const WarpMesh& mesh, const PictureShape& picture) {
+  const PixelScale scale = pixel_scale(picture);
   const int across = mesh.cells_x * kSamplesPerCell;
   const int down = mesh.cells_y * kSamplesPerCell;
   double worst = 0.0;
@@ -44,14 +47,51 @@ double worst_error(const ProjectorMap& map, const WarpMesh& mesh, const Panorama
       const Eigen::Vector2d pixel(static_cast<double>(mesh.width_px) * i / across,
                                   static_cast<double>(mesh.height_px) * j / down);
       if (!map.wall_point_of(pixel)) continue;
-      const auto exact = map.direction_of(pixel);
+      const auto exact = map.place_of(pixel, picture);
       const auto meshed = mesh.interpolate(pixel);
       if (!exact || !meshed) return std::numeric_limits<double>::infinity();
-      worst = std::max(worst, std::hypot((exact->azimuth_rad - meshed->azimuth_rad) / picture.radians_per_px(),
-                                         (exact->tan_elevation - meshed->tan_elevation) * px_per_tan));
+      worst = std::max(worst, scale.distance_px(*exact, *meshed));
     }
   }
   return worst;
+}
+
+/// What three corners make of a place in their triangle; the weights add up to 1.
+std::optional<PicturePlace> mixed(const WarpVertex& a, double of_a, const WarpVertex& b, double of_b,
+                                  const WarpVertex& c, double of_c) {
+  if (!a.is_valid() || !b.is_valid() || !c.is_valid()) return std::nullopt;
+  const auto mix = [&](float x, float y, float z) {
+    return of_a * static_cast<double>(x) + of_b * static_cast<double>(y) + of_c * static_cast<double>(z);
+  };
+  return PicturePlace{mix(a.across, b.across, c.across), mix(a.up, b.up, c.up)};
+}
+
+/// In the triangle of a cut cell that the place lies deepest in.
+std::optional<PicturePlace> in_cut_cell(const CutCell& cell, const std::vector<WarpVertex>& vertices,
+                                        const Eigen::Vector2d& pixel) {
+  const auto at = [](const WarpVertex& v) { return Eigen::Vector2d(v.x_px, v.y_px); };
+  const auto doubled_area = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+    return p.x() * q.y() - p.y() * q.x();
+  };
+  std::optional<PicturePlace> found;
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 2 < cell.corners.size(); i += 3) {
+    const WarpVertex& a = vertices[cell.corners[i]];
+    const WarpVertex& b = vertices[cell.corners[i + 1]];
+    const WarpVertex& c = vertices[cell.corners[i + 2]];
+    const Eigen::Vector2d ab = at(b) - at(a);
+    const Eigen::Vector2d ac = at(c) - at(a);
+    const double whole = doubled_area(ab, ac);
+    if (whole == 0.0) continue;
+    const double of_b = doubled_area(pixel - at(a), ac) / whole;
+    const double of_c = doubled_area(ab, pixel - at(a)) / whole;
+    const double of_a = 1.0 - of_b - of_c;
+    const double depth = std::min({of_a, of_b, of_c});
+    if (!(depth > deepest)) continue;
+    deepest = depth;
+    found = mixed(a, of_a, b, of_b, c, of_c);
+  }
+  return found;
 }
 
 }  // namespace
@@ -63,48 +103,50 @@ std::vector<std::uint32_t> WarpMesh::triangles() const {
       indices.insert(indices.end(), {a, b, c});
   };
   const auto row = static_cast<std::uint32_t>(cells_x + 1);
-  for (std::uint32_t j = 0; j < static_cast<std::uint32_t>(cells_y); ++j) {
-    for (std::uint32_t i = 0; i + 1 < row; ++i) {
-      const std::uint32_t corner = j * row + i;
-      add(corner, corner + row + 1, corner + 1);
-      add(corner, corner + row, corner + row + 1);
+  auto cut = cuts.begin();
+  for (int cell = 0; cell < cells_x * cells_y; ++cell) {
+    if (cut != cuts.end() && cut->cell == cell) {
+      for (std::size_t i = 0; i + 2 < cut->corners.size(); i += 3) {
+        add(cut->corners[i], cut->corners[i + 1], cut->corners[i + 2]);
+      }
+      ++cut;
+      continue;
     }
+    const auto corner =
+        static_cast<std::uint32_t>(cell / cells_x) * row + static_cast<std::uint32_t>(cell % cells_x);
+    add(corner, corner + row + 1, corner + 1);
+    add(corner, corner + row, corner + row + 1);
   }
   return indices;
 }
 
-std::optional<PanoramaDirection> WarpMesh::interpolate(const Eigen::Vector2d& pixel) const {
+std::optional<PicturePlace> WarpMesh::interpolate(const Eigen::Vector2d& pixel) const {
   const double x = std::clamp(pixel.x() / width_px * cells_x, 0.0, static_cast<double>(cells_x));
   const double y = std::clamp(pixel.y() / height_px * cells_y, 0.0, static_cast<double>(cells_y));
   const int i = std::min(static_cast<int>(x), cells_x - 1);
   const int j = std::min(static_cast<int>(y), cells_y - 1);
+  const auto cut = std::ranges::lower_bound(cuts, j * cells_x + i, {}, &CutCell::cell);
+  if (cut != cuts.end() && cut->cell == j * cells_x + i) return in_cut_cell(*cut, vertices, pixel);
   const double fx = x - i;
   const double fy = y - j;
   const auto at = [&](int column, int line) -> const WarpVertex& {
     return vertices[static_cast<std::size_t>(line) * static_cast<std::size_t>(cells_x + 1) +
                     static_cast<std::size_t>(column)];
   };
-  const WarpVertex& first = at(i, j);
-  const WarpVertex& last = at(i + 1, j + 1);
   const bool upper = fx >= fy;
-  const WarpVertex& side = upper ? at(i + 1, j) : at(i, j + 1);
-  if (!first.is_valid() || !last.is_valid() || !side.is_valid()) return std::nullopt;
-  const double weight_last = upper ? fy : fx;
-  const double weight_side = upper ? fx - fy : fy - fx;
-  const double weight_first = 1.0 - weight_last - weight_side;
-  const auto mix = [&](float a, float b, float c) {
-    return weight_first * static_cast<double>(a) + weight_side * static_cast<double>(b) +
-           weight_last * static_cast<double>(c);
-  };
-  return PanoramaDirection{mix(first.azimuth_rad, side.azimuth_rad, last.azimuth_rad),
-                           mix(first.tan_elevation, side.tan_elevation, last.tan_elevation)};
+  const double of_last = upper ? fy : fx;
+  const double of_side = upper ? fx - fy : fy - fx;
+  return mixed(at(i, j), 1.0 - of_last - of_side, upper ? at(i + 1, j) : at(i, j + 1), of_side, at(i + 1, j + 1),
+               of_last);
 }
 
-Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const Panorama& picture, double tolerance_px) {
-  TRY(picture.validate());
+Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& picture, double tolerance_px) {
+  TRY(validate(picture));
   const Pinhole& lens = map.lens();
+  std::vector<Eigen::Hyperplane<double, 2>> creases = map.creases();
+  if (creases.size() > kMostLines) creases.resize(kMostLines);
   const auto meshed = [&](int cells_x, int cells_y) {
-    WarpMesh mesh = sampled(map, std::min(cells_x, lens.width_px), std::min(cells_y, lens.height_px));
+    WarpMesh mesh = sampled(map, picture, creases, std::min(cells_x, lens.width_px), std::min(cells_y, lens.height_px));
     mesh.worst_error_px = worst_error(map, mesh, picture);
     return mesh;
   };
@@ -113,8 +155,8 @@ Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const Panorama& picture
     if (mesh.cells_x == lens.width_px && mesh.cells_y == lens.height_px) {
       return Error(
           ErrorCode::kInvalidArgument,
-          fmt::format("no warp mesh holds {} px (the finest is off by {:.2f} px): the projector is too near the "
-                      "wall or meets it at a grazing angle; move it",
+          fmt::format("no warp mesh holds {} px (the finest is off by {:.2f} px): the projector is too near the wall, "
+                      "meets it at a grazing angle, or sees one part of it behind another; move it",
                       tolerance_px, mesh.worst_error_px));
     }
     // Halve the cells along the direction that gains more: a cylinder bends across and is nearly straight upwards.

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
+#include <optional>
 
 #include "common/base/file.h"
 #include "common/config/config.h"
+#include "common/room/read_wall.h"
 
 namespace cyclorama {
 namespace {
@@ -27,11 +27,17 @@ Eigen::Quaterniond aimed(double pan_rad, double tilt_rad, double roll_rad) {
          looking_ahead * Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ());
 }
 
-bool is_inside(const CylinderWall& wall, const Point<frame::Room>& point) {
-  return std::hypot(point.xyz.x() - wall.centre_x_m, point.xyz.z() - wall.centre_z_m) < wall.radius_m;
+/// What somebody who stands at a wrong place is told.
+const char* wrong_side(const Wall& wall) {
+  if (std::holds_alternative<CylinderWall>(wall)) return "is outside the wall; it must be inside its radius";
+  if (std::holds_alternative<DomeWall>(wall)) return "is outside the dome; it must be inside its radius";
+  if (std::holds_alternative<MeshWall>(wall)) {
+    return "is behind the wall; move it, or turn the mesh's faces: they run counter-clockwise as the visitor sees them";
+  }
+  return "is behind the wall; move it, or turn the wall: corners_m go from the visitor's left to right";
 }
 
-InstalledProjector read_projector(ConfigTable table, const CylinderWall& wall) {
+InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& wall) {
   InstalledProjector projector;
   projector.name = table.text("name");
   const int width = table.integer("width_px", {16, 8192});
@@ -45,58 +51,28 @@ InstalledProjector read_projector(ConfigTable table, const CylinderWall& wall) {
   const double tilt = table.number("tilt_deg", kAngles, 0.0) * kDegree;
   const double roll = table.number("roll_deg", kAngles, 0.0) * kDegree;
   projector.T_room_projector = {aimed(pan, tilt, roll), position.xyz};
-  if (!is_inside(wall, position)) table.refuse("position_m", "is outside the wall; move the projector inside its radius");
+  if (wall && !is_lit_from(*wall, position)) table.refuse("position_m", wrong_side(*wall));
   return projector;
 }
 
 }  // namespace
 
-Panorama Installation::panorama(int width_px) const {
-  double widest = 0.0;
-  double top = -std::numeric_limits<double>::infinity();
-  double bottom = std::numeric_limits<double>::infinity();
-  constexpr int kSteps = 256;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double arc_angle = wall.arc_rad * (static_cast<double>(i) / kSteps - 0.5);
-    for (const double height : {wall.bottom_m, wall.top_m}) {
-      const Eigen::Vector3d d = wall.point_at(arc_angle, height).xyz - sweet_spot.xyz;
-      widest = std::max(widest, std::abs(std::atan2(d.x(), -d.z())));
-      const double tan_elevation = d.y() / std::hypot(d.x(), d.z());
-      top = std::max(top, tan_elevation);
-      bottom = std::min(bottom, tan_elevation);
-    }
-  }
-  Panorama panorama;
-  panorama.width_px = width_px;
-  panorama.azimuth_span_rad = std::min(2.0 * widest, 2.0 * std::numbers::pi);
-  panorama.tan_elevation_top = top;
-  panorama.tan_elevation_bottom = bottom;
-  panorama.height_px = std::max(1, static_cast<int>(std::lround((top - bottom) / panorama.radians_per_px())));
-  return panorama;
-}
-
-Result<Installation> parse_installation(std::string_view text, std::string name) {
+Result<Installation> parse_installation(std::string_view text, std::string name,
+                                        const std::filesystem::path& folder) {
   TRY_ASSIGN(Config config, Config::parse(text, std::move(name)));
   ConfigTable root = config.root();
   Installation installation;
   installation.name = root.text("name");
 
-  ConfigTable wall = root.table("wall");
-  wall.choice("shape", {"cylinder"}, "cylinder");
-  installation.wall.radius_m = wall.number("radius_m", {0.5, 50.0});
-  installation.wall.arc_rad = wall.number("arc_deg", {2.0, 360.0}) * kDegree;
-  installation.wall.bottom_m = wall.number("bottom_m", {-10.0, 50.0}, 0.0);
-  installation.wall.top_m = wall.number("top_m", {-10.0, 50.0});
-  if (!(installation.wall.top_m > installation.wall.bottom_m)) wall.refuse("top_m", "must be above bottom_m");
+  const std::optional<Wall> wall = read_wall(root.table("wall"), folder);
+  if (wall) installation.wall = *wall;
 
   ConfigTable visitor = root.table("visitor");
   installation.sweet_spot = point_of(visitor.numbers("eye_m", 3, kMetres));
-  if (!is_inside(installation.wall, installation.sweet_spot)) {
-    visitor.refuse("eye_m", "is outside the wall; the sweet spot lies inside its radius");
-  }
+  if (wall && !is_lit_from(*wall, installation.sweet_spot)) visitor.refuse("eye_m", wrong_side(*wall));
 
   for (ConfigTable& table : root.tables("projector")) {
-    installation.projectors.push_back(read_projector(table, installation.wall));
+    installation.projectors.push_back(read_projector(table, wall));
     const std::string& added = installation.projectors.back().name;
     const auto same = [&](const InstalledProjector& p) { return p.name == added; };
     if (std::count_if(installation.projectors.begin(), installation.projectors.end(), same) > 1) {
@@ -110,7 +86,7 @@ Result<Installation> parse_installation(std::string_view text, std::string name)
 
 Result<Installation> read_installation(const std::filesystem::path& path) {
   TRY_ASSIGN(const std::string text, read_text_file(path, std::size_t{1} << 20));
-  return parse_installation(text, path.string());
+  return parse_installation(text, path.string(), path.parent_path());
 }
 
 }  // namespace cyclorama

@@ -1,45 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/room/wall.h"
 
-#include <cmath>
-
 namespace cyclorama {
-
-std::optional<Point<frame::Room>> CylinderWall::hit(const RoomRay& ray) const {
-  const double ox = ray.origin.xyz.x() - centre_x_m;
-  const double oz = ray.origin.xyz.z() - centre_z_m;
-  const double dx = ray.direction.x();
-  const double dz = ray.direction.z();
-  const double a = dx * dx + dz * dz;
-  const double half_b = ox * dx + oz * dz;
-  const double c = ox * ox + oz * oz - radius_m * radius_m;
-  const double discriminant = half_b * half_b - a * c;
-  if (!(a > 0.0) || !(discriminant >= 0.0)) return std::nullopt;
-  // The stable pair of roots (Numerical Recipes 5.6): no difference of nearly equal numbers.
-  const double q = -(half_b + std::copysign(std::sqrt(discriminant), half_b));
-  double nearer = q / a;
-  double farther = q != 0.0 ? c / q : nearer;
-  if (nearer > farther) std::swap(nearer, farther);
-  for (const double t : {nearer, farther}) {
-    if (!(t > 1e-9)) continue;
-    const Point<frame::Room> point{ray.origin.xyz + t * ray.direction};
-    const double outward = (point.xyz.x() - centre_x_m) * dx + (point.xyz.z() - centre_z_m) * dz;
-    const bool from_inside = outward > 0.0;
-    if (from_inside && point.xyz.y() >= bottom_m && point.xyz.y() <= top_m &&
-        std::abs(arc_angle_of(point)) <= 0.5 * arc_rad) {
-      return point;
-    }
-  }
-  return std::nullopt;
+namespace {
+constexpr double kSamePlace_m = 1e-4;  // Rays from two sides meet a place this well, even at a grazing angle.
 }
 
-double CylinderWall::arc_angle_of(const Point<frame::Room>& point) const {
-  return std::atan2(point.xyz.x() - centre_x_m, -(point.xyz.z() - centre_z_m));
+std::optional<Point<frame::Room>> hit(const Wall& wall, const RoomRay& ray) {
+  return std::visit([&](const auto& w) { return w.hit(ray); }, wall);
 }
 
-Point<frame::Room> CylinderWall::point_at(double arc_angle, double height_m) const {
-  return {Eigen::Vector3d(centre_x_m + radius_m * std::sin(arc_angle), height_m,
-                          centre_z_m - radius_m * std::cos(arc_angle))};
+std::optional<Point<frame::Room>> endless_hit(const Wall& wall, const RoomRay& ray) {
+  return std::visit([&](const auto& w) { return w.endless_hit(ray); }, wall);
+}
+
+std::vector<WallPatch> patches(const Wall& wall, std::size_t about) {
+  return std::visit([&](const auto& w) { return w.patches(about); }, wall);
+}
+
+std::vector<Point<frame::Room>> outline(const Wall& wall) {
+  return std::visit([](const auto& w) { return w.outline(); }, wall);
+}
+
+std::vector<WallEdge> creases(const Wall& wall) {
+  return std::visit([](const auto& w) { return w.creases(); }, wall);
+}
+
+bool is_lit_from(const Wall& wall, const Point<frame::Room>& point) {
+  return std::visit([&](const auto& w) { return w.is_lit_from(point); }, wall);
+}
+
+bool is_reached(const Wall& wall, const Point<frame::Room>& point, const Point<frame::Room>& source) {
+  if (!std::visit([](const auto& w) { return w.shades_itself(); }, wall)) return true;
+  const auto first = hit(wall, {source, point.xyz - source.xyz});
+  return first && (first->xyz - point.xyz).norm() <= kSamePlace_m;
 }
 
 }  // namespace cyclorama

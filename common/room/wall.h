@@ -1,37 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The surface that the picture lands on.
+/// The surface that the picture lands on, of whatever kind; what is asked of it stands in wall_parts.h. Reentrant.
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
+#include <variant>
+#include <vector>
 
-#include "common/base/result.h"
-#include "common/geometry/frames.h"
-#include "common/geometry/rigid_transform.h"
+#include "common/room/cylinder_wall.h"
+#include "common/room/dome_wall.h"
+#include "common/room/mesh_wall.h"
+#include "common/room/planes_wall.h"
 
 namespace cyclorama {
 
-/// A half-line in the room; `direction` has any length above zero.
-struct RoomRay {
-  Point<frame::Room> origin;
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
-};
+using Wall = std::variant<CylinderWall, PlanesWall, DomeWall, MeshWall>;
 
-/// An upright piece of a cylinder, seen from inside: the axis is vertical through (centre_x, centre_z), the middle of
-/// the arc lies towards -z (in front of the visitor). A value; reentrant.
-struct CylinderWall {
-  double radius_m = 0.0;
-  double arc_rad = 0.0;     ///< Whole arc, at most 2 pi.
-  double bottom_m = 0.0;    ///< Height of the lower edge above the floor.
-  double top_m = 0.0;
-  double centre_x_m = 0.0;
-  double centre_z_m = 0.0;
+[[nodiscard]] std::optional<Point<frame::Room>> hit(const Wall& wall, const RoomRay& ray);
+[[nodiscard]] std::optional<Point<frame::Room>> endless_hit(const Wall& wall, const RoomRay& ray);
+[[nodiscard]] std::vector<WallPatch> patches(const Wall& wall, std::size_t about);
+[[nodiscard]] std::vector<Point<frame::Room>> outline(const Wall& wall);
+[[nodiscard]] std::vector<WallEdge> creases(const Wall& wall);
+[[nodiscard]] bool is_lit_from(const Wall& wall, const Point<frame::Room>& point);
 
-  /// Where a ray first meets the inside of the wall, or nothing.
-  [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;
-  /// Angle along the arc from its middle, positive to the visitor's right, of a point on (or near) the wall.
-  [[nodiscard]] double arc_angle_of(const Point<frame::Room>& point) const;
-  [[nodiscard]] Point<frame::Room> point_at(double arc_angle, double height_m) const;
-};
+/// Whether light from `source` reaches a point of the wall: no other part of the wall is between, and it does not come
+/// from behind.
+[[nodiscard]] bool is_reached(const Wall& wall, const Point<frame::Room>& point, const Point<frame::Room>& source);
 
 }  // namespace cyclorama

@@ -17,9 +17,10 @@ constexpr float kFloorAlbedo = 0.35f;
 constexpr float kWallInTheDark = 0.004f;
 constexpr float kFloorInTheDark = 0.0012f;
 /// The floor's glow is smooth: few wall patches and floor cells suffice.
-constexpr int kPatchesAlong = 24;
-constexpr int kPatchesUp = 4;
+constexpr std::size_t kPatches = 96;
 constexpr int kFloorCells = 24;
+constexpr std::size_t kAround = 1000;
+constexpr double kWidestHalf = 1.2;  // Of the eye's view.
 
 struct SrgbTable {
   std::array<float, 256> linear{};
@@ -53,38 +54,58 @@ std::array<float, 3> light_at(const RgbImage& picture, float u, float v) {
 }
 
 /// Where a wall point lies in a projector's picture, or nothing when the projector does not light it.
-std::optional<Eigen::Vector2d> lit_from(const InstalledProjector& projector, const Point<frame::Room>& wall_point) {
+std::optional<Eigen::Vector2d> lit_from(const InstalledProjector& projector, const Wall& wall,
+                                        const Point<frame::Room>& wall_point) {
   const auto pixel = projector.lens.pixel_of((projector.T_room_projector.inverse() * wall_point).xyz);
-  return pixel && projector.lens.contains(*pixel) ? pixel : std::nullopt;
+  if (!pixel || !projector.lens.contains(*pixel)) return std::nullopt;
+  return is_reached(wall, wall_point, {projector.T_room_projector.translation()}) ? pixel : std::nullopt;
 }
 
 }  // namespace
 
 RoomEye RoomEye::behind_visitor(const Installation& installation, int width_px, int height_px) {
-  const CylinderWall& wall = installation.wall;
-  const Eigen::Vector3d behind = installation.sweet_spot.xyz + Eigen::Vector3d(0.0, 0.25, 0.75 * wall.radius_m);
-  // Wide enough for both ends of the wall, with a margin.
-  const double half_arc = 0.5 * wall.arc_rad;
-  const Eigen::Vector3d edge = wall.point_at(std::min(half_arc, 0.5 * std::numbers::pi), wall.bottom_m).xyz - behind;
-  const double half_view = std::clamp(std::atan2(std::abs(edge.x()), -edge.z()) * 1.12, 0.3, 1.2);
-  RoomEye eye;
-  eye.lens = Pinhole::from_field_of_view(width_px, height_px, 2.0 * half_view);
+  const Eigen::Vector3d visitor = installation.sweet_spot.xyz;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  double distance = 0.0;
+  const std::vector<WallPatch> around = patches(installation.wall, kAround);
+  for (const WallPatch& patch : around) {
+    const Eigen::Vector3d seen = patch.middle.xyz - visitor;
+    middle += patch.middle.xyz / static_cast<double>(around.size());
+    distance += std::hypot(seen.x(), seen.z()) / static_cast<double>(around.size());
+  }
+  const Eigen::Vector3d behind = visitor + Eigen::Vector3d(0.0, 0.25, 0.75 * distance);
+  const Eigen::Vector3d towards = middle - behind;
+  const double tilt = std::atan2(towards.y(), -towards.z()) - 0.06;
   const Eigen::Quaterniond looking_ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
-  const double wall_middle = 0.5 * (wall.bottom_m + wall.top_m);
-  const double tilt = std::atan2(wall_middle - behind.y(), wall.radius_m + behind.z()) - 0.06;
+  RoomEye eye;
   eye.T_room_camera = {Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * looking_ahead, behind};
+  // Wide enough for both ends of the wall, with a margin, as far as a flat picture reaches.
+  const RigidTransform<frame::Camera, frame::Room> T_camera_room = eye.T_room_camera.inverse();
+  const double aspect = static_cast<double>(width_px) / height_px;
+  double half_view = 0.3;
+  for (const Point<frame::Room>& point : outline(installation.wall)) {
+    const Eigen::Vector3d p = (T_camera_room * point).xyz;
+    const double across = std::atan2(std::abs(p.x()), p.z());
+    const double along = std::atan(aspect * std::abs(p.y()) / std::max(p.z(), 1e-9));
+    half_view = std::max({half_view, 1.12 * across, 1.04 * along});
+  }
+  eye.lens = Pinhole::from_field_of_view(width_px, height_px, 2.0 * std::min(half_view, kWidestHalf));
   return eye;
 }
 
 RoomPicture::RoomPicture(Installation installation, const RoomEye& eye)
     : installation_(std::move(installation)), width_px_(eye.lens.width_px), height_px_(eye.lens.height_px) {
+  for (const WallPatch& patch : patches(installation_.wall, kAround)) {
+    const Eigen::Vector3d& p = patch.middle.xyz;
+    reach_m_ = std::max({reach_m_, 2.0 * std::abs(p.x()), 2.0 * std::abs(p.z())});
+  }
   const Point<frame::Room> origin{eye.T_room_camera.translation()};
   for (int y = 0; y < height_px_; ++y) {
     for (int x = 0; x < width_px_; ++x) {
       const auto pixel = static_cast<std::uint32_t>(y * width_px_ + x);
       const RoomRay ray{origin, eye.T_room_camera.rotation() * eye.lens.direction_at(x + 0.5, y + 0.5)};
-      if (const auto hit = installation_.wall.hit(ray)) {
-        look_at_wall(pixel, *hit);
+      if (const auto met = hit(installation_.wall, ray)) {
+        look_at_wall(pixel, *met);
       } else {
         look_at_floor(pixel, ray);
       }
@@ -95,7 +116,7 @@ RoomPicture::RoomPicture(Installation installation, const RoomEye& eye)
 void RoomPicture::look_at_wall(std::uint32_t eye_pixel, const Point<frame::Room>& wall_point) {
   unlit_wall_.push_back(eye_pixel);
   for (std::size_t i = 0; i < installation_.projectors.size(); ++i) {
-    if (const auto pixel = lit_from(installation_.projectors[i], wall_point)) {
+    if (const auto pixel = lit_from(installation_.projectors[i], installation_.wall, wall_point)) {
       sources_.push_back({eye_pixel, static_cast<std::uint32_t>(i), static_cast<float>(pixel->x()),
                           static_cast<float>(pixel->y())});
     }
@@ -105,9 +126,8 @@ void RoomPicture::look_at_wall(std::uint32_t eye_pixel, const Point<frame::Room>
 void RoomPicture::look_at_floor(std::uint32_t eye_pixel, const RoomRay& ray) {
   if (!(ray.direction.y() < -1e-6)) return;
   const Eigen::Vector3d point = ray.origin.xyz - ray.origin.xyz.y() / ray.direction.y() * ray.direction;
-  const double reach = 2.0 * installation_.wall.radius_m;  // The grid spans [-reach, reach] both ways.
-  const double x = (point.x() / reach + 1.0) * 0.5 * kFloorCells;
-  const double z = (point.z() / reach + 1.0) * 0.5 * kFloorCells;
+  const double x = (point.x() / reach_m_ + 1.0) * 0.5 * kFloorCells;
+  const double z = (point.z() / reach_m_ + 1.0) * 0.5 * kFloorCells;
   if (!(x >= 0.0 && x < kFloorCells && z >= 0.0 && z < kFloorCells)) return;
   floor_.push_back({eye_pixel, static_cast<float>(x), static_cast<float>(z)});
 }
@@ -116,7 +136,7 @@ std::array<float, 3> RoomPicture::radiance_at(const Point<frame::Room>& wall_poi
                                               std::span<const RgbImage> projector_pictures) const {
   std::array<float, 3> sum{};
   for (std::size_t i = 0; i < installation_.projectors.size(); ++i) {
-    const auto pixel = lit_from(installation_.projectors[i], wall_point);
+    const auto pixel = lit_from(installation_.projectors[i], installation_.wall, wall_point);
     if (!pixel || projector_pictures[i].empty()) continue;
     const auto light =
         light_at(projector_pictures[i], static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
@@ -126,40 +146,25 @@ std::array<float, 3> RoomPicture::radiance_at(const Point<frame::Room>& wall_poi
 }
 
 void RoomPicture::add_floor_glow(std::span<const RgbImage> pictures, RadianceImage* radiance) const {
-  struct Patch {
-    Eigen::Vector3d point;
-    Eigen::Vector3d normal;
-    std::array<float, 3> radiance;
-  };
-  const CylinderWall& wall = installation_.wall;
-  std::vector<Patch> patches;
-  for (int i = 0; i < kPatchesAlong; ++i) {
-    const double arc_angle = wall.arc_rad * ((i + 0.5) / kPatchesAlong - 0.5);
-    for (int j = 0; j < kPatchesUp; ++j) {
-      const double height = wall.bottom_m + (wall.top_m - wall.bottom_m) * (j + 0.5) / kPatchesUp;
-      const Point<frame::Room> point = wall.point_at(arc_angle, height);
-      patches.push_back({point.xyz, Eigen::Vector3d(-std::sin(arc_angle), 0.0, std::cos(arc_angle)),
-                         radiance_at(point, pictures)});
-    }
-  }
-  const double patch_area =
-      wall.radius_m * wall.arc_rad / kPatchesAlong * (wall.top_m - wall.bottom_m) / kPatchesUp;
+  const std::vector<WallPatch> shining = patches(installation_.wall, kPatches);
+  std::vector<std::array<float, 3>> leaving;
+  for (const WallPatch& patch : shining) leaving.push_back(radiance_at(patch.middle, pictures));
   constexpr std::size_t kSide = kFloorCells + 1;
   std::vector<std::array<float, 3>> grid(kSide * kSide);
-  const double reach = 2.0 * wall.radius_m;
   for (std::size_t iz = 0; iz < kSide; ++iz) {
     for (std::size_t ix = 0; ix < kSide; ++ix) {
-      const Eigen::Vector3d floor_point((2.0 * static_cast<double>(ix) / kFloorCells - 1.0) * reach, 0.0,
-                                        (2.0 * static_cast<double>(iz) / kFloorCells - 1.0) * reach);
-      for (const Patch& patch : patches) {
-        const Eigen::Vector3d to_patch = patch.point - floor_point;
+      const Eigen::Vector3d floor_point((2.0 * static_cast<double>(ix) / kFloorCells - 1.0) * reach_m_, 0.0,
+                                        (2.0 * static_cast<double>(iz) / kFloorCells - 1.0) * reach_m_);
+      for (std::size_t i = 0; i < shining.size(); ++i) {
+        const WallPatch& patch = shining[i];
+        const Eigen::Vector3d to_patch = patch.middle.xyz - floor_point;
         const double distance = std::max(to_patch.norm(), 0.3);  // Patches are not points.
         const double cos_floor = to_patch.y() / distance;
         const double cos_patch = -to_patch.dot(patch.normal) / distance;
         if (cos_floor <= 0.0 || cos_patch <= 0.0) continue;
-        const auto weight = static_cast<float>(kFloorAlbedo / std::numbers::pi * cos_floor * cos_patch * patch_area /
+        const auto weight = static_cast<float>(kFloorAlbedo / std::numbers::pi * cos_floor * cos_patch * patch.area_m2 /
                                                (distance * distance));
-        for (std::size_t c = 0; c < 3; ++c) grid[iz * kSide + ix][c] += weight * patch.radiance[c];
+        for (std::size_t c = 0; c < 3; ++c) grid[iz * kSide + ix][c] += weight * leaving[i][c];
       }
     }
   }

@@ -27,7 +27,8 @@ struct RoomEye {
   Pinhole lens;
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
 
-  /// A visitor's companion, some steps behind the sweet spot: sees the whole wall and some of the floor.
+  /// A visitor's companion, some steps behind the sweet spot: sees the wall, as far as a flat picture
+  /// reaches, and some of the floor.
   static RoomEye behind_visitor(const Installation& installation, int width_px, int height_px);
 };
 
@@ -62,6 +63,7 @@ class RoomPicture {
   void add_floor_glow(std::span<const RgbImage> projector_pictures, RadianceImage* radiance) const;
 
   Installation installation_;
+  double reach_m_ = 1.0;  ///< The floor's grid spans [-reach, reach] both ways.
   int width_px_;
   int height_px_;
   std::vector<Source> sources_;

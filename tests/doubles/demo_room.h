@@ -19,4 +19,7 @@ inline Installation demo_room() {
   return *std::move(room);
 }
 
+/// Precondition: its wall is one, as the demo's is.
+inline const CylinderWall& cylinder_of(const Installation& room) { return std::get<CylinderWall>(room.wall); }
+
 }  // namespace cyclorama

@@ -15,29 +15,31 @@ namespace cyclorama {
 /// What pass 2 must draw, in double precision on the CPU and as plainly as can be written down.
 class WarpedPicture {
  public:
-  WarpedPicture(const RgbImage& picture, const Panorama& panorama, double yaw_shift_rad)
-      : picture_(picture), panorama_(panorama), yaw_shift_rad_(yaw_shift_rad) {}
+  WarpedPicture(const RgbImage& picture, const PictureShape& shape, double turn_rad)
+      : picture_(picture), shape_(shape), scale_(pixel_scale(shape)), turn_rad_(turn_rad) {}
 
   /// Code values in [0, 255], not rounded, of the head's pixel; black in a triangle that is left out. The place in the
-  /// panorama is moved by `off_u`, `off_v` pixels.
+  /// picture is moved by `off_u`, `off_v` pixels.
   [[nodiscard]] std::array<double, 3> at(const WarpMesh& mesh, const MaskImage& mask, int x, int y, double off_u = 0.0,
                                          double off_v = 0.0) const {
     const auto seen = mesh.interpolate({x + 0.5, y + 0.5});
-    if (!seen) return {0.0, 0.0, 0.0};
+    const auto place = seen ? turned(shape_, *seen, turn_rad_) : std::nullopt;
+    if (!place) return {0.0, 0.0, 0.0};
     const double weight = static_cast<double>(*mask.at(x, y));
-    double azimuth = seen->azimuth_rad + yaw_shift_rad_;
-    if (wraps()) azimuth -= 2.0 * std::numbers::pi * std::floor(azimuth / (2.0 * std::numbers::pi) + 0.5);
-    const double u = (azimuth / panorama_.azimuth_span_rad + 0.5) * panorama_.width_px + off_u - 0.5;
-    const double v = (seen->tan_elevation - panorama_.tan_elevation_top) /
-                         (panorama_.tan_elevation_bottom - panorama_.tan_elevation_top) * panorama_.height_px +
-                     off_v - 0.5;
+    const PanoramaPixel pixel = scale_.pixel_at(*place);
+    const double turn_px = 2.0 * std::numbers::pi * scale_.u_per_across;
+    const double u = (wraps() ? pixel.u - turn_px * std::floor(pixel.u / turn_px) : pixel.u) + off_u - 0.5;
+    const double v = pixel.v + off_v - 0.5;
     std::array<double, 3> codes{};
     for (int c = 0; c < 3; ++c) codes[static_cast<std::size_t>(c)] = 255.0 * encoded(weight * light(u, v, c));
     return codes;
   }
 
  private:
-  [[nodiscard]] bool wraps() const { return panorama_.azimuth_span_rad > 6.28; }
+  [[nodiscard]] bool wraps() const {
+    const auto* panorama = std::get_if<Panorama>(&shape_);
+    return panorama != nullptr && panorama->azimuth_span_rad > 6.28;
+  }
   [[nodiscard]] double texel(double x, double y, int channel) const {
     const double w = picture_.width();
     const double column = wraps() ? x - w * std::floor(x / w) : std::clamp(x, 0.0, w - 1.0);
@@ -58,8 +60,9 @@ class WarpedPicture {
   }
 
   const RgbImage& picture_;
-  Panorama panorama_;
-  double yaw_shift_rad_;
+  PictureShape shape_;
+  PixelScale scale_;
+  double turn_rad_;
 };
 
 }  // namespace cyclorama

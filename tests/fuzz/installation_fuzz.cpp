@@ -9,6 +9,6 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto installation = cyclorama::parse_installation(text, "installation.toml");
-  if (installation) CHECK(installation->panorama(1024).validate().has_value());
+  if (installation) CHECK(validate(installation->picture(1024)).has_value());
   return 0;
 }

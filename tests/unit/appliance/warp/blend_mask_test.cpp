@@ -25,6 +25,7 @@ std::optional<double> bilinear(const MaskImage& mask, const Eigen::Vector2d& pix
 
 TEST(BlendMask, lets_all_projectors_together_shine_one_on_every_wall_point) {
   const Installation room = demo_room();
+  const CylinderWall& wall = cylinder_of(room);
   const std::vector<ProjectorMap> maps = projector_maps(room);
   const std::vector<MaskImage> masks = make_blend_masks(maps);
   std::mt19937 random(3);
@@ -32,9 +33,9 @@ TEST(BlendMask, lets_all_projectors_together_shine_one_on_every_wall_point) {
   int shared = 0;
   for (int n = 0; n < 20000; ++n) {
     // A pixel's breadth inside the wall's edge: beyond it the masks are cut off, as they must be.
-    const double arc = std::uniform_real_distribution(-0.5, 0.5)(random) * (room.wall.arc_rad - 0.02);
-    const double height = std::uniform_real_distribution(room.wall.bottom_m + 0.02, room.wall.top_m - 0.02)(random);
-    const Point<frame::Room> point = room.wall.point_at(arc, height);
+    const double arc = std::uniform_real_distribution(-0.5, 0.5)(random) * (wall.arc_rad - 0.02);
+    const double height = std::uniform_real_distribution(wall.bottom_m + 0.02, wall.top_m - 0.02)(random);
+    const Point<frame::Room> point = wall.point_at(arc, height);
     double sum = 0.0;
     int lighting = 0;
     for (std::size_t i = 0; i < maps.size(); ++i) {
@@ -76,8 +77,8 @@ TEST(BlendMask, has_no_step_inside_the_wall) {
   for (const double height : {0.45, 1.0, 1.65, 2.3, 2.85}) {
     std::vector<double> previous;
     for (int i = 0; i <= kSteps; ++i) {
-      const double arc = room.wall.arc_rad * (static_cast<double>(i) / kSteps - 0.5);
-      const std::vector<double> weights = blend_weights(maps, room.wall.point_at(arc, height));
+      const double arc = cylinder_of(room).arc_rad * (static_cast<double>(i) / kSteps - 0.5);
+      const std::vector<double> weights = blend_weights(maps, cylinder_of(room).point_at(arc, height));
       for (std::size_t k = 0; k < previous.size(); ++k) ASSERT_LT(std::abs(weights[k] - previous[k]), 0.03);
       previous = weights;
     }
@@ -88,8 +89,8 @@ TEST(BlendMask, weights_are_all_zero_where_no_projector_reaches) {
   Installation room = demo_room();
   room.projectors.resize(1);
   const std::vector<ProjectorMap> maps = projector_maps(room);
-  EXPECT_THAT(blend_weights(maps, room.wall.point_at(1.0, 1.5)), ::testing::ElementsAre(0.0));
-  EXPECT_THAT(blend_weights(maps, room.wall.point_at(-1.0, 1.5)), ::testing::ElementsAre(1.0));
+  EXPECT_THAT(blend_weights(maps, cylinder_of(room).point_at(1.0, 1.5)), ::testing::ElementsAre(0.0));
+  EXPECT_THAT(blend_weights(maps, cylinder_of(room).point_at(-1.0, 1.5)), ::testing::ElementsAre(1.0));
 }
 
 TEST(DemoRoom, is_lit_everywhere_by_pictures_that_overlap_by_a_sixth) {
@@ -99,7 +100,7 @@ TEST(DemoRoom, is_lit_everywhere_by_pictures_that_overlap_by_a_sixth) {
   int middle = 0;
   int left_too = 0;
   for (int i = 0; i <= 10000; ++i) {
-    const Point<frame::Room> point = room.wall.point_at(room.wall.arc_rad * (i / 10000.0 - 0.5), 1.65);
+    const Point<frame::Room> point = cylinder_of(room).point_at(cylinder_of(room).arc_rad * (i / 10000.0 - 0.5), 1.65);
     if (!maps[1].pixel_lighting(point)) continue;
     ++middle;
     left_too += maps[0].pixel_lighting(point) ? 1 : 0;

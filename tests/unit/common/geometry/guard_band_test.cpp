@@ -35,6 +35,12 @@ std::vector<PicturePlace> places(const PictureShape& shape) {
       if (direction_at(shape, p)) found.push_back(pixel_scale(shape).place_at(p));
     }
   }
+  if (const auto* fisheye = std::get_if<Fisheye>(&shape)) {
+    for (int i = 0; i < 256; ++i) {
+      const double radius = 0.49999 * fisheye->field_rad;
+      found.push_back({radius * std::cos(kPi * i / 128), radius * std::sin(kPi * i / 128)});
+    }
+  }
   return found;
 }
 

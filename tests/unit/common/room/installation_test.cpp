@@ -43,7 +43,7 @@ std::string complaint(const std::string& text) {
 TEST(Installation, a_room_is_read_with_its_units) {
   const auto room = parse_installation(kRoom, "room.toml");
   ASSERT_TRUE(room.has_value()) << room.error().message();
-  EXPECT_NEAR(room->wall.arc_rad, std::numbers::pi, 1e-12);
+  EXPECT_NEAR(std::get<CylinderWall>(room->wall).arc_rad, std::numbers::pi, 1e-12);
   ASSERT_EQ(room->projectors.size(), 1u);
   EXPECT_EQ(room->projectors[0].name, "left");
   EXPECT_EQ(room->projectors[0].lens.width_px, 1280);
@@ -78,7 +78,7 @@ TEST(Installation, the_panorama_covers_the_wall_from_the_sweet_spot) {
     EXPECT_TRUE(panorama.validate().has_value());
     for (double angle = -1.57; angle <= 1.57; angle += 0.05) {
       for (const double height : {0.0, 1.3, 2.6}) {
-        const Eigen::Vector3d d = room->wall.point_at(angle, height).xyz - room->sweet_spot.xyz;
+        const Eigen::Vector3d d = std::get<CylinderWall>(room->wall).point_at(angle, height).xyz - room->sweet_spot.xyz;
         const PanoramaPixel p = panorama.pixel_of(d);
         EXPECT_GE(p.u, -1.0);
         EXPECT_LE(p.u, 2049.0);

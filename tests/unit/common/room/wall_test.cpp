@@ -3,76 +3,162 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
+
+#include "tests/doubles/wall_meshes.h"
 
 namespace cyclorama {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-CylinderWall half_circle() {
-  return {.radius_m = 3.0, .arc_rad = kPi, .bottom_m = 0.2, .top_m = 2.8, .centre_x_m = 0.5, .centre_z_m = -0.25};
+CylinderWall cylinder() { return {.radius_m = 3.0, .arc_rad = 2.2, .bottom_m = 0.4, .top_m = 2.9}; }
+PlanesWall plane() { return {{WallRectangle::facing({{0.3, 1.6, -3.0}}, 0.1, 0.2, 4.0, 2.0)}}; }
+/// Three sides of a room.
+PlanesWall corner() {
+  return {{WallRectangle::above({-2, 1}, {-2, -2}, 0.0, 2.5), WallRectangle::above({-2, -2}, {2, -2}, 0.0, 2.5),
+           WallRectangle::above({2, -2}, {2, 1}, 0.0, 2.5)}};
+}
+DomeWall dome() { return {{{0.0, 1.5, 0.0}}, 4.0, kPi, 0.35 * kPi}; }
+
+std::vector<Wall> walls() {
+  return {cylinder(), plane(), corner(), dome(), *MeshWall::read(obj_of(cylinder(), 40, 5))};
 }
 
 RoomRay ray(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) { return {{from}, direction}; }
+RoomRay ray_to(const Eigen::Vector3d& from, const Point<frame::Room>& to) { return {{from}, to.xyz - from}; }
 
-TEST(CylinderWall, points_and_arc_angles_are_inverse) {
-  const CylinderWall wall = half_circle();
-  for (double angle = -1.5; angle <= 1.5; angle += 0.1) {
-    EXPECT_NEAR(wall.arc_angle_of(wall.point_at(angle, 1.0)), angle, 1e-12);
-  }
-  EXPECT_LT((wall.point_at(0.0, 1.0).xyz - Eigen::Vector3d(0.5, 1.0, -3.25)).norm(), 1e-12);
-  EXPECT_LT((wall.point_at(0.5 * kPi, 1.0).xyz - Eigen::Vector3d(3.5, 1.0, -0.25)).norm(), 1e-12);
-}
+const Eigen::Vector3d kEye(0.2, 1.6, 0.1);
 
-TEST(CylinderWall, a_ray_from_inside_meets_the_point_that_it_was_aimed_at) {
-  const CylinderWall wall = half_circle();
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  for (int i = 0; i < 2000; ++i) {
-    const double angle = (unit(random) - 0.5) * kPi * 0.99;
-    const Eigen::Vector3d target = wall.point_at(angle, 0.21 + 2.58 * unit(random)).xyz;
-    const double r = 2.9 * std::sqrt(unit(random));
-    const double a = 2.0 * kPi * unit(random);
-    const Eigen::Vector3d from(0.5 + r * std::sin(a), 3.0 * unit(random), -0.25 + r * std::cos(a));
-    const auto hit = wall.hit(ray(from, (0.01 + unit(random)) * (target - from)));
-    ASSERT_TRUE(hit.has_value());
-    EXPECT_LT((hit->xyz - target).norm(), 1e-9);
+TEST(Wall, a_ray_from_the_eye_meets_the_patch_that_it_was_aimed_at_from_in_front) {
+  for (const Wall& wall : walls()) {
+    const auto found = patches(wall, 500);
+    ASSERT_GT(found.size(), 200u) << wall.index();
+    for (const WallPatch& patch : found) {
+      const auto met = hit(wall, ray_to(kEye, patch.middle));
+      ASSERT_TRUE(met) << wall.index();
+      EXPECT_LT((met->xyz - patch.middle.xyz).norm(), 1e-9) << wall.index();
+      EXPECT_LT(patch.normal.dot(patch.middle.xyz - kEye), 0.0) << wall.index();
+      EXPECT_NEAR(patch.normal.norm(), 1.0, 1e-12);
+      EXPECT_TRUE(is_reached(wall, patch.middle, {kEye}));
+      const auto endless = endless_hit(wall, ray_to(kEye, patch.middle));
+      ASSERT_TRUE(endless);
+      EXPECT_EQ(endless->xyz, met->xyz);
+    }
   }
 }
 
-TEST(CylinderWall, rays_past_its_edges_meet_nothing) {
-  const CylinderWall wall = half_circle();
-  const Eigen::Vector3d eye(0.5, 1.6, -0.25);
-  EXPECT_FALSE(wall.hit(ray(eye, {0, 0, 1})).has_value());        // Behind: the arc is half a circle.
-  EXPECT_FALSE(wall.hit(ray(eye, {0, 1, -1})).has_value());       // Above.
-  EXPECT_FALSE(wall.hit(ray(eye, {0, -1, -1})).has_value());      // Below.
-  EXPECT_FALSE(wall.hit(ray(eye, {0, 1, 0})).has_value());        // Along the axis.
-  EXPECT_FALSE(wall.hit(ray({9, 1, 0}, {1, 0, 0})).has_value());  // Away from it.
+TEST(Wall, patches_share_the_area) {
+  const double expected[] = {3.0 * 2.2 * 2.5, 8.0, 10.0 * 2.5, 2.0 * kPi * 16.0, 3.0 * 2.2 * 2.5};
+  std::size_t i = 0;
+  for (const Wall& wall : walls()) {
+    for (const std::size_t about : {1u, 20u, 3000u}) {
+      double area = 0.0;
+      for (const WallPatch& patch : patches(wall, about)) area += patch.area_m2;
+      EXPECT_NEAR(area, expected[i], 2e-4 * expected[i]) << wall.index();
+    }
+    ++i;
+  }
 }
 
-TEST(CylinderWall, its_outside_is_not_a_screen) {
-  const CylinderWall wall = half_circle();
-  EXPECT_FALSE(wall.hit(ray({0.5, 1.0, -9.0}, {0, 0, -1})).has_value());
-  // From in front, through the open side, and from behind, through the wall: the inside of the far part is met.
-  EXPECT_TRUE(wall.hit(ray({0.5, 1.0, 9.0}, {0, 0, -1})).has_value());
-  CylinderWall round = wall;
-  round.arc_rad = 2.0 * kPi;
-  const auto far_side = round.hit(ray({0.5, 1.0, -9.0}, {0, 0, 1}));
-  ASSERT_TRUE(far_side.has_value());
-  EXPECT_NEAR(far_side->xyz.z(), 2.75, 1e-9);
+TEST(Wall, goes_on_past_its_edges_without_a_jump) {
+  for (const Wall& wall : walls()) {
+    std::mt19937 random(2);
+    std::normal_distribution<double> normal;
+    int beyond = 0;
+    for (int i = 0; i < 3000; ++i) {
+      // Ahead, and far to the sides.
+      const Eigen::Vector3d d = Eigen::Vector3d(normal(random), 0.6 * normal(random), -1.0 - std::abs(normal(random)));
+      const auto here = endless_hit(wall, ray(kEye, d));
+      if (!here) continue;
+      if (!hit(wall, ray(kEye, d))) ++beyond;
+      const auto beside = endless_hit(wall, ray(kEye, d + 1e-7 * Eigen::Vector3d(1, 1, 0)));
+      ASSERT_TRUE(beside);
+      const double range = (here->xyz - kEye).norm();
+      EXPECT_LT((here->xyz - beside->xyz).norm(), 1e-5 * range * range) << wall.index() << " " << d.transpose();
+    }
+    EXPECT_GT(beyond, 100) << wall.index();
+  }
 }
 
-TEST(CylinderWall, what_is_not_finite_meets_nothing) {
+TEST(Wall, is_seen_from_one_side_only) {
+  for (const Wall& wall : walls()) {
+    EXPECT_TRUE(is_lit_from(wall, {kEye})) << wall.index();
+    const Eigen::Vector3d behind(0.2, 1.6, -9.0);
+    EXPECT_FALSE(is_lit_from(wall, {behind})) << wall.index();
+    EXPECT_FALSE(hit(wall, ray(behind, {0, 0, -1}))) << wall.index();
+  }
+  const Eigen::Vector3d behind(0.2, 1.6, -9.0);
+  EXPECT_FALSE(hit(Wall(plane()), ray(behind, {0, 0, 1})));
+  EXPECT_FALSE(hit(Wall(corner()), ray(behind, {0, 0, 1})));
+}
+
+TEST(Wall, what_is_not_finite_meets_nothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
-  const CylinderWall wall = half_circle();
-  EXPECT_FALSE(wall.hit(ray({nan, 1, 0}, {0, 0, -1})).has_value());
-  EXPECT_FALSE(wall.hit(ray({0.5, 1, 0}, {0, nan, -1})).has_value());
-  EXPECT_FALSE(wall.hit(ray({0.5, 1, 0}, {inf, 0, -1})).has_value());
-  EXPECT_FALSE(wall.hit(ray({0.5, 1, 0}, {0, 0, 0})).has_value());
+  for (const Wall& wall : walls()) {
+    for (const RoomRay& r : {ray({nan, 1, 0}, {0, 0, -1}), ray(kEye, {0, nan, -1}), ray(kEye, {inf, 0, -1}),
+                             ray(kEye, {0, 0, 0})}) {
+      EXPECT_FALSE(hit(wall, r)) << wall.index();
+      EXPECT_FALSE(endless_hit(wall, r)) << wall.index();
+    }
+  }
+}
+
+TEST(PlanesWall, a_plane_faces_who_looks_along_its_pan_and_tilt) {
+  const WallRectangle r = WallRectangle::facing({{0, 0, 0}}, 0.5 * kPi, 0.0, 2.0, 1.0);
+  EXPECT_LT((r.normal() - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-12);  // Looking to the right, it faces left.
+  EXPECT_LT((r.right - Eigen::Vector3d(0, 0, 1)).norm(), 1e-12);
+  const WallRectangle ceiling = WallRectangle::facing({{0, 3, 0}}, 0.0, 0.5 * kPi, 2.0, 1.0);
+  EXPECT_LT((ceiling.normal() - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
+}
+
+TEST(PlanesWall, has_no_gap_in_its_corners_and_goes_on_above_them) {
+  const PlanesWall wall = corner();
+  for (double height = 0.0; height <= 2.5; height += 0.01) {
+    EXPECT_TRUE(wall.hit(ray_to(kEye, {{-2.0, height, -2.0}}))) << height;
+    EXPECT_TRUE(wall.hit(ray_to(kEye, {{2.0, height, -2.0}}))) << height;
+  }
+  const Eigen::Vector3d above(2.0, 4.0, -2.0);
+  const auto met = wall.endless_hit(ray_to(kEye, {above}));
+  ASSERT_TRUE(met);
+  EXPECT_LT((met->xyz - above).norm(), 1e-9);
+}
+
+TEST(PlanesWall, a_pillar_shades_what_is_behind_it) {
+  // A wall, and before it a narrower one.
+  const PlanesWall wall{{WallRectangle::above({-3, -3}, {3, -3}, 0.0, 3.0),
+                         WallRectangle::above({-0.5, -1.5}, {0.5, -1.5}, 0.0, 3.0)}};
+  EXPECT_FALSE(is_reached(wall, {{0.0, 1.0, -3.0}}, {{0.0, 1.0, 1.0}}));
+  EXPECT_TRUE(is_reached(wall, {{0.0, 1.0, -1.5}}, {{0.0, 1.0, 1.0}}));
+  EXPECT_TRUE(is_reached(wall, {{0.0, 1.0, -3.0}}, {{-3.0, 1.0, 0.0}}));
+}
+
+TEST(DomeWall, its_axis_leans_up_and_its_edge_is_half_the_field_away) {
+  const DomeWall wall = dome();
+  const auto top = wall.hit(ray(wall.centre.xyz, wall.axis()));
+  ASSERT_TRUE(top);
+  EXPECT_NEAR((top->xyz - wall.centre.xyz).norm(), 4.0, 1e-12);
+  EXPECT_NEAR(wall.axis().y(), std::sin(0.35 * kPi), 1e-12);
+  for (double around = 0.0; around < 6.3; around += 0.1) {
+    EXPECT_TRUE(wall.hit(ray_to(wall.centre.xyz, wall.point_at(0.5 * kPi - 1e-6, around))));
+    EXPECT_FALSE(wall.hit(ray_to(wall.centre.xyz, wall.point_at(0.5 * kPi + 1e-6, around))));
+  }
+  // From outside through the open half: its inside is met.
+  EXPECT_TRUE(wall.hit(ray(wall.centre.xyz - 9.0 * wall.axis(), wall.axis())));
+}
+
+TEST(SolidAngle, of_an_octant_is_an_eighth_of_a_sphere_and_has_a_sign) {
+  const Eigen::Vector3d x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  EXPECT_NEAR(std::abs(solid_angle(origin, x, y, z)), 0.5 * kPi, 1e-12);
+  EXPECT_NEAR(solid_angle(origin, x, z, y), -solid_angle(origin, x, y, z), 1e-12);
+  // Counter-clockwise as seen from in front.
+  EXPECT_GT(solid_angle({0, 0, 5}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}), 0.0);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ class RoomPictureTest : public ::testing::Test {
 };
 
 TEST_F(RoomPictureTest, overlapping_light_adds_up_linearly) {
-  const Point<frame::Room> seam = installation_.wall.point_at(0.0, 1.5);
+  const Point<frame::Room> seam = std::get<CylinderWall>(installation_.wall).point_at(0.0, 1.5);
   const float left = room_.radiance_at(seam, std::vector{grey_, off_})[0];
   const float right = room_.radiance_at(seam, std::vector{off_, grey_})[0];
   const float both = room_.radiance_at(seam, std::vector{grey_, grey_})[0];
@@ -56,7 +56,7 @@ TEST_F(RoomPictureTest, overlapping_light_adds_up_linearly) {
 }
 
 TEST_F(RoomPictureTest, a_projector_lights_only_its_own_part) {
-  const Point<frame::Room> far_left = installation_.wall.point_at(-0.7, 1.5);
+  const Point<frame::Room> far_left = std::get<CylinderWall>(installation_.wall).point_at(-0.7, 1.5);
   EXPECT_GT(room_.radiance_at(far_left, std::vector{grey_, grey_})[1], 0.0f);
   EXPECT_EQ(room_.radiance_at(far_left, std::vector{off_, grey_})[1], 0.0f);
 }
@@ -67,9 +67,9 @@ TEST_F(RoomPictureTest, a_lit_pixel_lands_where_its_ray_meets_the_wall) {
   const InstalledProjector& left = installation_.projectors[0];
   const RoomRay ray{{left.T_room_projector.translation()},
                     left.T_room_projector.rotation() * left.lens.direction_at(200.5, 100.5)};
-  const auto hit = installation_.wall.hit(ray);
-  ASSERT_TRUE(hit.has_value());
-  EXPECT_NEAR(room_.radiance_at(*hit, std::vector{dot, off_})[2], 0.9f, 1e-3f);
+  const auto met = hit(installation_.wall, ray);
+  ASSERT_TRUE(met.has_value());
+  EXPECT_NEAR(room_.radiance_at(*met, std::vector{dot, off_})[2], 0.9f, 1e-3f);
 }
 
 TEST_F(RoomPictureTest, a_dark_room_is_dark_and_a_lit_one_glows_on_the_floor) {

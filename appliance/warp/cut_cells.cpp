@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/warp/cut_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace cyclorama {
+namespace {
+
+using Line = Eigen::Hyperplane<double, 2>;
+using Polygon = std::vector<std::uint32_t>;  ///< Convex.
+
+constexpr double kOnLine_px = 1e-6;
+
+class Cutter {
+ public:
+  explicit Cutter(std::vector<Eigen::Vector2d>* places) : places_(*places) {}
+
+  /// The parts of `polygon` on either side; one of them is empty where the line does not cut it.
+  std::pair<Polygon, Polygon> split(const Polygon& polygon, const Line& line) {
+    std::pair<Polygon, Polygon> parts;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const std::uint32_t here = polygon[i];
+      const std::uint32_t next = polygon[(i + 1) % polygon.size()];
+      const double a = side(line, here);
+      const double b = side(line, next);
+      if (a >= 0.0) parts.first.push_back(here);
+      if (a <= 0.0) parts.second.push_back(here);
+      if (a * b >= 0.0) continue;
+      const std::uint32_t cut = cut_between(line, here, next);
+      parts.first.push_back(cut);
+      parts.second.push_back(cut);
+    }
+    // What only touches the line has no area on the other side.
+    if (parts.first.size() < 3) parts.first.clear();
+    if (parts.second.size() < 3) parts.second.clear();
+    return parts;
+  }
+
+  /// Triangles around the polygon's middle, so that none of its corners is passed over.
+  void triangulate(const Polygon& polygon, std::vector<std::uint32_t>* corners) {
+    if (polygon.size() == 3) {
+      corners->insert(corners->end(), polygon.begin(), polygon.end());
+      return;
+    }
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const std::uint32_t corner : polygon) sum += places_[corner];
+    const auto middle = static_cast<std::uint32_t>(places_.size());
+    places_.push_back(sum / static_cast<double>(polygon.size()));
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      corners->insert(corners->end(), {middle, polygon[i], polygon[(i + 1) % polygon.size()]});
+    }
+  }
+
+ private:
+  [[nodiscard]] double side(const Line& line, std::uint32_t vertex) const {
+    const double distance = line.signedDistance(places_[vertex]);
+    return std::abs(distance) <= kOnLine_px ? 0.0 : distance;
+  }
+
+  std::uint32_t cut_between(const Line& line, std::uint32_t from, std::uint32_t to) {
+    const auto key = [&](std::uint32_t v) { return std::pair(places_[v].x(), places_[v].y()); };
+    if (key(to) < key(from)) std::swap(from, to);  // Both neighbours reckon alike.
+    const double a = line.signedDistance(places_[from]);
+    const double b = line.signedDistance(places_[to]);
+    const Eigen::Vector2d place = places_[from] + a / (a - b) * (places_[to] - places_[from]);
+    const auto known = cuts_.emplace(std::pair(place.x(), place.y()), static_cast<std::uint32_t>(places_.size()));
+    if (known.second) places_.push_back(place);
+    return known.first->second;
+  }
+
+  std::vector<Eigen::Vector2d>& places_;
+  std::map<std::pair<double, double>, std::uint32_t> cuts_;
+};
+
+}  // namespace
+
+CutGrid cut_grid(const Eigen::Vector2d& size_px, int cells_x, int cells_y, const std::vector<Line>& lines) {
+  CutGrid grid;
+  for (int j = 0; j <= cells_y; ++j) {
+    for (int i = 0; i <= cells_x; ++i) grid.places.emplace_back(size_px.x() * i / cells_x, size_px.y() * j / cells_y);
+  }
+  Cutter cutter(&grid.places);
+  const auto row = static_cast<std::uint32_t>(cells_x + 1);
+  for (int cell = 0; !lines.empty() && cell < cells_x * cells_y; ++cell) {
+    const std::uint32_t corner = static_cast<std::uint32_t>(cell / cells_x) * row + static_cast<std::uint32_t>(cell % cells_x);
+    std::vector<Polygon> parts{{corner, corner + row, corner + row + 1, corner + 1}};
+    for (const Line& line : lines) {
+      std::vector<Polygon> finer;
+      for (Polygon& part : parts) {
+        auto [one, other] = cutter.split(part, line);
+        if (one.empty() || other.empty()) {
+          finer.push_back(std::move(part));
+        } else {
+          finer.push_back(std::move(one));
+          finer.push_back(std::move(other));
+        }
+      }
+      parts = std::move(finer);
+    }
+    if (parts.size() == 1) continue;
+    CutCell cut{cell, {}};
+    for (const Polygon& part : parts) cutter.triangulate(part, &cut.corners);
+    grid.cuts.push_back(std::move(cut));
+  }
+  return grid;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/room/wall_parts.h"
+
+namespace cyclorama {
+
+/// A cap of a sphere, seen from inside. Its axis leans from the horizon ahead (-z) upwards: by a quarter turn in a
+/// planetarium, by less in a tilted dome. Members as wall_parts.h says.
+struct DomeWall {
+  Point<frame::Room> centre;
+  double radius_m = 0.0;
+  double field_rad = 0.0;  ///< From edge to edge, as seen from the centre; at most 2 pi, a whole sphere.
+  double tilt_rad = 0.0;   ///< Of the axis above the horizon.
+
+  [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;
+  [[nodiscard]] std::optional<Point<frame::Room>> endless_hit(const RoomRay& ray) const;
+  [[nodiscard]] std::vector<WallPatch> patches(std::size_t about) const;
+  [[nodiscard]] std::vector<Point<frame::Room>> outline() const;
+  [[nodiscard]] std::vector<WallEdge> creases() const { return {}; }
+  [[nodiscard]] bool is_lit_from(const Point<frame::Room>& point) const;
+  [[nodiscard]] bool shades_itself() const { return false; }
+
+  [[nodiscard]] Eigen::Vector3d axis() const;
+  /// At an angle from the axis, turned about it by `around_rad` from the right.
+  [[nodiscard]] Point<frame::Room> point_at(double from_axis_rad, double around_rad) const;
+};
+
+}  // namespace cyclorama

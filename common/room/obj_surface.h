@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// A surface of triangles, without anything that only a picture of it would need. Metres.
+struct ObjSurface {
+  std::vector<Eigen::Vector3d> positions;  ///< None twice.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// Between two corners of `triangle`, in its order; `other` runs the other way. None: the surface's rim.
+struct ObjEdge {
+  std::uint32_t from = 0;
+  std::uint32_t to = 0;
+  std::size_t triangle = 0;
+  std::optional<std::size_t> other;
+};
+
+/// Reads an OBJ file's text strictly: where a scene's importer mends, this refuses. Errors as MeshWall::read().
+Result<ObjSurface> read_obj_surface(std::string_view text);
+
+/// Each edge once.
+[[nodiscard]] std::vector<ObjEdge> edges_of(const ObjSurface& surface);
+
+}  // namespace cyclorama

@@ -24,6 +24,11 @@ class ScreenWarp : public ::testing::TestWithParam<const char*> {
     const std::string name = std::string(GetParam()) + ".toml";
     auto read = read_installation(demo_installation_path().parent_path() / name);
     CHECK(read.has_value());
+    // Half as many pixels each way are looked at four times as quickly.
+    for (InstalledProjector& projector : read->projectors) {
+      Pinhole& lens = projector.lens;
+      lens = {lens.width_px / 2, lens.height_px / 2, 0.5 * lens.focal_px, 0.5 * lens.centre_u_px, 0.5 * lens.centre_v_px};
+    }
     return *std::move(read);
   }
 };

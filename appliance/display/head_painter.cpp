@@ -16,12 +16,12 @@ constexpr GLuint kDirection = 1;
 constexpr GLint kPictureUnit = 0;
 constexpr GLint kMaskUnit = 1;
 
-// Each pixel is a PicturePlace interpolated at its centre. The four texels are mixed here and not by the
+// Each pixel is (azimuth, tan_elevation) interpolated at its centre. The four texels are mixed here and not by the
 // card's sampler, whose weights have only 8 bits.
 constexpr const char* kVertexShader = R"(#version 300 es
 precision highp float;
 layout(location = 0) in vec2 place;      // In GL's clip space.
-layout(location = 1) in vec2 direction;  // PicturePlace: across, up.
+layout(location = 1) in vec2 direction;  // Azimuth, tangent of elevation.
 out highp vec2 seen;
 void main() {
   gl_Position = vec4(place, 0.0, 1.0);
@@ -64,8 +64,8 @@ void main() {
 struct Corner {
   float x;
   float y;
-  float across;
-  float up;
+  float azimuth_rad;
+  float tan_elevation;
 };
 
 std::vector<Corner> corners_of(const WarpMesh& mesh) {
@@ -73,7 +73,7 @@ std::vector<Corner> corners_of(const WarpMesh& mesh) {
   corners.reserve(mesh.vertices.size());
   for (const WarpVertex& v : mesh.vertices) {
     corners.push_back({2.0f * v.x_px / static_cast<float>(mesh.width_px) - 1.0f,
-                       1.0f - 2.0f * v.y_px / static_cast<float>(mesh.height_px), v.across, v.up});
+                       1.0f - 2.0f * v.y_px / static_cast<float>(mesh.height_px), v.azimuth_rad, v.tan_elevation});
   }
   return corners;
 }
@@ -159,7 +159,7 @@ Result<HeadPainter> HeadPainter::make(const Gl& gl, const WarpProgram& program, 
     gl.VertexAttribPointer(index, 2, GL_FLOAT, GL_FALSE, sizeof(Corner), reinterpret_cast<const void*>(offset));
   };
   attribute(kPlace, offsetof(Corner, x));
-  attribute(kDirection, offsetof(Corner, across));
+  attribute(kDirection, offsetof(Corner, azimuth_rad));
 
   const std::vector<float> rows = upside_down(mask);
   gl.BindTexture(GL_TEXTURE_2D, painter.mask_.id());

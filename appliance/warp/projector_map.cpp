@@ -33,7 +33,7 @@ ProjectorMap::ProjectorMap(const Installation& installation, std::size_t project
   CHECK(projector < installation.projectors.size());
   projector_ = installation.projectors[projector];
   T_projector_room_ = projector_.T_room_projector.inverse();
-  const auto middle = direction_of({0.5 * lens().width_px, 0.5 * lens().height_px});
+  const auto middle = sight_of({0.5 * lens().width_px, 0.5 * lens().height_px});
   if (middle) middle_azimuth_rad_ = std::atan2(middle->x(), -middle->z());
 }
 
@@ -58,19 +58,25 @@ std::vector<Eigen::Hyperplane<double, 2>> ProjectorMap::creases() const {
   return lines;
 }
 
-std::optional<Eigen::Vector3d> ProjectorMap::direction_of(const Eigen::Vector2d& pixel) const {
+std::optional<Eigen::Vector3d> ProjectorMap::sight_of(const Eigen::Vector2d& pixel) const {
   const auto point = endless_hit(wall_, ray_of(pixel));
   if (!point) return std::nullopt;
   return point->xyz - eye_.xyz;
 }
 
 std::optional<PicturePlace> ProjectorMap::place_of(const Eigen::Vector2d& pixel, const PictureShape& picture) const {
-  const auto direction = direction_of(pixel);
+  const auto direction = sight_of(pixel);
   auto place = direction ? cyclorama::place_of(picture, *direction) : std::nullopt;
   if (place && std::holds_alternative<Panorama>(picture)) {
     place->across = middle_azimuth_rad_ + wrapped_angle(place->across - middle_azimuth_rad_);
   }
   return place;
+}
+
+std::optional<PanoramaDirection> ProjectorMap::direction_of(const Eigen::Vector2d& pixel) const {
+  const auto place = place_of(pixel, Panorama{});
+  if (!place) return std::nullopt;
+  return PanoramaDirection{place->across, place->up};
 }
 
 std::optional<Point<frame::Room>> ProjectorMap::wall_point_of(const Eigen::Vector2d& pixel) const {

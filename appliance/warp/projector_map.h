@@ -11,6 +11,12 @@
 
 namespace cyclorama {
 
+/// A direction as the panorama counts it; see common/geometry/panorama.h. Of pictures of other shapes a PicturePlace.
+struct PanoramaDirection {
+  double azimuth_rad = 0.0;
+  double tan_elevation = 0.0;
+};
+
 /// Where each pixel of one projector is seen from the sweet spot, exactly, from the known geometry of the room.
 /// A value; reentrant. Pixels are continuous: the centre of the first is (0.5, 0.5).
 class ProjectorMap {
@@ -25,10 +31,12 @@ class ProjectorMap {
 
   /// What the eye sees where the pixel lands, on the wall or on the wall continued past its edges, so that the map is
   /// smooth there; not normalised. Nothing when the pixel meets neither.
-  [[nodiscard]] std::optional<Eigen::Vector3d> direction_of(const Eigen::Vector2d& pixel) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> sight_of(const Eigen::Vector2d& pixel) const;
   /// Where that lies in a picture. Azimuths never jump inside one projector's picture: they lie within half a turn of
   /// the picture's middle and may pass pi. Nothing also where the picture has no place for the direction.
   [[nodiscard]] std::optional<PicturePlace> place_of(const Eigen::Vector2d& pixel, const PictureShape& picture) const;
+  /// The same in a panorama.
+  [[nodiscard]] std::optional<PanoramaDirection> direction_of(const Eigen::Vector2d& pixel) const;
   /// Where on the wall the pixel lands; nothing when it misses the wall.
   [[nodiscard]] std::optional<Point<frame::Room>> wall_point_of(const Eigen::Vector2d& pixel) const;
   /// The pixel that lights a point of the wall; nothing when the point is outside the picture, in the shade of another

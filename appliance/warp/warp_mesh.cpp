@@ -28,8 +28,8 @@ WarpMesh sampled(const ProjectorMap& map, const PictureShape& picture,
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
     WarpVertex vertex{static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), kNone, kNone};
     if (const auto place = map.place_of(pixel, picture)) {
-      vertex.across = static_cast<float>(place->across);
-      vertex.up = static_cast<float>(place->up);
+      vertex.azimuth_rad = static_cast<float>(place->across);
+      vertex.tan_elevation = static_cast<float>(place->up);
     }
     mesh.vertices.push_back(vertex);
   }
@@ -50,30 +50,31 @@ double worst_error(const ProjectorMap& map, const WarpMesh& mesh, const PictureS
       const auto exact = map.place_of(pixel, picture);
       const auto meshed = mesh.interpolate(pixel);
       if (!exact || !meshed) return std::numeric_limits<double>::infinity();
-      worst = std::max(worst, scale.distance_px(*exact, *meshed));
+      worst = std::max(worst, scale.distance_px(*exact, {meshed->azimuth_rad, meshed->tan_elevation}));
     }
   }
   return worst;
 }
 
 /// What three corners make of a place in their triangle; the weights add up to 1.
-std::optional<PicturePlace> mixed(const WarpVertex& a, double of_a, const WarpVertex& b, double of_b,
+std::optional<PanoramaDirection> mixed(const WarpVertex& a, double of_a, const WarpVertex& b, double of_b,
                                   const WarpVertex& c, double of_c) {
   if (!a.is_valid() || !b.is_valid() || !c.is_valid()) return std::nullopt;
   const auto mix = [&](float x, float y, float z) {
     return of_a * static_cast<double>(x) + of_b * static_cast<double>(y) + of_c * static_cast<double>(z);
   };
-  return PicturePlace{mix(a.across, b.across, c.across), mix(a.up, b.up, c.up)};
+  return PanoramaDirection{mix(a.azimuth_rad, b.azimuth_rad, c.azimuth_rad),
+                           mix(a.tan_elevation, b.tan_elevation, c.tan_elevation)};
 }
 
 /// In the triangle of a cut cell that the place lies deepest in.
-std::optional<PicturePlace> in_cut_cell(const CutCell& cell, const std::vector<WarpVertex>& vertices,
+std::optional<PanoramaDirection> in_cut_cell(const CutCell& cell, const std::vector<WarpVertex>& vertices,
                                         const Eigen::Vector2d& pixel) {
   const auto at = [](const WarpVertex& v) { return Eigen::Vector2d(v.x_px, v.y_px); };
   const auto doubled_area = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
     return p.x() * q.y() - p.y() * q.x();
   };
-  std::optional<PicturePlace> found;
+  std::optional<PanoramaDirection> found;
   double deepest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 2 < cell.corners.size(); i += 3) {
     const WarpVertex& a = vertices[cell.corners[i]];
@@ -120,7 +121,7 @@ std::vector<std::uint32_t> WarpMesh::triangles() const {
   return indices;
 }
 
-std::optional<PicturePlace> WarpMesh::interpolate(const Eigen::Vector2d& pixel) const {
+std::optional<PanoramaDirection> WarpMesh::interpolate(const Eigen::Vector2d& pixel) const {
   const double x = std::clamp(pixel.x() / width_px * cells_x, 0.0, static_cast<double>(cells_x));
   const double y = std::clamp(pixel.y() / height_px * cells_y, 0.0, static_cast<double>(cells_y));
   const int i = std::min(static_cast<int>(x), cells_x - 1);

@@ -15,10 +15,10 @@ namespace cyclorama {
 struct WarpVertex {
   float x_px = 0.0f;  ///< In the projector's picture, from its left and upper edge.
   float y_px = 0.0f;
-  float across = 0.0f;  ///< PicturePlace.
-  float up = 0.0f;
+  float azimuth_rad = 0.0f;  ///< In a picture of another shape than a panorama: PicturePlace::across,
+  float tan_elevation = 0.0f;  ///< and PicturePlace::up.
 
-  [[nodiscard]] bool is_valid() const { return across == across && up == up; }
+  [[nodiscard]] bool is_valid() const { return azimuth_rad == azimuth_rad && tan_elevation == tan_elevation; }
 };
 
 /// A cell that a crease of the wall crosses: its triangles end at the crease.
@@ -43,7 +43,7 @@ struct WarpMesh {
   /// Three per triangle. Triangles with an invalid corner are left out: nothing is drawn there.
   [[nodiscard]] std::vector<std::uint32_t> triangles() const;
   /// What the graphics card interpolates at a place inside the picture; nothing in a triangle that is left out.
-  [[nodiscard]] std::optional<PicturePlace> interpolate(const Eigen::Vector2d& pixel) const;
+  [[nodiscard]] std::optional<PanoramaDirection> interpolate(const Eigen::Vector2d& pixel) const;
 };
 
 /// A mesh of few cells, halved along whichever direction gains more and cut along the wall's creases, that keeps to

@@ -23,7 +23,7 @@ class WarpedPicture {
   [[nodiscard]] std::array<double, 3> at(const WarpMesh& mesh, const MaskImage& mask, int x, int y, double off_u = 0.0,
                                          double off_v = 0.0) const {
     const auto seen = mesh.interpolate({x + 0.5, y + 0.5});
-    const auto place = seen ? turned(shape_, *seen, turn_rad_) : std::nullopt;
+    const auto place = seen ? turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, turn_rad_) : std::nullopt;
     if (!place) return {0.0, 0.0, 0.0};
     const double weight = static_cast<double>(*mask.at(x, y));
     const PanoramaPixel pixel = scale_.pixel_at(*place);

@@ -49,7 +49,7 @@ WarpMesh random_mesh(int width, int height, double span_rad, Random* random) {
                         static_cast<float>(height) * static_cast<float>(j) / static_cast<float>(mesh.cells_y),
                         static_cast<float>(between(random, -0.6, 0.6) * span_rad),
                         static_cast<float>(between(random, -0.6, 0.6))};
-      if ((*random)() % 20 == 0) vertex.across = std::numeric_limits<float>::quiet_NaN();
+      if ((*random)() % 20 == 0) vertex.azimuth_rad = std::numeric_limits<float>::quiet_NaN();
       mesh.vertices.push_back(vertex);
     }
   }
@@ -191,7 +191,7 @@ TEST_P(HeadPainting, leaves_black_where_the_mask_or_the_mesh_is_empty) {
   for (int x = 0; x < 40; ++x) *mask.at(x, 0) = 0.0f;
   const RgbImage image = drawn(mesh, mask, white, panorama, 0.0);
   for (int x = 0; x < 40; ++x) EXPECT_EQ(image.at(x, 0)[1], 0);
-  for (WarpVertex& vertex : mesh.vertices) vertex.up = std::numeric_limits<float>::quiet_NaN();
+  for (WarpVertex& vertex : mesh.vertices) vertex.tan_elevation = std::numeric_limits<float>::quiet_NaN();
   const RgbImage nothing = drawn(mesh, mask, white, panorama, 0.0);
   EXPECT_THAT(nothing.data(), ::testing::Each(0));
 }

@@ -52,7 +52,7 @@ TEST_P(ScreenWarp, holds_its_tolerance_at_every_pixel) {
         const auto exact = place_of(picture, point->xyz - room.sweet_spot.xyz);
         const auto meshed = mesh->interpolate(pixel);
         ASSERT_TRUE(exact && meshed) << x << " " << y;
-        worst = std::max(worst, scale.distance_px(*exact, *meshed));
+        worst = std::max(worst, scale.distance_px(*exact, {meshed->azimuth_rad, meshed->tan_elevation}));
       }
     }
     EXPECT_GT(lit, 10000);

@@ -43,7 +43,6 @@ TEST(ProjectorMap, agrees_with_the_ray_from_the_eye_to_every_wall_point_that_it_
   for (int n = 0; n < 60; ++n) {
     const Installation room = random_room(&random);
     const CylinderWall& wall = cylinder_of(room);
-    const PictureShape picture = room.panorama(1024);
     const ProjectorMap map(room, 0);
     for (int i = 0; i < 400; ++i) {
       const double arc = wall.arc_rad * std::uniform_real_distribution(-0.5, 0.5)(random);
@@ -52,11 +51,11 @@ TEST(ProjectorMap, agrees_with_the_ray_from_the_eye_to_every_wall_point_that_it_
       const auto pixel = map.pixel_lighting(point);
       if (!pixel) continue;
       ++lit;
-      const auto direction = map.place_of(*pixel, picture);
+      const auto direction = map.direction_of(*pixel);
       ASSERT_TRUE(direction);
       const Eigen::Vector3d seen = point.xyz - room.sweet_spot.xyz;
-      EXPECT_NEAR(wrapped_angle(direction->across - std::atan2(seen.x(), -seen.z())), 0.0, 1e-9);
-      EXPECT_NEAR(direction->up, seen.y() / std::hypot(seen.x(), seen.z()), 1e-9);
+      EXPECT_NEAR(wrapped_angle(direction->azimuth_rad - std::atan2(seen.x(), -seen.z())), 0.0, 1e-9);
+      EXPECT_NEAR(direction->tan_elevation, seen.y() / std::hypot(seen.x(), seen.z()), 1e-9);
       const auto back = map.wall_point_of(*pixel);
       if (back) {
         EXPECT_LT((back->xyz - point.xyz).norm(), 1e-9);
@@ -74,10 +73,9 @@ TEST(ProjectorMap, has_no_jump_where_the_azimuth_passes_a_half_turn) {
       Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ())),
       Eigen::Vector3d(0.0, 1.6, 0.0)};  // Looks along +z: behind the visitor.
   const ProjectorMap map(room, 0);
-  const PictureShape picture = room.panorama(1024);
-  double previous = map.place_of({0.5, 200.5}, picture)->across;
+  double previous = map.direction_of({0.5, 200.5})->azimuth_rad;
   for (int x = 1; x < 640; ++x) {
-    const double azimuth = map.place_of({x + 0.5, 200.5}, picture)->across;
+    const double azimuth = map.direction_of({x + 0.5, 200.5})->azimuth_rad;
     ASSERT_LT(std::abs(azimuth - previous), 0.2 * kDegree) << x;
     previous = azimuth;
   }
@@ -95,11 +93,11 @@ TEST(WarpMesh, holds_its_tolerance_at_every_pixel_of_the_demo) {
         for (int x = 0; x < map.lens().width_px; ++x) {
           const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
           if (!map.wall_point_of(pixel)) continue;
-          const auto exact = map.place_of(pixel, picture);
+          const auto exact = map.direction_of(pixel);
           const auto meshed = mesh->interpolate(pixel);
           ASSERT_TRUE(meshed);
-          const double du = (exact->across - meshed->across) / picture.radians_per_px();
-          const double dv = (exact->up - meshed->up) / picture.radians_per_px();
+          const double du = (exact->azimuth_rad - meshed->azimuth_rad) / picture.radians_per_px();
+          const double dv = (exact->tan_elevation - meshed->tan_elevation) / picture.radians_per_px();
           worst = std::max(worst, std::hypot(du, dv));
         }
       }
@@ -128,8 +126,8 @@ TEST(WarpMesh, gives_each_vertex_back_and_covers_the_picture_with_triangles) {
   for (const WarpVertex& vertex : mesh->vertices) {
     const auto at = mesh->interpolate({vertex.x_px, vertex.y_px});
     ASSERT_TRUE(at);
-    EXPECT_NEAR(at->across, vertex.across, 1e-9);
-    EXPECT_NEAR(at->up, vertex.up, 1e-9);
+    EXPECT_NEAR(at->azimuth_rad, vertex.azimuth_rad, 1e-9);
+    EXPECT_NEAR(at->tan_elevation, vertex.tan_elevation, 1e-9);
   }
   double area = 0.0;
   const std::vector<std::uint32_t> corners = mesh->triangles();
@@ -145,7 +143,7 @@ TEST(WarpMesh, gives_each_vertex_back_and_covers_the_picture_with_triangles) {
 TEST(WarpMesh, leaves_out_what_has_no_direction) {
   WarpMesh mesh{2, 2, 2, 2, std::vector<WarpVertex>(9), 0.0};
   EXPECT_EQ(mesh.triangles().size(), 3U * 8U);
-  mesh.vertices[0].across = std::numeric_limits<float>::quiet_NaN();
+  mesh.vertices[0].azimuth_rad = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(mesh.triangles().size(), 3U * 6U);
   EXPECT_FALSE(mesh.interpolate({0.4, 0.2}));
   EXPECT_TRUE(mesh.interpolate({1.5, 1.2}));

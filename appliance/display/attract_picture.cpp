@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "common/image/image_file.h"
+#include "common/image/jpeg.h"
+
 namespace cyclorama {
 namespace {
 
@@ -22,6 +25,13 @@ Colour colour_at(double tan_elevation) {
   return colour;
 }
 
+Frame frame_of(const Panorama& panorama, const RgbImage& picture) {
+  Frame frame;
+  frame.panorama = panorama;
+  frame.picture = std::make_shared<const PlanarPicture>(JpegEncoder().to_planar(picture));
+  return frame;
+}
+
 }  // namespace
 
 Frame attract_frame(const Panorama& shown) {
@@ -32,10 +42,16 @@ Frame attract_frame(const Panorama& shown) {
       std::ranges::transform(colour, picture.at(x, y), [](double c) { return static_cast<std::uint8_t>(c + 0.5); });
     }
   }
-  Frame frame;
-  frame.panorama = shown;
-  frame.picture = std::make_shared<const RgbImage>(std::move(picture));
-  return frame;
+  return frame_of(shown, picture);
+}
+
+Result<Frame> attract_frame(const Panorama& shown, const std::filesystem::path& picture) {
+  TRY_ASSIGN(const RgbaImage pixels, read_image(picture, kPhotoLimitPx));
+  Panorama panorama = shown;
+  panorama.width_px = pixels.width();
+  panorama.height_px = pixels.height();
+  TRY(panorama.validate());
+  return frame_of(panorama, without_alpha(pixels));
 }
 
 }  // namespace cyclorama

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+
 #include "appliance/display/frame.h"
+#include "common/base/result.h"
 
 namespace cyclorama {
 
-/// What the wall shows before the first frame: a dim evening sky over a dark ground, never garbage.
+/// What the wall shows before the first frame and when the farm fails, if the museum has no picture of its own: a dim
+/// evening sky over a dark ground, never garbage.
 [[nodiscard]] Frame attract_frame(const Panorama& shown);
+
+/// The museum's own picture (PNG or JPEG), stretched over the wall from edge to edge. Errors of read_image();
+/// kInvalidArgument  a side is over 16384 pixels.
+Result<Frame> attract_frame(const Panorama& shown, const std::filesystem::path& picture);
 
 }  // namespace cyclorama

@@ -19,17 +19,36 @@ constexpr auto kRedialAfter = std::chrono::milliseconds(250);
 constexpr auto kLongestRefresh = std::chrono::seconds(2);
 constexpr std::size_t kMostDropsWaiting = 256;
 
-Result<std::vector<HeadWarp>> make_warps(const Installation& installation, const Panorama& picture) {
+Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const Panorama& picture) {
   const std::vector<ProjectorMap> maps = projector_maps(installation);
   std::vector<MaskImage> masks = make_blend_masks(maps);
-  std::vector<HeadWarp> warps;
+  std::vector<HeadPlan> heads;
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    auto mesh = make_warp_mesh(maps[i], picture);
-    if (!mesh)
-      return std::move(mesh).error().while_doing(fmt::format("projector '{}'", installation.projectors[i].name));
-    warps.push_back({*std::move(mesh), std::move(masks[i])});
+    auto warp = make_warp(maps[i], picture);
+    if (!warp)
+      return std::move(warp).error().while_doing(fmt::format("projector '{}'", installation.projectors[i].name));
+    heads.push_back({*std::move(warp), std::move(masks[i])});
   }
-  return warps;
+  return heads;
+}
+
+std::vector<HeadFootprint> footprints(const std::vector<HeadPlan>& heads) {
+  std::vector<HeadFootprint> all;
+  for (const HeadPlan& head : heads) all.emplace_back(head.warp, head.mask);
+  return all;
+}
+
+/// Black where no head looks: nothing was decoded there.
+RgbImage decoded_parts(const Frame& frame, JpegDecoder* decoder) {
+  RgbImage all = decoder->to_rgb(*frame.picture);
+  if (frame.parts == nullptr) return all;
+  RgbImage shown(all.width(), all.height());
+  for (const PixelRect& part : *frame.parts) {
+    for (int y = part.y; y < part.y + part.height; ++y) {
+      std::copy_n(all.at(part.x, y), 3 * part.width, shown.at(part.x, y));
+    }
+  }
+  return shown;
 }
 
 }  // namespace
@@ -49,25 +68,29 @@ Status Display::prepare() {
   wanted_ = options_.installation.panorama(options_.width_px);
   if (options_.height_px > 0) wanted_.height_px = options_.height_px;
   TRY(wanted_.validate());
-  TRY_ASSIGN(std::vector<HeadWarp> warps, make_warps(options_.installation, wanted_));
+  TRY_ASSIGN(std::vector<HeadPlan> heads, plan_heads(options_.installation, wanted_));
   TRY_ASSIGN(channel_, make_channel(options_.tour));
   TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_}));
-  describe(warps);
+  describe(heads);
+  ShownByHeads shown{footprints(heads), wanted_.azimuth_span_rad};
 
   PresentPlan plan;
   plan.open_output = [this] {
     return make_output(options_.output, options_.installation, options_.refresh_hz, clock_);
   };
-  plan.warps = std::move(warps);
-  plan.first = attract_frame(wanted_);
-  plan.shown_span_rad = wanted_.azimuth_span_rad;
+  plan.heads = std::move(heads);
+  plan.attract = attract_frame(wanted_);
+  if (!options_.attract_picture.empty()) {
+    TRY_ASSIGN(plan.attract, attract_frame(wanted_, options_.attract_picture));
+  }
+  plan.times = options_.attract_times;
   TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_));
   started_at_ = clock_.now();
   inspection_.set_fact("output", present_->output_kind());
   inspection_.set_fact("gl_renderer", present_->renderer());
 
   pool_ = std::make_unique<DecodePool>(options_.decode_threads);
-  assembler_ = std::make_unique<FrameAssembler>(pool_.get(), static_cast<FrameSink*>(this), &clock_);
+  assembler_ = std::make_unique<FrameAssembler>(pool_.get(), static_cast<FrameSink*>(this), &clock_, std::move(shown));
   hello_.set_name(options_.installation.name);
   hello_.set_heads(static_cast<std::uint32_t>(options_.installation.projectors.size()));
   hello_.set_refresh_hz(options_.refresh_hz);
@@ -75,14 +98,18 @@ Status Display::prepare() {
   return Done{};
 }
 
-void Display::describe(const std::vector<HeadWarp>& warps) {
+void Display::describe(const std::vector<HeadPlan>& heads) {
   std::size_t vertices = 0;
+  std::size_t maps = 0;
   double worst_px = 0.0;
-  for (const HeadWarp& warp : warps) {
-    vertices += warp.mesh.vertices.size();
-    worst_px = std::max(worst_px, warp.mesh.worst_error_px);
+  for (const HeadPlan& head : heads) {
+    const WarpMesh* const mesh = std::get_if<WarpMesh>(&head.warp);
+    maps += mesh == nullptr ? 1 : 0;
+    vertices += mesh == nullptr ? 0 : mesh->vertices.size();
+    worst_px = std::max(worst_px, mesh == nullptr ? 0.0 : mesh->worst_error_px);
   }
-  inspection_.set_fact("heads", fmt::format("{}", warps.size()));
+  inspection_.set_fact("heads", fmt::format("{}", heads.size()));
+  inspection_.set_fact("heads_with_pixel_maps", fmt::format("{}", maps));
   inspection_.set_fact("panorama", fmt::format("{}x{} px", wanted_.width_px, wanted_.height_px));
   inspection_.set_fact("warp_vertices", fmt::format("{}", vertices));
   inspection_.set_fact("warp_error_px", fmt::format("{:.3f}", worst_px));
@@ -95,7 +122,7 @@ void Display::on_message(wire::ShowMessage message) {
   const wire::Heading& heading = message.heading();
   if (!std::isfinite(heading.heading_rad())) return;
   // Heading::shown is not needed: the warps know what the wall shows, and a frame says what it is.
-  mailbox_.heading.put(std::make_unique<HeadingNow>(HeadingNow{heading.heading_rad(), heading.shutter_ns()}));
+  mailbox_.heading.put({heading.heading_rad(), heading.shutter_ns()});
 }
 
 void Display::frame_ready(Frame frame) {
@@ -110,6 +137,7 @@ void Display::frame_ready(Frame frame) {
     auto handed = std::make_unique<Frame>(std::move(frame));
     if (handed->order > newest_ready_) {
       newest_ready_ = handed->order;
+      mailbox_.is_failing = false;
       unseen = mailbox_.frame.put(std::move(handed));
     } else {
       unseen = std::move(handed);
@@ -119,12 +147,14 @@ void Display::frame_ready(Frame frame) {
 }
 
 void Display::frame_dropped(std::uint64_t number, const std::string& reason) {
+  mailbox_.is_failing = true;
   const std::lock_guard lock(mutex_);
   if (drops_.size() < kMostDropsWaiting) drops_.push_back({number, reason});
 }
 
 Status Display::serve(TimePoint deadline) {
   do {
+    mailbox_.retired.clear();
     keep_dialling();
     report_refreshes();
     report_drops();
@@ -145,6 +175,7 @@ void Display::keep_dialling() {
     const std::optional<Error> end = stream_->end();
     if (!end) return;
     trouble_ = end;
+    mailbox_.is_failing = true;
     stream_.reset();
     assembler_->stream_lost();
     dial_at_ = clock_.now() + kRedialAfter;
@@ -186,12 +217,18 @@ void Display::report_drops() {
 }
 
 void Display::serve_watchers() {
-  mailbox_.panorama.is_wanted = inspection_.is_watched("panorama");
-  if (const auto picture = mailbox_.panorama.newest.take()) inspection_.set_picture("panorama", *picture);
+  if (inspection_.is_watched("panorama")) mailbox_.panorama.want([] { return std::make_unique<Frame>(); });
+  if (const std::unique_ptr<Frame> frame = mailbox_.panorama.take()) {
+    inspection_.set_picture("panorama", std::make_shared<const RgbImage>(decoded_parts(*frame, &pictures_)));
+  }
   for (std::size_t i = 0; i < mailbox_.heads.size(); ++i) {
-    const std::string name = "projector/" + options_.installation.projectors[i].name;
-    mailbox_.heads[i].is_wanted = inspection_.is_watched(name);
-    if (auto picture = mailbox_.heads[i].newest.take()) {
+    const InstalledProjector& projector = options_.installation.projectors[i];
+    const std::string name = "projector/" + projector.name;
+    if (inspection_.is_watched(name)) {
+      mailbox_.heads[i].want(
+          [&] { return std::make_unique<RgbImage>(projector.lens.width_px, projector.lens.height_px); });
+    }
+    if (auto picture = mailbox_.heads[i].take()) {
       inspection_.set_picture(name, std::shared_ptr<const RgbImage>(std::move(picture)));
     }
   }

@@ -27,6 +27,8 @@ struct DisplayOptions {
   double refresh_hz = 30.0;
   OutputChoice output;
   int decode_threads = 2;
+  std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: an evening sky.
+  AttractTimes attract_times;
 };
 
 /// One projection computer's picture, from the tour's tiles to the heads.
@@ -54,7 +56,7 @@ class Display : private FrameSink {
  private:
   Display(DisplayOptions options, const Clock& clock);
   Status prepare();
-  void describe(const std::vector<HeadWarp>& warps);
+  void describe(const std::vector<HeadPlan>& heads);
   void on_message(wire::ShowMessage message);
   void frame_ready(Frame frame) override;
   void frame_dropped(std::uint64_t number, const std::string& reason) override;
@@ -88,6 +90,7 @@ class Display : private FrameSink {
 
   // Made in this order and gone in the reverse: nobody calls what is gone.
   std::unique_ptr<WireServer> server_;
+  JpegDecoder pictures_;  // For watchers.
   std::unique_ptr<PresentThread> present_;
   std::unique_ptr<DecodePool> pool_;
   std::unique_ptr<FrameAssembler> assembler_;

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "appliance/display/display.h"
+#include "appliance/display/display_settings.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -15,6 +16,7 @@ namespace {
 constexpr auto kTurn = std::chrono::milliseconds(100);  // How soon a stop is noticed.
 
 struct Options {
+  std::string config;
   std::string installation;
   std::string output = "headless";
   std::vector<std::string> heads;
@@ -25,6 +27,7 @@ void add_options(CLI::App* app, Options* options) {
   DisplayOptions& display = options->display;
   app->add_option("--installation", options->installation, "The room: wall, sweet spot and projectors (TOML)")
       ->required();
+  app->add_option("--config", options->config, "The museum's site.toml: [display]");
   app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7403")->required();
   app->add_option("--listen", display.listen, "HOST:PORT for inspection; port 0 takes a free one")
       ->capture_default_str();
@@ -78,6 +81,11 @@ Status run_display(Options options, const StopSignal& stop) {
   for (const std::string& head : options.heads) {
     TRY_ASSIGN(OutputChoice::Head parsed, parse_head(head));
     output.heads.push_back(std::move(parsed));
+  }
+  if (!options.config.empty()) {
+    TRY_ASSIGN(const DisplaySettings settings, read_display_settings(options.config));
+    options.display.attract_picture = settings.attract_picture;
+    options.display.attract_times = settings.attract_times;
   }
   const SteadyClock clock;
   const std::string tour = options.display.tour;

@@ -3,23 +3,29 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "common/geometry/panorama.h"
-#include "common/image/image.h"
+#include "common/image/pixel_rect.h"
+#include "common/image/planar_picture.h"
 
 namespace cyclorama {
 
-/// A whole picture, ready to be shown: every tile came and was decoded. A value; its pixels are shared and never
-/// change.
+/// A whole picture, ready to be shown: every tile came, and those that the heads show were decoded. A value; its pixels
+/// are shared and never change.
 struct Frame {
   std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater one is newer, whatever `number` says.
   std::uint64_t number = 0;  ///< The view's; 0 is a picture of the display's own.
   double heading_rad = 0.0;
   std::int64_t shutter_ns = 0;  ///< As wire::View; 0 when keys steered.
   Panorama panorama;            ///< Of `picture`, with its guard band.
-  std::shared_ptr<const RgbImage> picture;
-  std::size_t bytes = 0;  ///< JPEG bytes of all tiles.
+  std::shared_ptr<const PlanarPicture> picture;
+  std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Of the picture that are valid; null: all of it.
+  double reach_rad = 0.0;     ///< How far it may be turned either way, for the heads to see valid parts only.
+  std::size_t bytes = 0;      ///< JPEG bytes of all tiles.
+  std::uint32_t tiles = 0;    ///< That came,
+  std::uint32_t decoded = 0;  ///< and that a head shows.
   TimePoint begun_at{};
   TimePoint decoded_at{};
 };

@@ -14,6 +14,7 @@
 namespace cyclorama {
 namespace {
 constexpr int kCutPx = 16;
+constexpr std::size_t kMostKnownParts = 8;
 int cuts(int px) { return (px + kCutPx - 1) / kCutPx; }
 }  // namespace
 
@@ -22,42 +23,47 @@ int cuts(int px) { return (px + kCutPx - 1) / kCutPx; }
 class FrameAssembler::PictureStore : public std::enable_shared_from_this<PictureStore> {
  public:
   /// Its pixels are whatever they were.
-  std::shared_ptr<RgbImage> take(int width, int height) {
-    std::unique_ptr<RgbImage> picture;
+  std::shared_ptr<PlanarPicture> take(int width, int height, bool has_half_chroma) {
+    std::unique_ptr<PlanarPicture> picture;
     {
       const std::lock_guard lock(mutex_);
-      std::erase_if(free_, [&](const auto& p) { return p->width() != width || p->height() != height; });
+      std::erase_if(free_, [&](const auto& p) {
+        return p->width() != width || p->height() != height || p->has_half_chroma() != has_half_chroma;
+      });
       if (!free_.empty()) {
         picture = std::move(free_.back());
         free_.pop_back();
       }
     }
-    if (picture == nullptr) picture = std::make_unique<RgbImage>(width, height);
+    if (picture == nullptr) picture = std::make_unique<PlanarPicture>(width, height, has_half_chroma);
     return {picture.release(),
-            [store = shared_from_this()](RgbImage* p) { store->give_back(std::unique_ptr<RgbImage>(p)); }};
+            [store = shared_from_this()](PlanarPicture* p) { store->give_back(std::unique_ptr<PlanarPicture>(p)); }};
   }
 
  private:
-  void give_back(std::unique_ptr<RgbImage> picture) {
+  void give_back(std::unique_ptr<PlanarPicture> picture) {
     const std::lock_guard lock(mutex_);
     if (free_.size() < static_cast<std::size_t>(kMostFramesInFlight)) free_.push_back(std::move(picture));
   }
   std::mutex mutex_;
-  std::vector<std::unique_ptr<RgbImage>> free_;
+  std::vector<std::unique_ptr<PlanarPicture>> free_;
 };
 
 /// One frame in the making, shared by the assembler and its decode jobs. Its last holder delivers or drops it.
 class FrameAssembler::Assembly {
  public:
-  Assembly(Frame frame, std::shared_ptr<RgbImage> picture, FrameSink* sink, const Clock* clock,
-           std::shared_ptr<std::atomic<int>> in_flight)
+  Assembly(Frame frame, std::shared_ptr<const ShownParts> shown, std::shared_ptr<PictureStore> pictures,
+           FrameSink* sink, const Clock* clock, std::shared_ptr<std::atomic<int>> in_flight)
       : frame_(std::move(frame)),
-        picture_(std::move(picture)),
+        shown_(std::move(shown)),
+        pictures_(std::move(pictures)),
         sink_(*sink),
         clock_(*clock),
         in_flight_(std::move(in_flight)),
-        columns_(cuts(picture_->width())),
-        covered_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(cuts(picture_->height())), false) {
+        columns_(cuts(width())),
+        covered_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(cuts(height())), false) {
+    frame_.reach_rad = shown_->reach_rad;
+    frame_.parts = {shown_, &shown_->parts};
     ++*in_flight_;
   }
   Assembly(const Assembly&) = delete;
@@ -67,11 +73,12 @@ class FrameAssembler::Assembly {
   ~Assembly() {
     --*in_flight_;
     // A pool that ends destroys jobs unrun.
-    if (failure_.empty() && (!is_complete_ || decoded_ != tiles_)) failure_ = "the display stops";
+    if (failure_.empty() && (!is_complete_ || decoded_ != frame_.decoded)) failure_ = "the display stops";
     if (!failure_.empty()) {
       sink_.frame_dropped(frame_.number, failure_);
       return;
     }
+    if (picture_ == nullptr) make_room(true);  // No tile of it is seen.
     frame_.picture = std::move(picture_);
     frame_.decoded_at = clock_.now();
     sink_.frame_ready(std::move(frame_));
@@ -99,7 +106,7 @@ class FrameAssembler::Assembly {
       return Error(ErrorCode::kBadData,
                    fmt::format("the tile of {}x{} at ({}, {}) {}", right - x, bottom - y, x, y, what));
     };
-    if ((right % kCutPx != 0 && right != picture_->width()) || (bottom % kCutPx != 0 && bottom != picture_->height())) {
+    if ((right % kCutPx != 0 && right != width()) || (bottom % kCutPx != 0 && bottom != height())) {
       return refuse("does not end on a cut of 16 pixels");
     }
     frame_.bytes += tile.jpeg().size();
@@ -112,19 +119,34 @@ class FrameAssembler::Assembly {
         covered_[cell] = true;
       }
     }
-    ++tiles_;
+    ++frame_.tiles;
     return Done{};
+  }
+
+  /// Whether a claimed tile must be decoded. The first such tile tells how the frame keeps its colours.
+  /// kBadData  its bytes do not begin like a JPEG of YCbCr with half or full chroma.
+  Result<bool> prepare(const wire::Tile& tile, JpegDecoder* decoder) {
+    if (!shown_->meets(place_of(tile))) return false;
+    ++frame_.decoded;
+    if (picture_ != nullptr) return true;
+    TRY_ASSIGN(const JpegHeader header, decoder->header_of(std::as_bytes(std::span(tile.jpeg()))));
+    if (!header.has_half_chroma) {
+      return Error(ErrorCode::kBadData, "the JPEG's colours are kept neither as 4:2:0 nor as 4:4:4");
+    }
+    make_room(*header.has_half_chroma);
+    return true;
   }
 
   /// On a decode thread; tiles never overlap, so jobs write to different pixels.
   void decode(const wire::Tile& tile, JpegDecoder* decoder) {
     if (has_failed_) return;
     const auto jpeg = std::as_bytes(std::span(tile.jpeg()));
-    const Status decoded = decoder->decode_into(
-        jpeg, picture_->at(static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px())),
-        static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px()), picture_->row_values());
+    const Status decoded = decoder->decode_into(jpeg, picture_.get(), place_of(tile));
     ++decoded_;
-    if (!decoded) fail(fmt::format("the tile at ({}, {}): {}", tile.x_px(), tile.y_px(), decoded.error().message()));
+    if (!decoded) fail(tile, decoded.error());
+  }
+  void fail(const wire::Tile& tile, const Error& error) {
+    fail(fmt::format("the tile at ({}, {}): {}", tile.x_px(), tile.y_px(), error.message()));
   }
 
   /// The end of the frame came.
@@ -134,21 +156,30 @@ class FrameAssembler::Assembly {
     if (!end.complete()) {
       fail(end.reason().empty() ? "the farm gave the frame up"
                                 : "the farm gave the frame up: " + printable(end.reason(), 200));
-    } else if (end.tiles() != tiles_ || empty > 0) {
-      fail(fmt::format("{} of {} tiles came", tiles_, end.tiles()) +
+    } else if (end.tiles() != frame_.tiles || empty > 0) {
+      fail(fmt::format("{} of {} tiles came", frame_.tiles, end.tiles()) +
            (empty > 0 ? fmt::format(", and {} of {} cells of the picture are empty", empty, covered_.size()) : ""));
     }
   }
 
  private:
+  static PixelRect place_of(const wire::Tile& tile) {
+    return {static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()), static_cast<int>(tile.width_px()),
+            static_cast<int>(tile.height_px())};
+  }
+  [[nodiscard]] int width() const { return frame_.panorama.width_px; }
+  [[nodiscard]] int height() const { return frame_.panorama.height_px; }
+  void make_room(bool has_half_chroma) { picture_ = pictures_->take(width(), height(), has_half_chroma); }
+
   Frame frame_;
-  std::shared_ptr<RgbImage> picture_;
+  std::shared_ptr<const ShownParts> shown_;
+  std::shared_ptr<PictureStore> pictures_;
+  std::shared_ptr<PlanarPicture> picture_;  // Made before the first job that decodes into it is submitted.
   FrameSink& sink_;
   const Clock& clock_;
   std::shared_ptr<std::atomic<int>> in_flight_;
   int columns_;
   std::vector<bool> covered_;
-  std::uint32_t tiles_ = 0;
   std::atomic<std::uint32_t> decoded_{0};
   bool is_complete_ = false;
   std::atomic<bool> has_failed_{false};
@@ -156,10 +187,11 @@ class FrameAssembler::Assembly {
   std::string failure_;  // Guarded by mutex_ until the destructor, which has no other holder beside it.
 };
 
-FrameAssembler::FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* clock)
+FrameAssembler::FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* clock, ShownByHeads shown)
     : pool_(*pool),
       sink_(*sink),
       clock_(*clock),
+      shown_(std::move(shown)),
       pictures_(std::make_shared<PictureStore>()),
       in_flight_(std::make_shared<std::atomic<int>>(0)) {}
 
@@ -205,8 +237,17 @@ void FrameAssembler::begin(const wire::View& view) {
   frame.shutter_ns = view.shutter_ns();
   frame.panorama = panorama;
   frame.begun_at = clock_.now();
-  current_ = std::make_shared<Assembly>(std::move(frame), pictures_->take(panorama.width_px, panorama.height_px),
-                                        &sink_, &clock_, in_flight_);
+  current_ = std::make_shared<Assembly>(std::move(frame), parts_of(panorama), pictures_, &sink_, &clock_, in_flight_);
+}
+
+std::shared_ptr<const ShownParts> FrameAssembler::parts_of(const Panorama& panorama) {
+  for (const auto& [known, parts] : known_parts_) {
+    if (known == panorama) return parts;
+  }
+  if (known_parts_.size() >= kMostKnownParts) known_parts_.erase(known_parts_.begin());
+  known_parts_.emplace_back(panorama,
+                            std::make_shared<const ShownParts>(shown_parts(shown_.heads, panorama, shown_.span_rad)));
+  return known_parts_.back().second;
 }
 
 void FrameAssembler::tile(wire::Tile tile) {
@@ -222,6 +263,9 @@ void FrameAssembler::tile(wire::Tile tile) {
     return current_->fail(fmt::format("a tile of frame {} came between its own", tile.view_number()));
   }
   if (const Status claimed = current_->claim(tile); !claimed) return current_->fail(claimed.error().message());
+  const auto wanted = current_->prepare(tile, &headers_);
+  if (!wanted) return current_->fail(tile, wanted.error());
+  if (!*wanted) return;
   pool_.submit(
       [assembly = current_, moved = std::move(tile)](JpegDecoder& decoder) { assembly->decode(moved, &decoder); });
 }

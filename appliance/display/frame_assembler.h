@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// From the Show stream's messages to whole frames. A frame is shown whole or not at all.
 ///
-///   begin ──► tiles ──► end(complete) ──► all decoded ──► frame_ready
+///   begin ──► tiles ──► end(complete) ──► those that a head shows decoded ──► frame_ready
 ///     any missing, doubled, foreign, misplaced or damaged tile, an end that is not complete, a begin or a lost
 ///     stream before the end  ──────────────────────────► frame_dropped, once, with the first reason
 #pragma once
@@ -13,6 +13,7 @@
 
 #include "appliance/display/decode_pool.h"
 #include "appliance/display/frame.h"
+#include "appliance/display/shown_parts.h"
 #include "common/wire/museum.pb.h"
 
 namespace cyclorama {
@@ -35,10 +36,16 @@ inline constexpr std::size_t kLargestFramePx = std::size_t{64} << 20;
 inline constexpr std::size_t kLargestFrameBytes = std::size_t{256} << 20;
 inline constexpr int kMostFramesInFlight = 3;
 
+/// What the heads show of any picture.
+struct ShownByHeads {
+  std::vector<HeadFootprint> heads;
+  double span_rad = 0.0;  ///< Of the whole wall.
+};
+
 /// Messages come from one thread at a time. Borrows the pool, the sink and the clock, which outlive it and its frames.
 class FrameAssembler {
  public:
-  FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* clock);
+  FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* clock, ShownByHeads shown);
   ~FrameAssembler();
   FrameAssembler(const FrameAssembler&) = delete;
   FrameAssembler& operator=(const FrameAssembler&) = delete;
@@ -55,10 +62,15 @@ class FrameAssembler {
   void begin(const wire::View& view);
   void tile(wire::Tile tile);
   void end(const wire::FrameEnd& end);
+  std::shared_ptr<const ShownParts> parts_of(const Panorama& panorama);
 
   DecodePool& pool_;
   FrameSink& sink_;
   const Clock& clock_;
+  const ShownByHeads shown_;
+  // Of the newest few panoramas: a farm that keeps its pace changes between some sizes.
+  std::vector<std::pair<Panorama, std::shared_ptr<const ShownParts>>> known_parts_;
+  JpegDecoder headers_;
   std::shared_ptr<PictureStore> pictures_;
   std::shared_ptr<std::atomic<int>> in_flight_;
   std::shared_ptr<Assembly> current_;  // Between begin and end; null when there is none or it was refused.

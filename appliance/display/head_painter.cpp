@@ -2,195 +2,261 @@
 #include "appliance/display/head_painter.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <numbers>
-#include <span>
 
+#include "appliance/display/lit_triangles.h"
 #include "appliance/display/yaw_shift.h"
 
 namespace cyclorama {
 namespace {
 
-constexpr GLuint kPlace = 0;
-constexpr GLuint kDirection = 1;
-constexpr GLint kPictureUnit = 0;
-constexpr GLint kMaskUnit = 1;
+// As many that the nearest is within a 30th of a code value on an sRGB curve; ./bench.sh display-trade has the others.
+constexpr int kResponseSteps = 4096;
+constexpr std::size_t kCornerFloats = 4;
 
-// Each pixel is (azimuth, tan_elevation) interpolated at its centre. The four texels are mixed here and not by the
-// card's sampler, whose weights have only 8 bits.
-constexpr const char* kVertexShader = R"(#version 300 es
-precision highp float;
-layout(location = 0) in vec2 place;      // In GL's clip space.
-layout(location = 1) in vec2 direction;  // Azimuth, tangent of elevation.
-out highp vec2 seen;
-void main() {
-  gl_Position = vec4(place, 0.0, 1.0);
-  seen = direction;
-}
-)";
-constexpr const char* kFragmentShader = R"(#version 300 es
-precision highp float;
-precision highp int;
-uniform highp sampler2D picture;   // sRGB: fetches are linear light.
-uniform highp sampler2D mask;      // Rows as in the framebuffer.
-uniform vec4 to_picture;           // pixel = seen * xy + zw
-uniform vec4 size;                 // Width, height, 1 if the picture is a whole turn, pixels of a whole turn.
-in highp vec2 seen;
-out vec4 colour;
+GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
 
-vec3 light_at(float x, float y) { return texelFetch(picture, ivec2(int(x), int(y)), 0).rgb; }
+float clip_x(float x_px, int width) { return 2.0f * x_px / static_cast<float>(width) - 1.0f; }
+float clip_y(float y_px, int height) { return 1.0f - 2.0f * y_px / static_cast<float>(height); }
 
-vec3 encoded(vec3 light) {         // IEC 61966-2-1.
-  return mix(12.92 * light, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055, vec3(greaterThan(light, vec3(0.0031308))));
-}
-
-void main() {
-  vec2 last = size.xy - 1.0;
-  vec2 p = seen * to_picture.xy + to_picture.zw - 0.5;  // Whole numbers are the centres of texels.
-  if (size.z != 0.0) p.x -= size.w * floor(p.x / size.w);
-  vec2 first = floor(p);
-  vec2 f = p - first;
-  float x0 = clamp(first.x, 0.0, last.x);
-  float x1 = size.z != 0.0 && first.x + 1.0 > last.x ? 0.0 : clamp(first.x + 1.0, 0.0, last.x);
-  float y0 = clamp(first.y, 0.0, last.y);
-  float y1 = clamp(first.y + 1.0, 0.0, last.y);
-  vec3 upper = mix(light_at(x0, y0), light_at(x1, y0), f.x);
-  vec3 lower = mix(light_at(x0, y1), light_at(x1, y1), f.x);
-  float weight = texelFetch(mask, ivec2(gl_FragCoord.xy), 0).r;
-  colour = vec4(encoded(mix(upper, lower, f.y) * weight), 1.0);
-}
-)";
-
-struct Corner {
-  float x;
-  float y;
-  float azimuth_rad;
-  float tan_elevation;
-};
-
-std::vector<Corner> corners_of(const WarpMesh& mesh) {
-  std::vector<Corner> corners;
-  corners.reserve(mesh.vertices.size());
+std::vector<float> corners_of(const WarpMesh& mesh) {
+  std::vector<float> corners;
+  corners.reserve(mesh.vertices.size() * kCornerFloats);
   for (const WarpVertex& v : mesh.vertices) {
-    corners.push_back({2.0f * v.x_px / static_cast<float>(mesh.width_px) - 1.0f,
-                       1.0f - 2.0f * v.y_px / static_cast<float>(mesh.height_px), v.azimuth_rad, v.tan_elevation});
+    corners.insert(corners.end(),
+                   {clip_x(v.x_px, mesh.width_px), clip_y(v.y_px, mesh.height_px), v.azimuth_rad, v.tan_elevation});
   }
   return corners;
 }
 
-/// Whether any pixel in the box around three corners may be lit.
-bool is_lit(const WarpMesh& mesh, const MaskImage& mask, std::span<const std::uint32_t> triangle) {
-  float left = static_cast<float>(mask.width());
-  float top = static_cast<float>(mask.height());
-  float right = 0.0f;
-  float bottom = 0.0f;
-  for (const std::uint32_t corner : triangle) {
-    const WarpVertex& v = mesh.vertices[corner];
-    left = std::min(left, v.x_px);
-    right = std::max(right, v.x_px);
-    top = std::min(top, v.y_px);
-    bottom = std::max(bottom, v.y_px);
-  }
-  const int last_x = std::min(mask.width() - 1, static_cast<int>(right));
-  const int last_y = std::min(mask.height() - 1, static_cast<int>(bottom));
-  for (int y = static_cast<int>(top); y <= last_y; ++y) {
-    for (int x = static_cast<int>(left); x <= last_x; ++x) {
-      if (*mask.at(x, y) > 0.0f) return true;
+/// The rectangle of all pixels that the mask does not blacken or that get a lift; empty when there is none.
+PixelRect lit_part(const MaskImage& mask, const LiftImage* lift) {
+  int left = mask.width();
+  int right = 0;
+  int top = mask.height();
+  int bottom = 0;
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (!(*mask.at(x, y) > 0.0f) && (lift == nullptr || !(*lift->at(x, y) > 0.0f))) continue;
+      left = std::min(left, x);
+      right = std::max(right, x + 1);
+      top = std::min(top, y);
+      bottom = std::max(bottom, y + 1);
     }
   }
-  return false;
+  return {left, top, right - left, bottom - top};
 }
 
-/// The mesh's triangles without those that the mask blackens: a projector that reaches past the wall has many.
-std::vector<std::uint32_t> lit_triangles(const WarpMesh& mesh, const MaskImage& mask) {
-  const std::vector<std::uint32_t> all = mesh.triangles();
-  std::vector<std::uint32_t> lit;
-  for (std::size_t i = 0; i + 2 < all.size(); i += 3) {
-    const std::span<const std::uint32_t> triangle(all.data() + i, 3);
-    if (is_lit(mesh, mask, triangle)) lit.insert(lit.end(), triangle.begin(), triangle.end());
+std::vector<float> corners_of(const PixelRect& part, int width, int height) {
+  std::vector<float> corners;
+  for (const int corner : {0, 1, 2, 3}) {
+    const int x = corner % 2 == 0 ? part.x : part.x + part.width;
+    const int y = corner < 2 ? part.y : part.y + part.height;
+    corners.insert(corners.end(), {clip_x(static_cast<float>(x), width), clip_y(static_cast<float>(y), height), 0, 0});
   }
-  return lit;
+  return corners;
 }
 
-/// GL counts rows from the bottom.
-std::vector<float> upside_down(const MaskImage& mask) {
+/// A texture of one value per pixel of the head, read at pixel centres.
+void upload_nearest(const Gl& gl, const GlTexture& texture, GLint kept_as, GLenum channels, int width, int height,
+                    const std::vector<float>& values) {
+  gl.BindTexture(GL_TEXTURE_2D, texture.id());
+  for (const int filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl.TexParameteri(GL_TEXTURE_2D, static_cast<GLenum>(filter), GL_NEAREST);
+  for (const int wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    gl.TexParameteri(GL_TEXTURE_2D, static_cast<GLenum>(wrap), GL_CLAMP_TO_EDGE);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, kept_as, width, height, 0, channels, GL_FLOAT, values.data());
+}
+
+/// `values(x, y)` puts a pixel's values at the end; GL counts rows from the bottom.
+std::vector<float> upside_down(int width, int height, const auto& values) {
   std::vector<float> rows;
-  rows.reserve(mask.data().size());
-  for (int y = mask.height() - 1; y >= 0; --y) rows.insert(rows.end(), mask.at(0, y), mask.at(0, y) + mask.width());
+  for (int y = height - 1; y >= 0; --y) {
+    for (int x = 0; x < width; ++x) values(x, y, &rows);
+  }
   return rows;
 }
 
-GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
-
 }  // namespace
 
-Result<WarpProgram> WarpProgram::make(const Gl& gl) {
-  TRY_ASSIGN(GlProgram linked, GlProgram::link(gl, kVertexShader, kFragmentShader));
-  WarpProgram program(std::move(linked));
-  program.to_picture_ = program.program_.uniform("to_picture");
-  program.size_ = program.program_.uniform("size");
-  gl.UseProgram(program.program_.id());
-  gl.Uniform1i(program.program_.uniform("picture"), kPictureUnit);
-  gl.Uniform1i(program.program_.uniform("mask"), kMaskUnit);
-  TRY(gl.check("preparing the warp shader"));
-  return program;
-}
+HeadPainter::HeadPainter(const Gl& gl, const HeadPlan& plan)
+    : gl_(&gl),
+      width_px_(width_px(plan.warp)),
+      height_px_(height_px(plan.warp)),
+      colour_{plan.colour.matrix, plan.colour.black, {}, {}},
+      code_step_(1.0f / static_cast<float>((1 << plan.depth_bits) - 1)),
+      mesh_(gl),
+      vertices_(gl),
+      indices_(gl),
+      mask_(gl),
+      map_(gl),
+      response_(gl) {}
 
-Result<HeadPainter> HeadPainter::make(const Gl& gl, const WarpProgram& program, const WarpMesh& mesh,
-                                      const MaskImage& mask) {
-  CHECK(mask.width() == mesh.width_px && mask.height() == mesh.height_px);
-  HeadPainter painter(gl, program);
-  painter.mesh_ = GlVertexArray(gl);
-  painter.vertices_ = GlBuffer(gl);
-  painter.indices_ = GlBuffer(gl);
-  painter.mask_ = GlTexture(gl);
-
-  const std::vector<Corner> corners = corners_of(mesh);
-  const std::vector<std::uint32_t> indices = lit_triangles(mesh, mask);
-  painter.index_count_ = static_cast<GLsizei>(indices.size());
-  gl.BindVertexArray(painter.mesh_.id());
-  gl.BindBuffer(GL_ARRAY_BUFFER, painter.vertices_.id());
-  gl.BufferData(GL_ARRAY_BUFFER, byte_count(corners), corners.data(), GL_STATIC_DRAW);
-  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, painter.indices_.id());
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, byte_count(indices), indices.data(), GL_STATIC_DRAW);
-  const auto attribute = [&](GLuint index, std::size_t offset) {
-    gl.EnableVertexAttribArray(index);
-    // GL's own convention: an offset into the bound buffer, passed as a pointer.
-    gl.VertexAttribPointer(index, 2, GL_FLOAT, GL_FALSE, sizeof(Corner), reinterpret_cast<const void*>(offset));
+Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan) {
+  CHECK(plan.mask.width() == width_px(plan.warp) && plan.mask.height() == height_px(plan.warp));
+  CHECK(!plan.colour.lift ||
+        (plan.colour.lift->width() == plan.mask.width() && plan.colour.lift->height() == plan.mask.height()));
+  CHECK(plan.depth_bits >= 1 && plan.depth_bits <= 16);
+  HeadPainter painter(gl, plan);
+  painter.upload_textures(plan);
+  LitTriangles triangles;
+  if (const WarpMesh* const mesh = std::get_if<WarpMesh>(&plan.warp)) {
+    triangles = lit_triangles(*mesh, plan.mask, plan.colour.lift ? &*plan.colour.lift : nullptr);
+    painter.upload_triangles(corners_of(*mesh), [&] {
+      std::vector<std::uint32_t> all = triangles.whole;
+      all.insert(all.end(), triangles.masked.begin(), triangles.masked.end());
+      return all;
+    }());
+  } else {
+    const PixelRect lit = lit_part(plan.mask, plan.colour.lift ? &*plan.colour.lift : nullptr);
+    if (!lit.empty()) triangles.masked = {0, 2, 1, 1, 2, 3};
+    painter.upload_triangles(corners_of(lit, plan.mask.width(), plan.mask.height()), triangles.masked);
+  }
+  HeadFeatures features;
+  features.pixel_map = std::holds_alternative<PixelMap>(plan.warp);
+  features.lift = plan.colour.lift.has_value();
+  features.matrix = plan.colour.matrix.has_value();
+  features.response = plan.colour.response.has_value();
+  features.dither = plan.is_dithered;
+  const auto add = [&](Part* part, std::size_t first, std::size_t count, bool masked) -> Status {
+    if (count == 0) return Done{};
+    features.mask = masked || features.lift;
+    features.fade = false;
+    TRY_ASSIGN(part->program, programs->get(features));
+    features.fade = true;
+    TRY_ASSIGN(part->fading, programs->get(features));
+    part->first = static_cast<GLsizei>(first);
+    part->count = static_cast<GLsizei>(count);
+    return Done{};
   };
-  attribute(kPlace, offsetof(Corner, x));
-  attribute(kDirection, offsetof(Corner, azimuth_rad));
-
-  const std::vector<float> rows = upside_down(mask);
-  gl.BindTexture(GL_TEXTURE_2D, painter.mask_.id());
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, mask.width(), mask.height(), 0, GL_RED, GL_FLOAT, rows.data());
-  TRY(gl.check("uploading a warp mesh and a blend mask"));
+  TRY(add(&painter.parts_[0], 0, triangles.whole.size(), false));
+  TRY(add(&painter.parts_[1], triangles.whole.size(), triangles.masked.size(), true));
+  TRY(gl.check("uploading a warp, a mask and a response"));
   return painter;
 }
 
-void HeadPainter::draw(const PanoramaTexture& picture, double yaw_shift_rad) const {
-  const Panorama& panorama = picture.panorama();
-  const double px_per_rad = 1.0 / panorama.radians_per_px();
-  const double px_per_tan = panorama.height_px / (panorama.tan_elevation_bottom - panorama.tan_elevation_top);
-  const double turn_px = 2.0 * std::numbers::pi * px_per_rad;
-  const bool wraps = is_whole_turn(panorama);
+void HeadPainter::upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices) {
+  gl_->BindVertexArray(mesh_.id());
+  gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
+  gl_->BufferData(GL_ARRAY_BUFFER, byte_count(corners), corners.data(), GL_STATIC_DRAW);
+  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
+  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, byte_count(indices), indices.data(), GL_STATIC_DRAW);
+  const auto attribute = [&](GLuint index, std::size_t offset) {
+    gl_->EnableVertexAttribArray(index);
+    // GL's own convention: an offset into the bound buffer, passed as a pointer.
+    gl_->VertexAttribPointer(index, 2, GL_FLOAT, GL_FALSE, kCornerFloats * sizeof(float),
+                             reinterpret_cast<const void*>(offset));
+  };
+  attribute(HeadProgram::kPlace, 0);
+  attribute(HeadProgram::kDirection, 2 * sizeof(float));
+}
 
+void HeadPainter::upload_textures(const HeadPlan& plan) {
+  gl_->ActiveTexture(GL_TEXTURE0);
+  gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  const PixelMap* const map = std::get_if<PixelMap>(&plan.warp);
+  // What lies nowhere is black, and no NaN comes to the card.
+  const auto weight = [&](int x, int y) { return map == nullptr || direction_at(plan.warp, x, y) ? 1.0f : 0.0f; };
+  if (plan.colour.lift) {
+    upload_nearest(*gl_, mask_, GL_RG16F, GL_RG, width_px_, height_px_,
+                   upside_down(width_px_, height_px_, [&](int x, int y, std::vector<float>* ret_row) {
+                     ret_row->push_back(*plan.mask.at(x, y) * weight(x, y));
+                     ret_row->push_back(*plan.colour.lift->at(x, y) * weight(x, y));
+                   }));
+  } else {
+    upload_nearest(*gl_, mask_, GL_R16F, GL_RED, width_px_, height_px_,
+                   upside_down(width_px_, height_px_, [&](int x, int y, std::vector<float>* ret_row) {
+                     ret_row->push_back(*plan.mask.at(x, y) * weight(x, y));
+                   }));
+  }
+  if (map != nullptr) {
+    upload_nearest(*gl_, map_, GL_RG32F, GL_RG, width_px_, height_px_,
+                   upside_down(width_px_, height_px_, [&](int x, int y, std::vector<float>* ret_row) {
+                     const PanoramaDirection direction = direction_at(plan.warp, x, y).value_or(PanoramaDirection{});
+                     ret_row->push_back(static_cast<float>(direction.azimuth_rad));
+                     ret_row->push_back(static_cast<float>(direction.tan_elevation));
+                   }));
+  }
+  if (plan.colour.response) {
+    std::vector<float> codes;
+    for (const ResponseCurve& curve : *plan.colour.response) {
+      CHECK(curve.is_valid());
+      const ResponseCurve fine = curve.resampled(kResponseSteps);
+      codes.insert(codes.end(), fine.codes.begin(), fine.codes.end());
+    }
+    upload_nearest(*gl_, response_, GL_R32F, GL_RED, kResponseSteps, 3, codes);
+  }
+}
+
+void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other,
+                      double fade) const {
+  gl_->UseProgram(program.id());
+  const auto picture = [&](const HeadProgram::Picture& uniforms, const TurnedPicture& turned, GLenum unit) {
+    const Panorama& panorama = turned.picture->panorama();
+    const double px_per_rad = 1.0 / panorama.radians_per_px();
+    const double px_per_tan = panorama.height_px / (panorama.tan_elevation_bottom - panorama.tan_elevation_top);
+    const double left_px = 0.5 * panorama.width_px + turned.yaw_shift_rad * px_per_rad;
+    const double turn_px = 2.0 * std::numbers::pi * px_per_rad;
+    const double width = turned.picture->texture_width();
+    const double height = turned.picture->texture_height();
+    const bool wraps = is_whole_turn(panorama);
+    const auto set = [&](GLint uniform, double x, double y, double z, double w) {
+      gl_->Uniform4f(uniform, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z),
+                     static_cast<float>(w));
+    };
+    constexpr double kFirst = PanoramaTexture::kFirstColumn;
+    const double y = px_per_tan / height;
+    const double top = -panorama.tan_elevation_top * y;
+    if (wraps) {
+      set(uniforms.to_texture, px_per_rad / turn_px, y, left_px / turn_px, top);
+      gl_->Uniform3f(uniforms.turn, 1.0f, static_cast<float>(turn_px / width), static_cast<float>(kFirst / width));
+    } else {
+      set(uniforms.to_texture, px_per_rad / width, y, (left_px + kFirst) / width, top);
+      gl_->Uniform3f(uniforms.turn, 0.0f, 1.0f, 0.0f);
+    }
+    const double beyond = wraps ? 0.5 : -0.5;  // A whole turn's outer columns are the other side's.
+    set(uniforms.edges, (kFirst - beyond) / width, 0.5 / height, (kFirst + panorama.width_px + beyond) / width,
+        (panorama.height_px - 0.5) / height);
+    gl_->ActiveTexture(GL_TEXTURE0 + unit);
+    gl_->BindTexture(GL_TEXTURE_2D, turned.picture->id());
+  };
+  picture(program.picture, shown, HeadProgram::kPicture);
+  if (other != nullptr) picture(program.other, *other, HeadProgram::kOther);
+  gl_->Uniform1f(program.fade, static_cast<float>(fade));
+  gl_->Uniform2f(program.per_px, 1.0f / static_cast<float>(width_px_), 1.0f / static_cast<float>(height_px_));
+  gl_->Uniform2f(program.response, (kResponseSteps - 1.0f) / kResponseSteps, 0.5f / kResponseSteps);
+  gl_->Uniform1f(program.step, code_step_);
+  const Eigen::Vector3f black = colour_.black.cast<float>();
+  gl_->Uniform3f(program.black, black.x(), black.y(), black.z());
+  if (colour_.matrix) {
+    const Eigen::Matrix3f matrix = colour_.matrix->cast<float>();  // Column by column, as GL's.
+    gl_->UniformMatrix3fv(program.matrix, 1, GL_FALSE, matrix.data());
+  }
+}
+
+void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade) const {
   gl_->ClearColor(0.0f, 0.0f, 0.0f, 1.0f);
   gl_->Clear(GL_COLOR_BUFFER_BIT);
-  gl_->UseProgram(program_->program_.id());
-  gl_->Uniform4f(program_->to_picture_, static_cast<float>(px_per_rad), static_cast<float>(px_per_tan),
-                 static_cast<float>(0.5 * panorama.width_px + yaw_shift_rad * px_per_rad),
-                 static_cast<float>(-panorama.tan_elevation_top * px_per_tan));
-  gl_->Uniform4f(program_->size_, static_cast<float>(panorama.width_px), static_cast<float>(panorama.height_px),
-                 wraps ? 1.0f : 0.0f, static_cast<float>(turn_px));
-  gl_->ActiveTexture(GL_TEXTURE0 + kMaskUnit);
-  gl_->BindTexture(GL_TEXTURE_2D, mask_.id());
-  gl_->ActiveTexture(GL_TEXTURE0 + kPictureUnit);
-  gl_->BindTexture(GL_TEXTURE_2D, picture.id());
+  const auto bind = [&](GLenum unit, const GlTexture& texture) {
+    gl_->ActiveTexture(GL_TEXTURE0 + unit);
+    gl_->BindTexture(GL_TEXTURE_2D, texture.id());
+  };
+  bind(HeadProgram::kMask, mask_);
+  bind(HeadProgram::kMap, map_);
+  bind(HeadProgram::kResponse, response_);
   gl_->BindVertexArray(mesh_.id());
-  gl_->DrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+  for (const Part& part : parts_) {
+    if (part.count == 0) continue;
+    use(other == nullptr ? *part.program : *part.fading, shown, other, fade);
+    gl_->DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
+                      reinterpret_cast<const void*>(static_cast<std::size_t>(part.first) * sizeof(std::uint32_t)));
+  }
+}
+
+void HeadPainter::draw(const TurnedPicture& shown) const { draw(shown, nullptr, 0.0); }
+
+void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture& other, double fade) const {
+  draw(shown, &other, fade);
 }
 
 }  // namespace cyclorama

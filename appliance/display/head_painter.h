@@ -1,50 +1,69 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
+#include "appliance/display/head_program.h"
 #include "appliance/display/panorama_texture.h"
 #include "appliance/warp/blend_mask.h"
-#include "appliance/warp/warp_mesh.h"
-#include "drivers/output/gl_objects.h"
+#include "appliance/warp/head_colour.h"
+#include "appliance/warp/pixel_map.h"
 
 namespace cyclorama {
 
-/// Pass 2's shader, shared by all heads of a context. For each pixel: the warp mesh says where in the panorama it lies;
-/// four texels are mixed in linear light, weighed with the blend mask, and turned into sRGB code values.
-class WarpProgram {
- public:
-  /// kSystem  the driver's compiler refuses the shader, and why.
-  static Result<WarpProgram> make(const Gl& gl);
-
- private:
-  friend class HeadPainter;
-  explicit WarpProgram(GlProgram program) : program_(std::move(program)) {}
-  GlProgram program_;
-  GLint to_picture_ = -1;
-  GLint size_ = -1;
+/// What one projector needs: where its pixels lie, how bright they may be, and which code values make its light.
+struct HeadPlan {
+  Warp warp;
+  MaskImage mask;       ///< Of the head's size.
+  HeadColour colour{};  ///< A lift has the head's size.
+  int depth_bits = 8;   ///< Of the output's code values, each channel.
+  bool is_dithered = true;
 };
 
-/// Draws the panorama for one projector. Thread-bound to the GL context; borrows the Gl table and the program.
+/// A picture, and how far the visitor has turned to the right since it was asked for: it moves to the left by as much.
+struct TurnedPicture {
+  const PanoramaTexture* picture = nullptr;
+  double yaw_shift_rad = 0.0;
+};
+
+/// Draws the panorama for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
 class HeadPainter {
  public:
-  /// Precondition: mesh and mask have the head's size. kSystem  the graphics card refused them.
-  static Result<HeadPainter> make(const Gl& gl, const WarpProgram& program, const WarpMesh& mesh,
-                                  const MaskImage& mask);
+  /// Precondition: the plan's pictures have one size, its response is valid. kSystem  the graphics card refused them.
+  static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan);
 
-  /// Into the bound framebuffer. What the mesh leaves out becomes black. `yaw_shift_rad` is how far the visitor has
-  /// turned to the right since the picture was asked for: the picture moves to the left by as much. Places beyond the
-  /// picture show its edge; in a panorama of a whole turn there is no beyond.
-  void draw(const PanoramaTexture& picture, double yaw_shift_rad) const;
+  /// Into the bound framebuffer. What the warp leaves out becomes black. Places beyond the picture show its edge; in a
+  /// panorama of a whole turn there is no beyond.
+  void draw(const TurnedPicture& shown) const;
+  /// The same of two pictures, mixed in linear light: `fade` in [0, 1] is how much of `other` is seen.
+  void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade) const;
 
  private:
-  HeadPainter(const Gl& gl, const WarpProgram& program) : gl_(&gl), program_(&program) {}
+  /// Triangles that need the same. A mask that is 1 everywhere in a triangle is not looked at.
+  struct Part {
+    const HeadProgram* program = nullptr;
+    const HeadProgram* fading = nullptr;
+    GLsizei first = 0;  ///< Index.
+    GLsizei count = 0;
+  };
+  HeadPainter(const Gl& gl, const HeadPlan& plan);
+  void upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices);
+  void upload_textures(const HeadPlan& plan);
+  void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade) const;
+  void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade) const;
 
   const Gl* gl_;
-  const WarpProgram* program_;
+  int width_px_;
+  int height_px_;
+  HeadColour colour_;
+  float code_step_;
   GlVertexArray mesh_;
   GlBuffer vertices_;
   GlBuffer indices_;
   GlTexture mask_;
-  GLsizei index_count_ = 0;
+  GlTexture map_;
+  GlTexture response_;
+  std::array<Part, 2> parts_;  // Wholly lit, masked.
 };
 
 }  // namespace cyclorama

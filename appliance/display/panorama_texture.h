@@ -6,21 +6,62 @@
 
 namespace cyclorama {
 
-/// Pass 1: the newest frame's picture as a texture. Thread-bound to the GL context; borrows the Gl table.
+/// Pass 1's shader, shared by all pictures of a context: luma and chroma to linear light.
+class PictureProgram {
+ public:
+  /// kSystem  the driver's compiler refuses the shader, and why.
+  static Result<PictureProgram> make(const Gl& gl);
+
+ private:
+  friend class PanoramaTexture;
+  explicit PictureProgram(GlProgram program) : program_(std::move(program)) {}
+  GlProgram program_;
+  GlVertexArray nothing_;  // The corners come from their numbers; GL wants an array to be bound all the same.
+  GLint place_ = -1;
+  GLint luma_ = -1;
+  GLint chroma_ = -1;
+  GLint chroma_end_ = -1;
+};
+
+/// Pass 1, once per frame: the newest frame's picture as a texture of linear light in half floats, whose steps are a
+/// 40th of a code value of 8 bits. It has a column more on each side of the picture: of a whole turn, the other side's.
+///
+/// The textures grow to the largest picture and never shrink: a picture of a size that was there before allocates
+/// nothing. Thread-bound to the GL context; borrows the Gl table and the program.
 class PanoramaTexture {
  public:
-  explicit PanoramaTexture(const Gl& gl);
+  PanoramaTexture(const Gl& gl, const PictureProgram& program);
 
-  /// Precondition: frame.picture is set and has the size of frame.panorama.
+  /// Binds a framebuffer of its own. Precondition: frame.picture is set and has the size of frame.panorama.
   /// kSystem  the graphics card refused it (too large); the old picture may be lost.
   Status upload(const Frame& frame);
 
-  [[nodiscard]] GLuint id() const { return texture_.id(); }
+  [[nodiscard]] GLuint id() const { return light_.id(); }
   [[nodiscard]] const Panorama& panorama() const { return panorama_; }
+  /// Of the texture, in pixels; the picture's first column is column 1 of it.
+  [[nodiscard]] int texture_width() const { return width_; }
+  [[nodiscard]] int texture_height() const { return height_; }
+  static constexpr int kFirstColumn = 1;
 
  private:
-  const Gl& gl_;
-  GlTexture texture_;
+  struct Plane {
+    GlTexture texture;
+    int width = 0;
+    int height = 0;
+  };
+  Status grow(int width, int height);
+  void upload(const GreyImage& pixels, const PixelRect& part, Plane* ret_plane);
+  void draw(const PixelRect& part, int moved_px, int chroma_step) const;
+
+  const Gl* gl_;
+  const PictureProgram* program_;
+  Plane luma_;
+  Plane blue_;
+  Plane red_;
+  GlTexture light_;
+  GlFramebuffer target_;
+  int width_ = 0;
+  int height_ = 0;
   Panorama panorama_;
 };
 

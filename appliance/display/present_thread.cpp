@@ -36,7 +36,7 @@ Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, Pr
 Status PresentThread::run(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock, const std::stop_token& stop) {
   TRY_ASSIGN(const std::unique_ptr<Output> output, plan.open_output());
   TRY_ASSIGN(const std::unique_ptr<Presenter> presenter,
-             Presenter::make(output.get(), plan.warps, plan.first, plan.shown_span_rad, mailbox, clock));
+             Presenter::make(output.get(), plan.heads, plan.attract, plan.times, mailbox, clock));
   kind_ = output->kind();
   renderer_ = output->gl().renderer();
   GLint largest = 0;

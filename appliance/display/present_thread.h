@@ -15,9 +15,9 @@ namespace cyclorama {
 struct PresentPlan {
   /// Called on the present thread, which then owns the output and its GL context.
   std::function<Result<std::unique_ptr<Output>>()> open_output;
-  std::vector<HeadWarp> warps;
-  Frame first;
-  double shown_span_rad = 0.0;
+  std::vector<HeadPlan> heads;
+  Frame attract;  ///< Shown until a frame comes, and when frames fail.
+  AttractTimes times;
 };
 
 /// The thread that owns GL and shows. Thread-bound to whoever starts it.

@@ -1,32 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/display/presenter.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace cyclorama {
+namespace {
+// A picture is wrong when the visitor has turned by more since; the tour asks for a view at every smaller change, too.
+constexpr double kSameHeading_rad = 1e-3;
+}  // namespace
 
-Presenter::Presenter(Output* output, WarpProgram program, double shown_span_rad, PresentMailbox* mailbox,
+Presenter::Presenter(Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
                      const Clock* clock)
     : output_(*output),
       mailbox_(*mailbox),
       clock_(*clock),
-      shown_span_rad_(shown_span_rad),
-      program_(std::move(program)),
-      panorama_(output->gl()) {}
+      picture_program_(std::move(program)),
+      programs_(output->gl()),
+      attract_(output->gl(), picture_program_),
+      panorama_(output->gl(), picture_program_),
+      fade_(times) {}
 
-Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, const std::vector<HeadWarp>& warps,
-                                                   const Frame& first, double shown_span_rad, PresentMailbox* mailbox,
-                                                   const Clock* clock) {
-  CHECK(warps.size() == output->heads().size() && mailbox->heads.size() == warps.size());
-  TRY_ASSIGN(WarpProgram program, WarpProgram::make(output->gl()));
-  std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), shown_span_rad, mailbox, clock));
-  for (const HeadWarp& warp : warps) {
-    TRY_ASSIGN(HeadPainter painter, HeadPainter::make(output->gl(), presenter->program_, warp.mesh, warp.mask));
+Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, const std::vector<HeadPlan>& plans,
+                                                   const Frame& attract, const AttractTimes& times,
+                                                   PresentMailbox* mailbox, const Clock* clock) {
+  CHECK(plans.size() == output->heads().size() && mailbox->heads.size() == plans.size());
+  const Gl& gl = output->gl();
+  gl.Disable(GL_DITHER);  // The shaders do it.
+  TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl));
+  std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
+  for (const HeadPlan& plan : plans) {
+    TRY_ASSIGN(HeadPainter painter, HeadPainter::make(gl, &presenter->programs_, plan));
     presenter->painters_.push_back(std::move(painter));
   }
-  presenter->frame_ = first;
-  TRY(presenter->panorama_.upload(first));
+  for (const HeadMode& mode : output->heads()) presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
+  presenter->attract_frame_ = attract;
+  TRY(presenter->warm_up());
   return presenter;
+}
+
+/// A driver compiles a shader when it is first used; here, and not in a visitor's sight.
+Status Presenter::warm_up() {
+  TRY(attract_.upload(attract_frame_));
+  TRY(panorama_.upload(attract_frame_));
+  for (std::size_t head = 0; head < painters_.size(); ++head) {
+    TRY(output_.draw_to(head));
+    painters_[head].draw({&panorama_, 0.0});
+    painters_[head].draw({&panorama_, 0.0}, {&attract_, 0.0}, 1.0);
+  }
+  output_.gl().Finish();
+  return output_.gl().check("trying the shaders");
 }
 
 Status Presenter::refresh() {
@@ -34,72 +58,85 @@ Status Presenter::refresh() {
   RefreshEvent event;
   event.drawing_at = clock_.now();
   TRY(take_news(&event));
-  if (!is_drawn_ || is_any_head_due()) TRY(draw_heads());
+  if (!is_drawn_ || is_any_head_watched()) TRY(draw_heads());
+  event.drawn_at = clock_.now();
   TRY_ASSIGN(event.presented, output_.present());
   event.is_past_guard = shift_.is_past_guard;
+  event.attract_share = drawn_share_;
   mailbox_.refreshes.push(event);
   return Done{};
 }
 
 Status Presenter::take_news(RefreshEvent* ret_event) {
-  const std::unique_ptr<Frame> frame = mailbox_.frame.take();
-  if (frame != nullptr) {
+  // While nobody frees what was shown, the last picture stays.
+  std::unique_ptr<Frame> frame = mailbox_.retired.has_room() ? mailbox_.frame.take() : nullptr;
+  const bool is_new = frame != nullptr;
+  if (is_new) {
     TRY(panorama_.upload(*frame));
-    frame_ = *frame;
+    std::swap(frame_, frame);
+    if (frame != nullptr) mailbox_.retired.put(std::move(frame));
     is_drawn_ = false;
     ret_event->is_first_of_frame = true;
-    ret_event->frame_order = frame_.order;
-    ret_event->frame_number = frame_.number;
-    ret_event->frame_shutter_ns = frame_.shutter_ns;
-    ret_event->frame_bytes = frame_.bytes;
-    ret_event->begun_at = frame_.begun_at;
-    ret_event->decoded_at = frame_.decoded_at;
+    ret_event->frame_order = frame_->order;
+    ret_event->frame_number = frame_->number;
+    ret_event->frame_shutter_ns = frame_->shutter_ns;
+    ret_event->frame_bytes = frame_->bytes;
+    ret_event->frame_tiles = frame_->tiles;
+    ret_event->frame_decoded = frame_->decoded;
+    ret_event->begun_at = frame_->begun_at;
+    ret_event->decoded_at = frame_->decoded_at;
   }
-  const std::unique_ptr<HeadingNow> heading = mailbox_.heading.take();
-  if (heading != nullptr) {
-    heading_ = *heading;
+  if (mailbox_.heading.take(&heading_)) {
     has_heading_ = true;
     ret_event->heading_shutter_ns = heading_.shutter_ns;
   }
-  // The display's own picture belongs to no heading.
-  const bool turns = has_heading_ && frame_.number != 0;
-  const YawShift shift =
-      turns ? yaw_shift(frame_.panorama, frame_.heading_rad, heading_.heading_rad, shown_span_rad_) : YawShift{};
+  const YawShift shift = has_heading_ && frame_ != nullptr
+                             ? yaw_shift(frame_->heading_rad, heading_.heading_rad, frame_->reach_rad)
+                             : YawShift{};
   if (shift.angle_rad != shift_.angle_rad) is_drawn_ = false;
   shift_ = shift;
-  if (mailbox_.panorama.is_due()) {
-    mailbox_.panorama.newest.put(std::make_unique<std::shared_ptr<const RgbImage>>(frame_.picture));
+  const bool is_wrong = shift.is_past_guard || std::abs(shift.angle_rad) > kSameHeading_rad || mailbox_.is_failing;
+  fade_.step(ret_event->drawing_at, is_new, is_wrong);
+  if (fade_.share() != drawn_share_) is_drawn_ = false;
+  if (std::unique_ptr<Frame> watched = mailbox_.panorama.take_empty()) {
+    *watched = frame_ != nullptr ? *frame_ : attract_frame_;
+    mailbox_.panorama.give(std::move(watched));
   }
   return Done{};
 }
 
 Status Presenter::draw_heads() {
+  const double share = fade_.share();
+  const TurnedPicture shown{&panorama_, shift_.angle_rad};
+  const TurnedPicture attract{&attract_, 0.0};  // It belongs to no heading.
   for (std::size_t head = 0; head < painters_.size(); ++head) {
     TRY(output_.draw_to(head));
-    painters_[head].draw(panorama_, shift_.angle_rad);
-    if (mailbox_.heads[head].is_due()) read_back(head);
+    if (share <= 0.0) {
+      painters_[head].draw(shown);
+    } else if (share >= 1.0) {
+      painters_[head].draw(attract);
+    } else {
+      painters_[head].draw(shown, attract, share);
+    }
+    if (std::unique_ptr<RgbImage> watched = mailbox_.heads[head].take_empty()) {
+      read_back(head, watched.get());
+      mailbox_.heads[head].give(std::move(watched));
+    }
   }
+  drawn_share_ = share;
   is_drawn_ = true;
   return output_.gl().check("drawing the heads");
 }
 
-void Presenter::read_back(std::size_t head) {
-  const HeadMode& mode = output_.heads()[head];
-  if (read_back_.width() != mode.width_px || read_back_.height() != mode.height_px) {
-    read_back_ = RgbaImage(mode.width_px, mode.height_px);
-  }
+void Presenter::read_back(std::size_t head, RgbImage* ret_picture) {
+  RgbaImage& pixels = read_backs_[head];
   output_.gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
-  output_.gl().ReadPixels(0, 0, mode.width_px, mode.height_px, GL_RGBA, GL_UNSIGNED_BYTE, read_back_.data().data());
-  auto picture = std::make_unique<RgbImage>(mode.width_px, mode.height_px);
-  to_picture(read_back_, picture.get());
-  mailbox_.heads[head].newest.put(std::move(picture));
+  output_.gl().ReadPixels(0, 0, pixels.width(), pixels.height(), GL_RGBA, GL_UNSIGNED_BYTE, pixels.data().data());
+  to_picture(pixels, ret_picture);
 }
 
-bool Presenter::is_any_head_due() const {
-  for (const auto& head : mailbox_.heads) {
-    if (head.is_due()) return true;
-  }
-  return false;
+bool Presenter::is_any_head_watched() const {
+  return std::ranges::any_of(mailbox_.heads, [](const auto& head) { return head.is_wanted(); });
 }
 
 }  // namespace cyclorama

@@ -1,92 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <vector>
 
-#include "appliance/display/atomic_slot.h"
-#include "appliance/display/event_ring.h"
-#include "appliance/display/frame.h"
+#include "appliance/display/attract_fade.h"
 #include "appliance/display/head_painter.h"
+#include "appliance/display/present_mailbox.h"
 #include "appliance/display/yaw_shift.h"
 #include "drivers/output/output.h"
 
 namespace cyclorama {
 
-/// One refresh, told to whoever listens.
-struct RefreshEvent {
-  Presented presented;
-  bool is_first_of_frame = false;  ///< The frame below was never shown before.
-  std::uint64_t frame_order = 0;
-  std::uint64_t frame_number = 0;
-  std::int64_t frame_shutter_ns = 0;
-  std::size_t frame_bytes = 0;
-  TimePoint begun_at{};
-  TimePoint decoded_at{};
-  TimePoint drawing_at{};
-  std::int64_t heading_shutter_ns = 0;  ///< Of a heading that this refresh shows first; else 0.
-  bool is_past_guard = false;
-};
-
-/// A picture of what is shown, made only while somebody watches. The watcher raises `is_wanted` and takes the picture;
-/// the presenter makes the next when the slot is empty.
-template <typename Picture>
-struct WatchedPicture {
-  std::atomic<bool> is_wanted{false};
-  AtomicSlot<Picture> newest;
-  [[nodiscard]] bool is_due() const { return is_wanted.load(std::memory_order_relaxed) && newest.is_empty(); }
-};
-
-/// All that passes between the present thread and the others; nothing in it blocks. Thread-safe.
-struct PresentMailbox {
-  explicit PresentMailbox(std::size_t head_count) : heads(head_count) {}
-
-  AtomicSlot<Frame> frame;         ///< In: the newest whole frame.
-  AtomicSlot<HeadingNow> heading;  ///< In: the newest heading.
-  EventRing<RefreshEvent, 1024> refreshes;
-  WatchedPicture<std::shared_ptr<const RgbImage>> panorama;
-  std::vector<WatchedPicture<RgbImage>> heads;
-};
-
-/// What one projector needs: where its pixels lie and how bright they may be.
-struct HeadWarp {
-  WarpMesh mesh;
-  MaskImage mask;
-};
-
-/// Draws and shows: the inside of the present thread. Thread-bound to the output's GL context. Between warm-up (the
-/// first frame of a size) and the end it takes no lock, writes no log and opens nothing; it frees a frame's few bytes,
-/// and, while a head is watched, allocates that head's picture.
+/// Draws and shows: the inside of the present thread. Thread-bound to the output's GL context. After warm-up (the first
+/// frames of the largest size) it allocates and frees nothing, takes no lock, writes no log and opens nothing; what the
+/// graphics driver does inside is the driver's.
 class Presenter {
  public:
-  /// Shows `first` until a frame comes. `warps` are the output's heads', in order; `shown_span_rad` is what the whole
-  /// wall shows. Borrows the output, the mailbox and the clock. kSystem  the graphics card refused something.
-  static Result<std::unique_ptr<Presenter>> make(Output* output, const std::vector<HeadWarp>& warps, const Frame& first,
-                                                 double shown_span_rad, PresentMailbox* mailbox, const Clock* clock);
+  /// Shows `attract` until a frame comes, and when frames fail. `plans` are the output's heads', in order. Borrows the
+  /// output, the mailbox and the clock. kSystem  the graphics card refused something.
+  static Result<std::unique_ptr<Presenter>> make(Output* output, const std::vector<HeadPlan>& plans,
+                                                 const Frame& attract, const AttractTimes& times,
+                                                 PresentMailbox* mailbox, const Clock* clock);
 
   /// Waits for a refresh and shows the newest frame for the newest heading. Errors of Output: it is lost.
   Status refresh();
 
  private:
-  Presenter(Output* output, WarpProgram program, double shown_span_rad, PresentMailbox* mailbox, const Clock* clock);
+  Presenter(Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
+            const Clock* clock);
+  Status warm_up();
   Status take_news(RefreshEvent* ret_event);
   Status draw_heads();
-  void read_back(std::size_t head);
-  [[nodiscard]] bool is_any_head_due() const;
+  void read_back(std::size_t head, RgbImage* ret_picture);
+  [[nodiscard]] bool is_any_head_watched() const;
 
   Output& output_;
   PresentMailbox& mailbox_;
   const Clock& clock_;
-  const double shown_span_rad_;
-  WarpProgram program_;
+  PictureProgram picture_program_;
+  HeadPrograms programs_;
+  PanoramaTexture attract_;
   PanoramaTexture panorama_;
   std::vector<HeadPainter> painters_;
-  RgbaImage read_back_;
-  Frame frame_;
+  std::vector<RgbaImage> read_backs_;
+  AttractFade fade_;
+  Frame attract_frame_;
+  std::unique_ptr<Frame> frame_;  // Null before the first.
   HeadingNow heading_;
   bool has_heading_ = false;
   YawShift shift_;
+  double drawn_share_ = -1.0;
   bool is_drawn_ = false;  // What the heads show is what they should.
 };
 

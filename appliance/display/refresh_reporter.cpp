@@ -8,7 +8,8 @@ constexpr auto kRatePeriod = std::chrono::seconds(1);
 
 RefreshReporter::RefreshReporter(InspectionService* inspection) : inspection_(*inspection) {
   for (const char* const gauge : {"refreshes_per_second", "frames_per_second", "frames_presented", "frames_dropped",
-                                  "missed_refreshes", "bytes_per_frame", "refreshes_past_guard_band"}) {
+                                  "missed_refreshes", "bytes_per_frame", "tiles_per_frame", "tiles_decoded_per_frame",
+                                  "refreshes_past_guard_band", "attract_share"}) {
     inspection_.set_gauge(gauge, 0.0);
   }
 }
@@ -21,6 +22,7 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
   last_refresh_ = event.presented.refresh;
   last_refresh_at_ = shown_at;
   ++refreshes_;
+  inspection_.set_gauge("attract_share", event.attract_share);
   if (event.is_past_guard) inspection_.count("refreshes_past_guard_band");
   if (event.heading_shutter_ns != 0) {
     inspection_.add_stage_time("heading_to_photon", shown_at - from_nanoseconds(event.heading_shutter_ns));
@@ -30,6 +32,8 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
   ++frames_;
   inspection_.count("frames_presented");
   inspection_.set_gauge("bytes_per_frame", static_cast<double>(event.frame_bytes));
+  inspection_.set_gauge("tiles_per_frame", event.frame_tiles);
+  inspection_.set_gauge("tiles_decoded_per_frame", event.frame_decoded);
   if (event.frame_shutter_ns != 0) {
     inspection_.add_stage_time("shutter_to_photon", shown_at - from_nanoseconds(event.frame_shutter_ns));
   }

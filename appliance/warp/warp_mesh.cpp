@@ -141,7 +141,8 @@ std::optional<PanoramaDirection> WarpMesh::interpolate(const Eigen::Vector2d& pi
                of_last);
 }
 
-Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& picture, double tolerance_px) {
+Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& picture, double tolerance_px,
+                                int most_cells) {
   TRY(validate(picture));
   const Pinhole& lens = map.lens();
   std::vector<Eigen::Hyperplane<double, 2>> creases = map.creases();
@@ -153,7 +154,8 @@ Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& pic
   };
   WarpMesh mesh = meshed(kFewestCells, kFewestCells);
   while (!(mesh.worst_error_px <= tolerance_px)) {
-    if (mesh.cells_x == lens.width_px && mesh.cells_y == lens.height_px) {
+    if ((mesh.cells_x == lens.width_px && mesh.cells_y == lens.height_px) ||
+        2 * mesh.cells_x * mesh.cells_y > most_cells) {
       return Error(
           ErrorCode::kInvalidArgument,
           fmt::format("no warp mesh holds {} px (the finest is off by {:.2f} px): the projector is too near the wall, "

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -48,7 +49,9 @@ struct WarpMesh {
 
 /// A mesh of few cells, halved along whichever direction gains more and cut along the wall's creases, that keeps to
 /// `tolerance_px` of `picture`'s pixels wherever the projector meets the wall. kInvalidArgument  even the finest cells
-/// do not: the projector is too near the wall or grazes it, or a free-form wall has more corners than can be followed.
-Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& picture, double tolerance_px = 0.05);
+/// do not, or it would take more than `most_cells`: the projector is too near the wall or grazes it, or a free-form wall
+/// has more corners than can be followed.
+Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& picture, double tolerance_px = 0.05,
+                                int most_cells = std::numeric_limits<int>::max());
 
 }  // namespace cyclorama

@@ -4,11 +4,14 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/base/result.h"
 #include "common/image/image.h"
+#include "common/image/pixel_rect.h"
+#include "common/image/planar_picture.h"
 
 namespace cyclorama {
 
@@ -29,6 +32,8 @@ class JpegEncoder {
   Result<std::vector<std::byte>> encode(const std::uint8_t* rgb, int width, int height, std::size_t row_bytes,
                                         const JpegOptions& options);
   Result<std::vector<std::byte>> encode(const RgbImage& image, const JpegOptions& options);
+  /// As in a JPEG of 4:4:4 without any loss but rounding's.
+  PlanarPicture to_planar(const RgbImage& image);
 
  private:
   struct Handle;
@@ -40,6 +45,14 @@ struct JpegSize {
   int height = 0;
 };
 
+/// What a JPEG's header says.
+struct JpegHeader {
+  JpegSize size;
+  /// Whether its colours are kept as in a PlanarPicture with half chroma, or with full; nothing when they are kept in
+  /// another way (grey, 4:2:2, CMYK...).
+  std::optional<bool> has_half_chroma;
+};
+
 /// As JpegEncoder. Every error is kBadData and says what is wrong with the bytes; a picture that is cut short or
 /// damaged is refused, never shown half.
 class JpegDecoder {
@@ -49,13 +62,19 @@ class JpegDecoder {
   JpegDecoder(JpegDecoder&&) noexcept;
   JpegDecoder& operator=(JpegDecoder&&) noexcept;
 
-  /// Reads the header only.
+  /// Read the header only.
   Result<JpegSize> size_of(std::span<const std::byte> jpeg);
+  Result<JpegHeader> header_of(std::span<const std::byte> jpeg);
   /// Refuses more than `limit_px` pixels before it allocates anything.
   Result<RgbImage> decode(std::span<const std::byte> jpeg, std::size_t limit_px);
   Result<GreyImage> decode_grey(std::span<const std::byte> jpeg, std::size_t limit_px);
   /// Decodes into the caller's pixels. kBadData  also when the picture is not exactly `width` x `height`.
   Status decode_into(std::span<const std::byte> jpeg, std::uint8_t* rgb, int width, int height, std::size_t row_bytes);
+  /// Decodes into a part of a picture without turning colours into RGB: about twice as quick. `place` lies inside, at
+  /// even pixels, and ends at even ones or at the picture's edge. Several decoders may fill parts that do not overlap
+  /// at once. kBadData  also when the JPEG has not exactly the part's size, or keeps its colours in another way.
+  Status decode_into(std::span<const std::byte> jpeg, PlanarPicture* picture, const PixelRect& place);
+  RgbImage to_rgb(const PlanarPicture& picture);
 
  private:
   struct Handle;

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "appliance/display/frame_assembler.h"
+#include "tests/doubles/heads_that_see_all.h"
 #include "tests/doubles/jpeg_tiles.h"
 
 namespace cyclorama {
@@ -104,7 +105,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   SteadyClock clock;
   CheckingSink sink;
   DecodePool pool(1);
-  FrameAssembler assembler(&pool, &sink, &clock);
+  FrameAssembler assembler(&pool, &sink, &clock, heads_that_see_all());
   while (!input.is_empty()) {
     wire::ShowMessage message = message_from(&input);
     const auto kind = message.message_case();

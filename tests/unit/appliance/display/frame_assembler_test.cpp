@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "common/base/file.h"
+#include "tests/doubles/heads_that_see_all.h"
 #include "tests/doubles/jpeg_tiles.h"
 #include "tests/doubles/shared_data.h"
 
@@ -33,7 +34,8 @@ RgbImage gradient(int width = kPanorama.width_px, int height = kPanorama.height_
   return picture;
 }
 
-int largest_difference(const RgbImage& a, const RgbImage& b) {
+int largest_difference(const PlanarPicture& planes, const RgbImage& b) {
+  const RgbImage a = JpegDecoder().to_rgb(planes);
   if (a.width() != b.width() || a.height() != b.height()) return 256;
   int largest = 0;
   for (std::size_t i = 0; i < a.data().size(); ++i)
@@ -89,7 +91,7 @@ class FrameAssembling : public ::testing::Test {
   SteadyClock clock_;
   RecordingSink sink_;
   DecodePool pool_{2};
-  FrameAssembler assembler_{&pool_, &sink_, &clock_};
+  FrameAssembler assembler_{&pool_, &sink_, &clock_, heads_that_see_all()};
 };
 
 TEST_F(FrameAssembling, gives_a_whole_frame_as_it_was_sent) {
@@ -118,6 +120,62 @@ TEST_F(FrameAssembling, takes_tiles_in_any_order_and_of_any_size) {
   ASSERT_TRUE(sink_.wait_for(3));
   ASSERT_EQ(sink_.frames.size(), 3U);
   for (const Frame& frame : sink_.frames) EXPECT_LE(largest_difference(*frame.picture, gradient()), 12);
+}
+
+TEST_F(FrameAssembling, takes_half_chroma_and_refuses_a_frame_that_changes_it) {
+  Messages messages = good(7);
+  Messages halved = messages;
+  const RgbImage grey(kPanorama.width_px, kPanorama.height_px, 77);
+  for (std::size_t i = 1; i + 1 < messages.size(); ++i) {
+    wire::Tile* const tile = halved[i].mutable_tile();
+    const auto jpeg = JpegEncoder().encode(grey.at(0, 0), static_cast<int>(tile->width_px()),
+                                           static_cast<int>(tile->height_px()), grey.row_values(), {95, true});
+    ASSERT_TRUE(jpeg);
+    tile->set_jpeg(jpeg->data(), jpeg->size());
+  }
+  send(halved);
+  ASSERT_TRUE(sink_.wait_for(1));
+  ASSERT_EQ(sink_.frames.size(), 1U);
+  EXPECT_TRUE(sink_.frames[0].picture->has_half_chroma());
+  EXPECT_LE(largest_difference(*sink_.frames[0].picture, grey), 2);
+  sink_.frames.clear();
+  messages[3] = halved[3];
+  expect_dropped(messages, "colours are not kept as 4:4:4");
+}
+
+TEST(FrameAssembler, decodes_only_the_tiles_that_a_head_shows) {
+  SteadyClock clock;
+  RecordingSink sink;
+  DecodePool pool(1);
+  // A head that shows 0.2 of the wall's 1.6 rad, in a picture of 2 rad: it may be turned by 0.2 either way.
+  PixelMap map(3, 200);
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 3; ++x) {
+      map.at(x, y)[0] = -0.1f + 0.1f * static_cast<float>(x);
+      map.at(x, y)[1] = 0.5f - static_cast<float>(y) / 200.0f;
+    }
+  }
+  FrameAssembler assembler(&pool, &sink, &clock, {{HeadFootprint(map, MaskImage(3, 200, 1.0f))}, 1.6});
+  const Panorama panorama{1600, 96, 2.0, 0.5, -0.5};
+  const RgbImage picture = gradient(1600, 96);
+  for (const auto& message : frame_messages(7, picture, panorama, 0.0, 32)) assembler.take(message);
+  ASSERT_TRUE(sink.wait_for(1));
+  ASSERT_EQ(sink.frames.size(), 1U);
+  const Frame& frame = sink.frames[0];
+  EXPECT_EQ(frame.tiles, 50U * 3U);
+  EXPECT_NEAR(frame.reach_rad, 0.2, 1e-9);
+  // 0.6 rad are 480 px, and 3 for the filters on either side: from 557 to 1043.
+  EXPECT_EQ(frame.decoded, 16U * 3U);
+  const RgbImage shown = JpegDecoder().to_rgb(*frame.picture);
+  ASSERT_TRUE(frame.parts != nullptr);
+  ASSERT_EQ(frame.parts->size(), 1U);
+  const PixelRect part = frame.parts->front();
+  EXPECT_LE(part.x, 800 - 240 - 3);
+  EXPECT_GE(part.x + part.width, 800 + 240 + 3);
+  EXPECT_EQ(part.height, 96);
+  for (int y = 0; y < 96; ++y) {
+    for (int x = part.x; x < part.x + part.width; ++x) ASSERT_NEAR(shown.at(x, y)[0], picture.at(x, y)[0], 12);
+  }
 }
 
 TEST_F(FrameAssembling, keeps_frames_apart_that_are_held_for_long) {
@@ -296,7 +354,7 @@ TEST(FrameAssembler, never_shows_a_frame_whose_tiles_were_not_decoded_when_the_d
       opened.wait_for(std::chrono::seconds(20));
     });
     begun.get_future().wait_for(std::chrono::seconds(20));
-    FrameAssembler assembler(pool.get(), &sink, &clock);
+    FrameAssembler assembler(pool.get(), &sink, &clock, heads_that_see_all());
     for (const auto& message : frame_messages(7, gradient(), kPanorama)) assembler.take(message);
     std::jthread opener([&] { gate.set_value(); });
     pool.reset();

@@ -8,6 +8,7 @@
 #include "appliance/display/atomic_slot.h"
 #include "appliance/display/decode_pool.h"
 #include "appliance/display/event_ring.h"
+#include "appliance/display/newest_value.h"
 
 namespace cyclorama {
 namespace {
@@ -31,6 +32,27 @@ TEST(AtomicSlot, gives_every_value_to_the_taker_or_back_to_the_putter_once) {
   taker.join();
   for (std::size_t n = 0; n < kValues; ++n) ASSERT_EQ(seen[n] + returned[n], 1) << n;
   EXPECT_EQ(seen[kValues - 1], 1);
+}
+
+TEST(NewestValue, gives_the_newest_whole_and_each_once) {
+  struct Pair {
+    int a = 0;
+    int b = 0;
+  };
+  NewestValue<Pair> slot;
+  Pair seen;
+  EXPECT_FALSE(slot.take(&seen));
+  constexpr int kValues = 50000;
+  std::jthread producer([&] {
+    for (int n = 1; n <= kValues; ++n) slot.put({n, -n});
+  });
+  while (seen.a < kValues) {
+    const int before = seen.a;
+    if (!slot.take(&seen)) continue;
+    ASSERT_GT(seen.a, before);
+    ASSERT_EQ(seen.b, -seen.a);
+  }
+  EXPECT_FALSE(slot.take(&seen));
 }
 
 TEST(EventRing, keeps_order_and_counts_what_finds_no_place) {

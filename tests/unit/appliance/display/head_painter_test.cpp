@@ -6,27 +6,21 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <random>
 
-#include "drivers/output/headless/headless_output.h"
+#include "appliance/display/lit_triangles.h"
 #include "tests/doubles/demo_room.h"
-#include "tests/doubles/warped_picture.h"
+#include "tests/doubles/painted_head.h"
 
 namespace cyclorama {
 namespace {
 
 using Renderer = HeadlessOptions::Renderer;
-using Random = std::mt19937;
 
-double between(Random* random, double a, double b) { return std::uniform_real_distribution(a, b)(*random); }
-
-RgbImage noise(int width, int height, Random* random) {
-  RgbImage picture(width, height);
-  for (std::uint8_t& value : picture.data()) value = static_cast<std::uint8_t>((*random)());
-  return picture;
-}
+constexpr double kSlack_px = 0.02;
+// Light is kept in half floats, a mask too: each is off by up to a 4096th.
+constexpr double kSlackLight = 1.0 / 2048.0;
+constexpr double kTurn = 2.0 * std::numbers::pi;
 
 RgbImage smooth(int width, int height) {
   RgbImage picture(width, height);
@@ -40,110 +34,43 @@ RgbImage smooth(int width, int height) {
   return picture;
 }
 
-/// Cells that look anywhere in and a little beyond a panorama; some of them nowhere.
-WarpMesh random_mesh(int width, int height, double span_rad, Random* random) {
-  WarpMesh mesh{width, height, 1 + static_cast<int>((*random)() % 9), 1 + static_cast<int>((*random)() % 9), {}, 0.0};
-  for (int j = 0; j <= mesh.cells_y; ++j) {
-    for (int i = 0; i <= mesh.cells_x; ++i) {
-      WarpVertex vertex{static_cast<float>(width) * static_cast<float>(i) / static_cast<float>(mesh.cells_x),
-                        static_cast<float>(height) * static_cast<float>(j) / static_cast<float>(mesh.cells_y),
-                        static_cast<float>(between(random, -0.6, 0.6) * span_rad),
-                        static_cast<float>(between(random, -0.6, 0.6))};
-      if ((*random)() % 20 == 0) vertex.azimuth_rad = std::numeric_limits<float>::quiet_NaN();
-      mesh.vertices.push_back(vertex);
-    }
-  }
-  return mesh;
+PlanarPicture plain(int width, int height, std::uint8_t code) {
+  return JpegEncoder().to_planar(RgbImage(width, height, code));
 }
 
-MaskImage random_mask(int width, int height, Random* random) {
-  MaskImage mask(width, height);
-  for (float& factor : mask.data()) {
-    factor = static_cast<float>(std::clamp(between(random, -0.2, 1.2), 0.0, 1.0));
-  }
-  return mask;
+/// A head that looks straight at the whole panorama.
+WarpMesh straight(int width, int height, double span_rad) {
+  const auto w = static_cast<float>(width);
+  const auto h = static_cast<float>(height);
+  const auto half = static_cast<float>(0.5 * span_rad);
+  return {width, height, 1, 1, {{0, 0, -half, 0.5f}, {w, 0, half, 0.5f}, {0, h, -half, -0.5f}, {w, h, half, -0.5f}},
+          0.0};
 }
 
 class HeadPainting : public ::testing::TestWithParam<Renderer> {
  protected:
-  /// Draws one head; the picture from its upper row downwards.
-  RgbImage drawn(const WarpMesh& mesh, const MaskImage& mask, const RgbImage& picture, const Panorama& panorama,
-                 double shift) {
-    auto output = open_headless_output({{{"head", mesh.width_px, mesh.height_px}}, 100.0, {}, GetParam()}, clock_);
-    EXPECT_TRUE(output) << output.error().message();
-    const Gl& gl = (*output)->gl();
-    auto program = WarpProgram::make(gl);
-    EXPECT_TRUE(program) << program.error().message();
-    auto painter = HeadPainter::make(gl, *program, mesh, mask);
-    EXPECT_TRUE(painter) << painter.error().message();
-    PanoramaTexture texture(gl);
-    Frame frame;
-    frame.panorama = panorama;
-    frame.picture = std::make_shared<const RgbImage>(picture);
-    EXPECT_TRUE(texture.upload(frame));
-    EXPECT_TRUE((*output)->draw_to(0));
-    painter->draw(texture, shift);
-    RgbaImage read_back(mesh.width_px, mesh.height_px);
-    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    gl.ReadPixels(0, 0, mesh.width_px, mesh.height_px, GL_RGBA, GL_UNSIGNED_BYTE, read_back.data().data());
-    EXPECT_TRUE(gl.check("drawing"));
-    RgbImage result(mesh.width_px, mesh.height_px);
-    to_picture(read_back, &result);
-    return result;
-  }
-
-  /// A pixel's centre on the edge of a triangle that is left out may be drawn or not: cards snap corners to 1/256 px.
-  static bool is_on_the_rim(const WarpMesh& mesh, int x, int y) {
-    constexpr double kSnap_px = 1.0 / 64.0;
-    int drawn = 0;
-    for (int off = 0; off < 4; ++off) {
-      const Eigen::Vector2d near(x + 0.5 + (off % 2 == 0 ? -kSnap_px : kSnap_px),
-                                 y + 0.5 + (off < 2 ? -kSnap_px : kSnap_px));
-      drawn += mesh.interpolate(near) ? 1 : 0;
-    }
-    return drawn != 0 && drawn != 4;
-  }
-
-  /// The largest distance in code values from what the reference gives anywhere within `slack_px`.
-  static double worst_difference(const RgbImage& drawn, const WarpMesh& mesh, const MaskImage& mask,
-                                 const WarpedPicture& reference, double slack_px) {
-    double worst = 0.0;
-    for (int y = 0; y < drawn.height(); ++y) {
-      for (int x = 0; x < drawn.width(); ++x) {
-        if (is_on_the_rim(mesh, x, y)) continue;
-        std::array<double, 3> least = reference.at(mesh, mask, x, y);
-        std::array<double, 3> most = least;
-        for (int off = 0; slack_px > 0.0 && off < 9; ++off) {
-          const auto moved = reference.at(mesh, mask, x, y, (off % 3 - 1) * slack_px, (off / 3 - 1) * slack_px);
-          for (std::size_t c = 0; c < 3; ++c) least[c] = std::min(least[c], moved[c]);
-          for (std::size_t c = 0; c < 3; ++c) most[c] = std::max(most[c], moved[c]);
-        }
-        for (std::size_t c = 0; c < 3; ++c) {
-          const double value = drawn.at(x, y)[c];
-          worst = std::max({worst, least[c] - value, value - most[c]});
-        }
-      }
-    }
-    return worst;
-  }
-  SteadyClock clock_;
+  PaintedHead head_{GetParam()};
 };
 
-TEST_P(HeadPainting, agrees_with_the_cpu_over_random_meshes_and_masks) {
-  Random random(11);
+TEST_P(HeadPainting, agrees_with_the_cpu_over_random_warps_masks_and_colours) {
+  RandomHeads heads(11);
   double worst = 0.0;
-  for (int n = 0; n < 16; ++n) {
-    const int width = 20 + static_cast<int>(random() % 120);
-    const int height = 20 + static_cast<int>(random() % 90);
+  for (int n = 0; n < 24; ++n) {
+    const int width = heads.pixels(16, 140);
+    const int height = heads.pixels(16, 110);
     const bool whole_turn = n % 4 == 0;
-    Panorama panorama{16 + static_cast<int>(random() % 300), 16 + static_cast<int>(random() % 100),
-                      whole_turn ? 2.0 * std::numbers::pi : between(&random, 0.5, 6.0), 0.5, -0.5};
-    const WarpMesh mesh = random_mesh(width, height, panorama.azimuth_span_rad, &random);
-    const MaskImage mask = random_mask(width, height, &random);
-    const RgbImage picture = noise(panorama.width_px, panorama.height_px, &random);
-    const double shift = between(&random, -1.0, 1.0);
-    const RgbImage image = drawn(mesh, mask, picture, panorama, shift);
-    worst = std::max(worst, worst_difference(image, mesh, mask, WarpedPicture(picture, panorama, shift), 0.02));
+    const Panorama panorama{n % 8 == 1 ? 16 : heads.pixels(16, 300), n % 8 == 1 ? 16 : heads.pixels(16, 120),
+                            whole_turn ? kTurn : heads.between(0.5, 6.0), 0.5, -0.5};
+    const bool mapped = n % 3 == 2;
+    const double span = panorama.azimuth_span_rad;
+    const HeadPlan plan{
+        mapped ? Warp(heads.map(width, height, span)) : Warp(heads.mesh(width, height, span, n % 5 == 0)),
+        heads.mask(width, height), n < 4 ? HeadColour{} : heads.colour(width, height), 8, n % 2 == 1};
+    const PlanarPicture picture = heads.noise(panorama.width_px, panorama.height_px, heads.one_in(2));
+    const double shift = heads.between(-1.0, 1.0);
+    const RgbImage image = head_.drawn(plan, picture, panorama, shift);
+    worst =
+        std::max(worst, worst_difference(image, plan, ExactPicture(picture, panorama, shift), kSlack_px, kSlackLight));
     ASSERT_LE(worst, 1.0) << "case " << n;
   }
   std::printf("noise within 0.02 px: worst %.3f code values\n", worst);
@@ -152,52 +79,164 @@ TEST_P(HeadPainting, agrees_with_the_cpu_over_random_meshes_and_masks) {
 TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
   const Installation room = demo_room();
   const Panorama panorama = room.panorama(512);
-  const RgbImage picture = smooth(panorama.width_px, panorama.height_px);
+  const PlanarPicture picture = JpegEncoder().to_planar(smooth(panorama.width_px, panorama.height_px));
   const std::vector<ProjectorMap> maps = projector_maps(room);
   const std::vector<MaskImage> masks = make_blend_masks(maps);
+  const ExactPicture reference(picture, panorama, 0.0);
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const auto mesh = make_warp_mesh(maps[i], panorama);
     ASSERT_TRUE(mesh);
-    const RgbImage image = drawn(*mesh, masks[i], picture, panorama, 0.0);
-    const double worst = worst_difference(image, *mesh, masks[i], WarpedPicture(picture, panorama, 0.0), 0.0);
-    std::printf("projector %zu: worst %.3f code values\n", i, worst);
-    EXPECT_LE(worst, 1.0);
+    for (const Warp& warp : {Warp(*mesh), Warp(make_pixel_map(maps[i]))}) {
+      const HeadPlan plan{warp, masks[i], {}, 8, false};
+      const double worst = worst_difference(head_.drawn(plan, picture, panorama, 0.0), plan, reference, 0.0);
+      std::printf("projector %zu: worst %.3f code values\n", i, worst);
+      EXPECT_LE(worst, 1.0);
+    }
+  }
+}
+
+TEST_P(HeadPainting, finds_the_place_in_a_panorama_of_8192_pixels) {
+  RandomHeads heads(3);
+  for (const bool whole_turn : {false, true}) {
+    const Panorama panorama{8192, 32, whole_turn ? kTurn : 3.0, 0.5, -0.5};
+    const PlanarPicture picture = heads.noise(8192, 32, false);
+    const HeadPlan plan{heads.mesh(97, 41, 0.02), MaskImage(97, 41, 1.0f), {}, 8, false};
+    const RgbImage image = head_.drawn(plan, picture, panorama, 0.7);
+    EXPECT_LE(worst_difference(image, plan, ExactPicture(picture, panorama, 0.7), kSlack_px), 1.0);
   }
 }
 
 TEST_P(HeadPainting, of_a_turned_visitor_is_the_shifted_picture) {
-  Random random(5);
+  RandomHeads heads(5);
   const Panorama panorama{256, 64, 2.56, 0.4, -0.4};  // 0.01 rad per pixel.
-  const RgbImage picture = noise(256, 64, &random);
-  RgbImage shifted(256, 64);
+  const PlanarPicture picture = heads.noise(256, 64, false);
+  PlanarPicture shifted(256, 64, false);
   constexpr int kShift_px = 13;
-  for (int y = 0; y < 64; ++y) {
-    for (int x = 0; x < 256; ++x) std::copy_n(picture.at(std::min(x + kShift_px, 255), y), 3, shifted.at(x, y));
-  }
+  const auto shift = [&](const GreyImage& from, GreyImage* to) {
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 256; ++x) *to->at(x, y) = *from.at(std::min(x + kShift_px, 255), y);
+    }
+  };
+  shift(picture.luma(), &shifted.luma());
+  shift(picture.blue(), &shifted.blue());
+  shift(picture.red(), &shifted.red());
   WarpMesh mesh{100, 60, 1, 1, {}, 0.0};
   mesh.vertices = {{0, 0, -0.6f, 0.35f}, {100, 0, 0.7f, 0.3f}, {0, 60, -0.7f, -0.3f}, {100, 60, 0.6f, -0.38f}};
-  const MaskImage mask(100, 60, 0.8f);
-  const RgbImage turned = drawn(mesh, mask, picture, panorama, 0.01 * kShift_px);
-  const double worst = worst_difference(turned, mesh, mask, WarpedPicture(shifted, panorama, 0.0), 0.005);
-  EXPECT_LE(worst, 1.0);
+  const HeadPlan plan{mesh, MaskImage(100, 60, 0.8f)};
+  const RgbImage turned = head_.drawn(plan, picture, panorama, 0.01 * kShift_px);
+  EXPECT_LE(worst_difference(turned, plan, ExactPicture(shifted, panorama, 0.0), 0.005), 1.0);
 }
 
-TEST_P(HeadPainting, leaves_black_where_the_mask_or_the_mesh_is_empty) {
-  Random random(6);
+TEST_P(HeadPainting, leaves_black_where_the_mask_or_the_warp_is_empty) {
+  RandomHeads heads(6);
   const Panorama panorama{64, 64, 1.0, 0.5, -0.5};
-  const RgbImage white(64, 64, 255);
-  WarpMesh mesh = random_mesh(40, 30, 1.0, &random);
-  MaskImage mask(40, 30, 1.0f);
-  for (int x = 0; x < 40; ++x) *mask.at(x, 0) = 0.0f;
-  const RgbImage image = drawn(mesh, mask, white, panorama, 0.0);
+  const PlanarPicture white = plain(64, 64, 255);
+  HeadPlan plan{heads.mesh(40, 30, 1.0), MaskImage(40, 30, 1.0f)};
+  for (int x = 0; x < 40; ++x) *plan.mask.at(x, 0) = 0.0f;
+  const RgbImage image = head_.drawn(plan, white, panorama, 0.0);
   for (int x = 0; x < 40; ++x) EXPECT_EQ(image.at(x, 0)[1], 0);
-  for (WarpVertex& vertex : mesh.vertices) vertex.tan_elevation = std::numeric_limits<float>::quiet_NaN();
-  const RgbImage nothing = drawn(mesh, mask, white, panorama, 0.0);
-  EXPECT_THAT(nothing.data(), ::testing::Each(0));
+  for (WarpVertex& vertex : std::get<WarpMesh>(plan.warp).vertices) {
+    vertex.tan_elevation = std::numeric_limits<float>::quiet_NaN();
+  }
+  EXPECT_THAT(head_.drawn(plan, white, panorama, 0.0).data(), ::testing::Each(0));
+  plan.warp = PixelMap(40, 30, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_THAT(head_.drawn(plan, white, panorama, 0.0).data(), ::testing::Each(0));
+  plan.warp = straight(40, 30, 1.0);
+  plan.mask = MaskImage(40, 30, 0.0f);
+  EXPECT_THAT(head_.drawn(plan, white, panorama, 0.0).data(), ::testing::Each(0));
+}
+
+TEST_P(HeadPainting, follows_a_response_with_a_steep_step) {
+  const Panorama panorama{256, 16, 1.0, 0.5, -0.5};
+  RgbImage ramp(256, 16);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 256; ++x) std::fill_n(ramp.at(x, y), 3, static_cast<std::uint8_t>(x));
+  }
+  ResponseCurve step;
+  for (int i = 0; i < 256; ++i) step.codes.push_back(i < 100 ? 0.1f : 0.9f);
+  HeadPlan plan{straight(256, 16, 1.0), MaskImage(256, 16, 1.0f), {}, 8, false};
+  plan.colour.response = std::array{step, ResponseCurve::srgb(256), ResponseCurve::power(2.2, 256)};
+  const PlanarPicture picture = JpegEncoder().to_planar(ramp);
+  const RgbImage image = head_.drawn(plan, picture, panorama, 0.0);
+  // The nearest of 4096 steps: within the step's own width the other side may be seen.
+  EXPECT_LE(worst_difference(image, plan, ExactPicture(picture, panorama, 0.0), 0.0, 1.0 / 512.0), 1.0);
+  EXPECT_NEAR(image.at(10, 8)[0], 26, 1);
+  EXPECT_NEAR(image.at(250, 8)[0], 230, 1);
+  EXPECT_NEAR(image.at(250, 8)[1], 250, 1);  // sRGB back to sRGB.
+}
+
+TEST_P(HeadPainting, dithers_without_changing_the_mean) {
+  const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
+  const PlanarPicture picture = plain(16, 16, 40);
+  for (const float weight : {1.0f, 0.93f, 0.71f, 0.5f, 0.37f}) {
+    const HeadPlan plan{straight(128, 128, 1.0), MaskImage(128, 128, weight)};
+    const RgbImage image = head_.drawn(plan, picture, panorama, 0.0);
+    const double exact = 255.0 * ExactPicture(picture, panorama, 0.0).code_at(plan, 64, 64)[1];
+    double sum = 0.0;
+    for (const std::uint8_t code : image.data()) {
+      sum += code;
+      ASSERT_LE(std::abs(code - exact), 1.0);
+    }
+    EXPECT_NEAR(sum / static_cast<double>(image.data().size()), exact, 0.05) << weight;
+    // Not in large patches: any 8 x 8 pixels have nearly the mean.
+    for (int block = 0; block < 256; ++block) {
+      double part = 0.0;
+      for (int i = 0; i < 64; ++i) part += *image.at(block % 16 * 8 + i % 8, block / 16 * 8 + i / 8);
+      ASSERT_NEAR(part / 64.0, exact, 0.16);
+    }
+  }
+}
+
+TEST_P(HeadPainting, dithers_to_the_depth_of_the_output) {
+  const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
+  HeadPlan plan{straight(64, 64, 1.0), MaskImage(64, 64, 0.71f)};
+  plan.depth_bits = 10;  // Less noise than one code value of 8 bits.
+  const RgbImage image = head_.drawn(plan, plain(16, 16, 40), panorama, 0.0);
+  EXPECT_LE(*std::ranges::max_element(image.data()) - *std::ranges::min_element(image.data()), 1);
+  std::size_t differing = 0;
+  for (const std::uint8_t code : image.data()) differing += code != image.data()[0] ? 1U : 0U;
+  EXPECT_LT(differing, image.data().size() / 3);
+}
+
+TEST_P(HeadPainting, mixes_two_pictures_in_linear_light) {
+  const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
+  for (const bool mapped : {false, true}) {
+    HeadPlan plan{straight(32, 32, 1.0), MaskImage(32, 32, 1.0f), {}, 8, false};
+    if (mapped) plan.warp = PixelMap(32, 32, 0.0f);
+    const RgbImage image = head_.faded(plan, plain(16, 16, 0), plain(16, 16, 255), panorama, 0.25);
+    const double expected = 255.0 * (1.055 * std::pow(0.25, 1.0 / 2.4) - 0.055);
+    EXPECT_THAT(image.data(),
+                ::testing::Each(::testing::AllOf(::testing::Ge(expected - 1), ::testing::Le(expected + 1))));
+  }
+}
+
+TEST_P(HeadPainting, sees_no_seam_where_a_whole_turn_closes) {
+  const Panorama panorama{64, 16, kTurn, 0.5, -0.5};
+  RandomHeads heads(9);
+  const PlanarPicture picture = heads.noise(64, 16, true);
+  const HeadPlan plan{straight(640, 16, 0.6), MaskImage(640, 16, 1.0f), {}, 8, false};
+  const RgbImage image = head_.drawn(plan, picture, panorama, std::numbers::pi);
+  EXPECT_LE(worst_difference(image, plan, ExactPicture(picture, panorama, std::numbers::pi), kSlack_px), 1.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Headless, HeadPainting, ::testing::Values(Renderer::kEgl, Renderer::kOsMesa),
                          [](const auto& tested) { return tested.param == Renderer::kEgl ? "egl" : "osmesa"; });
+
+TEST(LitTriangles, are_split_into_those_that_need_the_mask_and_those_that_do_not) {
+  WarpMesh mesh{40, 40, 4, 4, {}, 0.0};
+  for (int j = 0; j <= 4; ++j) {
+    for (int i = 0; i <= 4; ++i)
+      mesh.vertices.push_back({10.0f * static_cast<float>(i), 10.0f * static_cast<float>(j), 0, 0});
+  }
+  MaskImage mask(40, 40, 1.0f);
+  for (int y = 0; y < 40; ++y) *mask.at(39, y) = 0.5f;  // The last column of cells is masked.
+  for (int x = 0; x < 40; ++x) {
+    for (int y = 0; y < 11; ++y) *mask.at(x, y) = 0.0f;  // The first row is black, down to the second's first pixel.
+  }
+  const LitTriangles lit = lit_triangles(mesh, mask);
+  EXPECT_EQ(lit.whole.size(), 3U * 2U * 3U * 2U);  // 3 columns, the 2 lower rows.
+  EXPECT_EQ(lit.masked.size(), 3U * 2U * 6U);      // The second row, and the last column below it.
+}
 
 }  // namespace
 }  // namespace cyclorama

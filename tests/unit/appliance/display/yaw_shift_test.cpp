@@ -5,40 +5,44 @@
 
 #include <numbers>
 
+#include "appliance/display/shown_parts.h"
+
 namespace cyclorama {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 
 TEST(YawShift, is_the_turn_since_the_picture_was_asked_for) {
-  const Panorama picture{2200, 400, 2.2, 0.4, -0.4};
-  EXPECT_NEAR(yaw_shift(picture, 0.3, 0.38, 2.0).angle_rad, 0.08, 1e-12);
-  EXPECT_NEAR(yaw_shift(picture, 0.3, 0.25, 2.0).angle_rad, -0.05, 1e-12);
-  EXPECT_FALSE(yaw_shift(picture, 0.3, 0.25, 2.0).is_past_guard);
+  EXPECT_NEAR(yaw_shift(0.3, 0.38, 0.1).angle_rad, 0.08, 1e-12);
+  EXPECT_NEAR(yaw_shift(0.3, 0.25, 0.1).angle_rad, -0.05, 1e-12);
+  EXPECT_FALSE(yaw_shift(0.3, 0.25, 0.1).is_past_guard);
 }
 
 TEST(YawShift, goes_the_short_way_round) {
-  const Panorama picture{2200, 400, 2.2, 0.4, -0.4};
-  EXPECT_NEAR(yaw_shift(picture, kPi - 0.02, -kPi + 0.03, 2.0).angle_rad, 0.05, 1e-12);
-  EXPECT_NEAR(yaw_shift(picture, 0.01 + 20.0 * kPi, 0.03, 2.0).angle_rad, 0.02, 1e-9);
+  EXPECT_NEAR(yaw_shift(kPi - 0.02, -kPi + 0.03, 0.1).angle_rad, 0.05, 1e-12);
+  EXPECT_NEAR(yaw_shift(0.01 + 20.0 * kPi, 0.03, 0.1).angle_rad, 0.02, 1e-9);
 }
 
-TEST(YawShift, stops_at_the_end_of_the_guard_band_and_says_so) {
-  const Panorama picture{2200, 400, 2.2, 0.4, -0.4};
-  const YawShift right = yaw_shift(picture, 0.0, 0.5, 2.0);
+TEST(YawShift, stops_at_the_end_of_what_there_is_and_says_so) {
+  const YawShift right = yaw_shift(0.0, 0.5, 0.1);
   EXPECT_NEAR(right.angle_rad, 0.1, 1e-12);
   EXPECT_TRUE(right.is_past_guard);
-  EXPECT_NEAR(yaw_shift(picture, 0.0, -3.0, 2.0).angle_rad, -0.1, 1e-12);
-  // A picture without any guard band, and one that is narrower than the wall, do not move.
-  EXPECT_EQ(yaw_shift(picture, 0.0, 0.5, 2.2).angle_rad, 0.0);
-  EXPECT_EQ(yaw_shift(picture, 0.0, 0.5, 3.0).angle_rad, 0.0);
+  EXPECT_NEAR(yaw_shift(0.0, -3.0, 0.1).angle_rad, -0.1, 1e-12);
+  EXPECT_EQ(yaw_shift(0.0, 0.5, 0.0).angle_rad, 0.0);
 }
 
-TEST(YawShift, has_no_end_in_a_whole_turn) {
+TEST(YawShift, reaches_as_far_as_the_guard_band) {
+  const Panorama picture{2200, 400, 2.2, 0.4, -0.4};
+  EXPECT_NEAR(turn_reach(picture, 2.0), 0.1, 1e-12);
+  // A picture without any guard band, and one that is narrower than the wall, do not move.
+  EXPECT_EQ(turn_reach(picture, 2.2), 0.0);
+  EXPECT_EQ(turn_reach(picture, 3.0), 0.0);
+}
+
+TEST(YawShift, knows_a_whole_turn) {
   const Panorama circle{6283, 400, 2.0 * kPi, 0.4, -0.4};
   EXPECT_TRUE(is_whole_turn(circle));
-  EXPECT_NEAR(yaw_shift(circle, 0.0, 3.0, 2.0).angle_rad, 3.0, 1e-12);
-  EXPECT_FALSE(yaw_shift(circle, 0.0, 3.0, 2.0).is_past_guard);
+  EXPECT_NEAR(turn_reach(circle, 2.0), 0.5, 1e-12);
   const Panorama guarded = Panorama{1000, 100, 2.2, 0.2, -0.2}.with_guard_band(10.0);
   EXPECT_TRUE(is_whole_turn(guarded));
   EXPECT_FALSE(is_whole_turn({1000, 100, 6.2, 0.2, -0.2}));

@@ -65,6 +65,52 @@ TEST(Jpeg, a_part_of_a_picture_is_encoded_and_decoded_in_place) {
   EXPECT_EQ(wrong.error().code(), ErrorCode::kBadData);
 }
 
+TEST(Jpeg, planes_are_the_same_picture_whatever_its_size) {
+  JpegEncoder encoder;
+  JpegDecoder decoder;
+  for (const auto& [width, height] : {std::pair{1, 1}, std::pair{17, 3}, std::pair{64, 48}, std::pair{333, 201}}) {
+    for (const bool subsample : {false, true}) {
+      const auto jpeg = encoder.encode(gradient(width, height), {.quality = 95, .subsample_chroma = subsample});
+      ASSERT_TRUE(jpeg.has_value());
+      const auto header = decoder.header_of(*jpeg);
+      ASSERT_TRUE(header.has_value());
+      EXPECT_EQ(header->has_half_chroma, subsample);
+      PlanarPicture planes(width, height, subsample);
+      ASSERT_TRUE(decoder.decode_into(*jpeg, &planes, {0, 0, width, height}).has_value());
+      // Half chroma is repeated here and interpolated there.
+      const double allowed = !subsample ? 0.5 : height < 16 ? 20.0 : 2.0;
+      EXPECT_LT(mean_difference(decoder.to_rgb(planes), *decoder.decode(*jpeg, kLimitPx)), allowed);
+    }
+  }
+}
+
+TEST(Jpeg, planes_are_decoded_in_place_and_nothing_beside_them_is_touched) {
+  JpegEncoder encoder;
+  JpegDecoder decoder;
+  for (const bool subsample : {false, true}) {
+    PlanarPicture planes(75, 51, subsample);  // The last tile ends at odd edges.
+    const PixelRect place{48, 32, 27, 19};
+    const auto jpeg = encoder.encode(RgbImage(27, 19, 200), {.quality = 95, .subsample_chroma = subsample});
+    ASSERT_TRUE(decoder.decode_into(*jpeg, &planes, place).has_value());
+    for (int y = 0; y < 51; ++y) {
+      for (int x = 0; x < 75; ++x) {
+        const bool inside = x >= place.x && y >= place.y;
+        ASSERT_NEAR(*planes.luma().at(x, y), inside ? 200 : 0, inside ? 1 : 0) << x << " " << y;
+      }
+    }
+    EXPECT_EQ(decoder.decode_into(*jpeg, &planes, {0, 0, 26, 18}).error().code(), ErrorCode::kBadData);
+    PlanarPicture other(75, 51, !subsample);
+    EXPECT_EQ(decoder.decode_into(*jpeg, &other, place).error().code(), ErrorCode::kBadData);
+    const auto cut = std::span(*jpeg).first(jpeg->size() / 2);
+    EXPECT_EQ(decoder.decode_into(cut, &planes, place).error().code(), ErrorCode::kBadData);
+  }
+}
+
+TEST(Jpeg, planes_of_a_picture_are_that_picture) {
+  const RgbImage picture = gradient(61, 33);
+  EXPECT_LT(mean_difference(JpegDecoder().to_rgb(JpegEncoder().to_planar(picture)), picture), 0.7);
+}
+
 TEST(Jpeg, a_picture_that_is_cut_short_is_refused_and_never_shown_half) {
   JpegEncoder encoder;
   JpegDecoder decoder;

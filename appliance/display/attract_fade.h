@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/base/clock.h"
+
+namespace cyclorama {
+
+struct AttractTimes {
+  Duration after = std::chrono::seconds(20);  ///< A picture may be wrong for so long.
+  Duration fade = std::chrono::seconds(2);    ///< From one picture to the other; at least a millisecond.
+};
+
+/// How much of the attract picture is seen. A picture that is wrong (the visitor has turned and no frame follows, the
+/// tour is gone, frames are given up) is kept for a while and then fades; the next frame fades in. Whatever happens,
+/// and however late a refresh is, the share never jumps.
+///
+///          wrong for `after`
+///   frame ──────────────────► fading ──► attract        Thread-bound; allocates nothing.
+///     ▲ ◄─────────────────────── │ ◄──────── │
+///               a frame          (from where it is)
+class AttractFade {
+ public:
+  explicit AttractFade(const AttractTimes& times) : times_(times) {}
+
+  /// Once per refresh. `is_new_frame`: this refresh shows a frame first; `is_wrong`: what is shown is not what should
+  /// be.
+  void step(TimePoint now, bool is_new_frame, bool is_wrong);
+  /// In [0, 1]; 1 until the first frame.
+  [[nodiscard]] double share() const;
+  [[nodiscard]] bool is_towards_attract() const { return is_attracting_; }
+
+ private:
+  AttractTimes times_;
+  double progress_ = 1.0;
+  bool is_attracting_ = true;
+  TimePoint last_step_{};
+  TimePoint right_at_{};
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/display_settings.h"
+
+#include <utility>
+
+#include "common/config/config.h"
+
+namespace cyclorama {
+namespace {
+
+Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
+
+Result<DisplaySettings> read_from(Config config, const std::filesystem::path& folder) {
+  ConfigTable root = config.root();
+  // The tour's tables, and strict about them it is.
+  for (const char* const others : {"farm", "picture", "walk"}) static_cast<void>(root.has(others));
+  ConfigTable display = root.table("display");
+  DisplaySettings settings;
+  const std::string picture = display.text("attract_picture", "");
+  if (!picture.empty()) settings.attract_picture = folder / picture;
+  AttractTimes& times = settings.attract_times;
+  times.after = seconds(display.number("attract_after_s", {0.5, 86400.0}, to_seconds(times.after)));
+  times.fade = seconds(display.number("attract_fade_s", {0.01, 60.0}, to_seconds(times.fade)));
+  TRY(config.finish());
+  return settings;
+}
+
+}  // namespace
+
+Result<DisplaySettings> read_display_settings(const std::filesystem::path& path) {
+  TRY_ASSIGN(Config config, Config::read(path));
+  return read_from(std::move(config), path.parent_path());
+}
+
+Result<DisplaySettings> parse_display_settings(std::string_view text, std::string name) {
+  TRY_ASSIGN(Config config, Config::parse(text, std::move(name)));
+  return read_from(std::move(config), {});
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The display's part of site.toml; the tour reads the rest of the same file. Without a file everything has its
+/// default.
+///
+///   [display]
+///   attract_picture = "attract.jpg"   # PNG or JPEG, sought in site.toml's folder; absent: an evening sky.
+///   attract_after_s = 20              # A picture may be wrong for so long before it fades to the attract picture,
+///   attract_fade_s = 2                # within this time.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "appliance/display/attract_fade.h"
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+struct DisplaySettings {
+  std::filesystem::path attract_picture;  ///< Empty: none of the museum's own.
+  AttractTimes attract_times;
+};
+
+/// Errors as Config::read().
+Result<DisplaySettings> read_display_settings(const std::filesystem::path& path);
+/// `name` stands for the file in errors.
+Result<DisplaySettings> parse_display_settings(std::string_view text, std::string name);
+
+}  // namespace cyclorama

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "drivers/output/gl_objects.h"
+
+namespace cyclorama {
+
+/// What pass 2 must do for some triangles of a head. What it need not do is not compiled in.
+struct HeadFeatures {
+  bool pixel_map = false;  ///< Places come from a texture, not from the mesh.
+  bool mask = false;
+  bool lift = false;  ///< Black is added; needs `mask`, whose second channel it is.
+  bool matrix = false;
+  bool response = false;  ///< A table of code values; else sRGB.
+  bool dither = false;
+  bool fade = false;  ///< Two pictures are mixed.
+
+  friend auto operator<=>(const HeadFeatures&, const HeadFeatures&) = default;
+};
+
+/// Pass 2's shader with some features. For each pixel: where in the panorama it lies; the light there, filtered by the
+/// card (in linear light; its weights may have as few as 8 bits, a 256th of a pixel); mask, matrix, black, response,
+/// dithering. Thread-bound to the GL context.
+class HeadProgram {
+ public:
+  /// kSystem  the driver's compiler refuses the shader, and why.
+  static Result<HeadProgram> make(const Gl& gl, const HeadFeatures& features);
+
+  enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
+  static constexpr GLuint kPlace = 0;      ///< Attribute: in clip space.
+  static constexpr GLuint kDirection = 1;  ///< Attribute: azimuth, tangent of elevation.
+
+  [[nodiscard]] const HeadFeatures& features() const { return features_; }
+  [[nodiscard]] GLuint id() const { return program_.id(); }
+
+  /// Uniforms of one of the two pictures.
+  struct Picture {
+    GLint to_texture = -1;  ///< Places in the texture = direction * xy + zw; x in turns, where it is a whole turn.
+    GLint turn = -1;        ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
+    GLint edges = -1;       ///< Least x, y, most x, y.
+  };
+  Picture picture;
+  Picture other;
+  GLint fade = -1;      ///< How much of the other.
+  GLint per_px = -1;    ///< 1 / the head's size.
+  GLint matrix = -1;    ///< Column by column.
+  GLint black = -1;     ///< Linear light.
+  GLint response = -1;  ///< Steps - 1 over steps, 0.5 / steps.
+  GLint step = -1;      ///< Of the output's code values, 1 / 255 for 8 bits.
+
+ private:
+  HeadProgram(GlProgram program, const HeadFeatures& features) : program_(std::move(program)), features_(features) {}
+  GlProgram program_;
+  HeadFeatures features_;
+};
+
+/// The programs of a context's heads, each made when it is first asked for. Thread-bound; borrows the Gl table.
+class HeadPrograms {
+ public:
+  explicit HeadPrograms(const Gl& gl) : gl_(gl) {}
+  /// It lives as long as this. Errors of HeadProgram::make().
+  Result<const HeadProgram*> get(const HeadFeatures& features);
+
+ private:
+  const Gl& gl_;
+  std::vector<std::unique_ptr<HeadProgram>> programs_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "appliance/warp/blend_mask.h"
+#include "appliance/warp/head_colour.h"
+#include "appliance/warp/warp_mesh.h"
+
+namespace cyclorama {
+
+/// A mesh's triangles, three indices each, by what the mask does to them. Those that it blackens and that get no lift
+/// are left out: a projector that reaches past the wall has many.
+struct LitTriangles {
+  std::vector<std::uint32_t> whole;   ///< The mask is 1 at all their pixels.
+  std::vector<std::uint32_t> masked;  ///< The others.
+};
+
+/// Precondition: mask, mesh and lift, if there is any, have one size.
+[[nodiscard]] LitTriangles lit_triangles(const WarpMesh& mesh, const MaskImage& mask, const LiftImage* lift = nullptr);
+
+}  // namespace cyclorama

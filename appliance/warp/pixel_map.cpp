@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/warp/pixel_map.h"
+
+#include <algorithm>
+
+namespace cyclorama {
+namespace {
+// Measured by ./bench.sh display-trade on a software rasteriser: with smaller cells the map is quicker.
+constexpr int kLeastCellPx = 8;
+}  // namespace
+
+PixelMap make_pixel_map(const ProjectorMap& map) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  PixelMap directions(map.lens().width_px, map.lens().height_px, kNone);
+  for (int y = 0; y < directions.height(); ++y) {
+    for (int x = 0; x < directions.width(); ++x) {
+      const auto direction = map.direction_of({x + 0.5, y + 0.5});
+      if (!direction) continue;
+      directions.at(x, y)[0] = static_cast<float>(direction->azimuth_rad);
+      directions.at(x, y)[1] = static_cast<float>(direction->tan_elevation);
+    }
+  }
+  return directions;
+}
+
+Result<Warp> make_warp(const ProjectorMap& map, const Panorama& picture, double tolerance_px) {
+  TRY(picture.validate());
+  const int most = std::max(1, map.lens().width_px * map.lens().height_px / (kLeastCellPx * kLeastCellPx));
+  auto mesh = make_warp_mesh(map, picture, tolerance_px, most);
+  if (mesh) return Warp(*std::move(mesh));
+  return Warp(make_pixel_map(map));
+}
+
+int width_px(const Warp& warp) {
+  const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp);
+  return mesh != nullptr ? mesh->width_px : std::get<PixelMap>(warp).width();
+}
+
+int height_px(const Warp& warp) {
+  const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp);
+  return mesh != nullptr ? mesh->height_px : std::get<PixelMap>(warp).height();
+}
+
+std::optional<PanoramaDirection> direction_at(const Warp& warp, int x, int y) {
+  if (const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp)) return mesh->interpolate({x + 0.5, y + 0.5});
+  const float* const direction = std::get<PixelMap>(warp).at(x, y);
+  const auto azimuth = static_cast<double>(direction[0]);
+  const auto tan_elevation = static_cast<double>(direction[1]);
+  if (azimuth != azimuth || tan_elevation != tan_elevation) return std::nullopt;
+  return PanoramaDirection{azimuth, tan_elevation};
+}
+
+}  // namespace cyclorama

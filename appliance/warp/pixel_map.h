@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <variant>
+
+#include "appliance/warp/warp_mesh.h"
+#include "common/image/image.h"
+
+namespace cyclorama {
+
+/// Where in the panorama the centre of each projector pixel lies: azimuth_rad, tan_elevation; NaNs where it lies
+/// nowhere. For what no mesh follows: walls with corners, measured maps.
+using PixelMap = Image<float, 2>;
+
+/// Where a projector's pixels lie, by the lesser model that is exact enough.
+using Warp = std::variant<WarpMesh, PixelMap>;
+
+[[nodiscard]] PixelMap make_pixel_map(const ProjectorMap& map);
+
+/// A mesh that keeps to `tolerance_px`, if its cells are large enough to be drawn quicker than a map of each pixel is
+/// read; else that map. kInvalidArgument  the panorama is none.
+Result<Warp> make_warp(const ProjectorMap& map, const Panorama& picture, double tolerance_px = 0.05);
+
+/// Across the whole head, in projector pixels.
+[[nodiscard]] int width_px(const Warp& warp);
+[[nodiscard]] int height_px(const Warp& warp);
+/// Nothing where nothing is drawn. Precondition: the pixel is inside the head.
+[[nodiscard]] std::optional<PanoramaDirection> direction_at(const Warp& warp, int x, int y);
+
+}  // namespace cyclorama

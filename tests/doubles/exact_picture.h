@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "appliance/display/head_painter.h"
+#include "common/image/planar_picture.h"
+
+namespace cyclorama {
+
+/// What the two passes must draw, in double precision on the CPU and as plainly as can be written down.
+class ExactPicture {
+ public:
+  ExactPicture(const PlanarPicture& picture, const Panorama& panorama, double yaw_shift_rad)
+      : panorama_(panorama), yaw_shift_rad_(yaw_shift_rad), light_(picture.width(), picture.height()) {
+    for (int y = 0; y < picture.height(); ++y) {
+      for (int x = 0; x < picture.width(); ++x) {
+        const double luma = *picture.luma().at(x, y);
+        const double blue = chroma(picture, picture.blue(), x, y);
+        const double red = chroma(picture, picture.red(), x, y);
+        const std::array<double, 3> codes{
+            luma + 1.402 * red, luma - (0.114 * 1.772 * blue + 0.299 * 1.402 * red) / 0.587, luma + 1.772 * blue};
+        for (std::size_t c = 0; c < 3; ++c) light_.at(x, y)[c] = linear(std::clamp(codes[c] / 255.0, 0.0, 1.0));
+      }
+    }
+  }
+
+  /// Linear light at the head's pixel before the mask; nothing in what is left out. The place in the panorama is moved
+  /// by `off_u`, `off_v` pixels.
+  [[nodiscard]] std::optional<Eigen::Vector3d> light_at(const Warp& warp, int x, int y, double off_u = 0.0,
+                                                        double off_v = 0.0) const {
+    const auto seen = direction_at(warp, x, y);
+    if (!seen) return std::nullopt;
+    double azimuth = seen->azimuth_rad + yaw_shift_rad_;
+    if (wraps()) azimuth -= 2.0 * std::numbers::pi * std::floor(azimuth / (2.0 * std::numbers::pi) + 0.5);
+    const double u = (azimuth / panorama_.azimuth_span_rad + 0.5) * panorama_.width_px + off_u - 0.5;
+    const double v = (seen->tan_elevation - panorama_.tan_elevation_top) /
+                         (panorama_.tan_elevation_bottom - panorama_.tan_elevation_top) * panorama_.height_px +
+                     off_v - 0.5;
+    return Eigen::Vector3d(light(u, v, 0), light(u, v, 1), light(u, v, 2));
+  }
+  /// Code values in [0, 1], not rounded; black in what is left out. Every light that goes into the head's colours is
+  /// off by `error` of itself, in the direction that does most.
+  [[nodiscard]] Eigen::Vector3d code_at(const HeadPlan& plan, int x, int y, double off_u = 0.0, double off_v = 0.0,
+                                        double error = 0.0) const {
+    const auto seen = light_at(plan.warp, x, y, off_u, off_v);
+    if (!seen) return Eigen::Vector3d::Zero();
+    const double lift = plan.colour.lift ? static_cast<double>(*plan.colour.lift->at(x, y)) : 0.0;
+    const double weight = static_cast<double>(*plan.mask.at(x, y));
+    if (weight == 0.0 && lift == 0.0) return Eigen::Vector3d::Zero();
+    const Eigen::Vector3d light = *seen * weight;
+    Eigen::Vector3d most = light;
+    if (plan.colour.matrix) most = plan.colour.matrix->cwiseAbs() * light;
+    return codes_of(plan.colour, shone_light(plan.colour, light, lift) + error * (most + lift * plan.colour.black));
+  }
+
+ private:
+  static double linear(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
+  static double chroma(const PlanarPicture& picture, const GreyImage& plane, int x, int y) {
+    const double step = picture.has_half_chroma() ? 2.0 : 1.0;
+    const double u = (x + 0.5) / step - 0.5;
+    const double v = (y + 0.5) / step - 0.5;
+    const auto at = [&](double column, double row) {
+      return static_cast<double>(*plane.at(static_cast<int>(std::clamp(column, 0.0, plane.width() - 1.0)),
+                                           static_cast<int>(std::clamp(row, 0.0, plane.height() - 1.0))));
+    };
+    return bilinear(u, v, at) - 128.0;
+  }
+  static double bilinear(double u, double v, const auto& at) {
+    const double x = std::floor(u);
+    const double y = std::floor(v);
+    const double fx = u - x;
+    const double fy = v - y;
+    return (1 - fy) * ((1 - fx) * at(x, y) + fx * at(x + 1, y)) +
+           fy * ((1 - fx) * at(x, y + 1) + fx * at(x + 1, y + 1));
+  }
+  [[nodiscard]] bool wraps() const { return panorama_.azimuth_span_rad > 6.28; }
+  [[nodiscard]] double light(double u, double v, int channel) const {
+    return bilinear(u, v, [&](double x, double y) {
+      const double w = light_.width();
+      const double column = wraps() ? x - w * std::floor(x / w) : std::clamp(x, 0.0, w - 1.0);
+      const double row = std::clamp(y, 0.0, light_.height() - 1.0);
+      return light_.at(static_cast<int>(column), static_cast<int>(row))[channel];
+    });
+  }
+
+  Panorama panorama_;
+  double yaw_shift_rad_;
+  Image<double, 3> light_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One head drawn by the graphics card and read back, and how far it is from the same on the CPU.
+#pragma once
+
+#include <limits>
+#include <random>
+
+#include "common/image/jpeg.h"
+#include "drivers/output/headless/headless_output.h"
+#include "tests/doubles/exact_picture.h"
+
+namespace cyclorama {
+
+/// Opens an output for each picture: nothing is left of the one before.
+class PaintedHead {
+ public:
+  explicit PaintedHead(HeadlessOptions::Renderer renderer) : renderer_(renderer) {}
+
+  /// From the upper row downwards.
+  RgbImage drawn(const HeadPlan& plan, const PlanarPicture& picture, const Panorama& panorama, double shift,
+                 const std::vector<PixelRect>* parts = nullptr) {
+    return drawn(plan, [&](const Gl& gl, const PictureProgram& program, const HeadPainter& painter, Output* output) {
+      PanoramaTexture texture(gl, program);
+      CHECK(texture.upload(frame(picture, panorama, parts)));
+      CHECK(output->draw_to(0));
+      painter.draw({&texture, shift});
+    });
+  }
+  RgbImage faded(const HeadPlan& plan, const PlanarPicture& a, const PlanarPicture& b, const Panorama& panorama,
+                 double share) {
+    return drawn(plan, [&](const Gl& gl, const PictureProgram& program, const HeadPainter& painter, Output* output) {
+      PanoramaTexture first(gl, program);
+      PanoramaTexture second(gl, program);
+      CHECK(first.upload(frame(a, panorama, nullptr)) && second.upload(frame(b, panorama, nullptr)));
+      CHECK(output->draw_to(0));
+      painter.draw({&first, 0.0}, {&second, 0.0}, share);
+    });
+  }
+
+  static Frame frame(const PlanarPicture& picture, const Panorama& panorama, const std::vector<PixelRect>* parts) {
+    Frame frame;
+    frame.panorama = panorama;
+    frame.picture = std::make_shared<const PlanarPicture>(picture);
+    if (parts != nullptr) frame.parts = std::make_shared<const std::vector<PixelRect>>(*parts);
+    return frame;
+  }
+
+ private:
+  template <typename Draw>
+  RgbImage drawn(const HeadPlan& plan, const Draw& draw) {
+    const int width = width_px(plan.warp);
+    const int height = height_px(plan.warp);
+    auto output = open_headless_output({{{"head", width, height}}, 100.0, {}, renderer_}, clock_);
+    CHECK(output.has_value());
+    const Gl& gl = (*output)->gl();
+    auto program = PictureProgram::make(gl);
+    CHECK(program.has_value());
+    HeadPrograms programs(gl);
+    auto painter = HeadPainter::make(gl, &programs, plan);
+    CHECK(painter.has_value());
+    draw(gl, *program, *painter, output->get());
+    RgbaImage read_back(width, height);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, read_back.data().data());
+    CHECK(gl.check("drawing"));
+    RgbImage result(width, height);
+    to_picture(read_back, &result);
+    return result;
+  }
+  HeadlessOptions::Renderer renderer_;
+  SteadyClock clock_;
+};
+
+/// A pixel's centre on the edge of a triangle that is left out may be drawn or not: cards snap corners to 1/256 px.
+inline bool is_on_the_rim(const Warp& warp, int x, int y) {
+  const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp);
+  if (mesh == nullptr) return false;
+  constexpr double kSnap_px = 1.0 / 64.0;
+  int drawn = 0;
+  for (int off = 0; off < 4; ++off) {
+    const Eigen::Vector2d near(x + 0.5 + (off % 2 == 0 ? -kSnap_px : kSnap_px),
+                               y + 0.5 + (off < 2 ? -kSnap_px : kSnap_px));
+    drawn += mesh->interpolate(near) ? 1 : 0;
+  }
+  return drawn != 0 && drawn != 4;
+}
+
+/// The largest distance in code values of 8 bits from what the reference gives anywhere within `slack_px` of the place,
+/// and when each light is off by `slack_light` of itself.
+inline double worst_difference(const RgbImage& drawn, const HeadPlan& plan, const ExactPicture& reference,
+                               double slack_px, double slack_light = 0.0) {
+  double worst = 0.0;
+  for (int y = 0; y < drawn.height(); ++y) {
+    for (int x = 0; x < drawn.width(); ++x) {
+      if (is_on_the_rim(plan.warp, x, y)) continue;
+      Eigen::Vector3d least = reference.code_at(plan, x, y);
+      Eigen::Vector3d most = least;
+      for (int off = 0; (slack_px > 0.0 || slack_light > 0.0) && off < 27; ++off) {
+        const Eigen::Vector3d moved = reference.code_at(plan, x, y, (off % 3 - 1) * slack_px,
+                                                        (off / 3 % 3 - 1) * slack_px, (off / 9 - 1) * slack_light);
+        least = least.cwiseMin(moved);
+        most = most.cwiseMax(moved);
+      }
+      for (int c = 0; c < 3; ++c) {
+        const double value = drawn.at(x, y)[c];
+        worst = std::max({worst, 255.0 * least[c] - value, value - 255.0 * most[c]});
+      }
+    }
+  }
+  return worst;
+}
+
+/// Plans and pictures that differ in everything that may differ.
+class RandomHeads {
+ public:
+  explicit RandomHeads(unsigned seed) : random_(seed) {}
+  std::mt19937& random() { return random_; }
+  double between(double a, double b) { return std::uniform_real_distribution(a, b)(random_); }
+  int pixels(int least, int most) { return std::uniform_int_distribution(least, most)(random_); }
+  bool one_in(unsigned n) { return random_() % n == 0; }
+
+  PlanarPicture noise(int width, int height, bool half) {
+    PlanarPicture picture(width, height, half);
+    for (std::uint8_t& value : picture.luma().data()) value = static_cast<std::uint8_t>(random_());
+    for (GreyImage* plane : {&picture.blue(), &picture.red()}) {
+      for (std::uint8_t& value : plane->data()) value = static_cast<std::uint8_t>(random_());
+    }
+    return picture;
+  }
+  /// Cells that look in and a little beyond a panorama; some of them nowhere. They are large, and look anywhere; or
+  /// each is one pixel, and it lies a few of the panorama's from the next: cards interpolate in floats and round
+  /// corners to 1/256 px, so that steeper ones would miss by more than 0.02 px.
+  WarpMesh mesh(int width, int height, double span_rad, bool has_tiny_cells = false) {
+    const auto cells = [&](int size) { return has_tiny_cells ? size : pixels(1, std::clamp(size / 12, 1, 9)); };
+    WarpMesh mesh{width, height, cells(width), cells(height), {}, 0.0};
+    for (int j = 0; j <= mesh.cells_y; ++j) {
+      for (int i = 0; i <= mesh.cells_x; ++i) {
+        WarpVertex vertex{static_cast<float>(width) * static_cast<float>(i) / static_cast<float>(mesh.cells_x),
+                          static_cast<float>(height) * static_cast<float>(j) / static_cast<float>(mesh.cells_y),
+                          static_cast<float>(between(-0.6, 0.6) * span_rad), static_cast<float>(between(-0.6, 0.6))};
+        if (has_tiny_cells) {
+          vertex.azimuth_rad = static_cast<float>(span_rad * (i / 150.0 - 0.6 + between(0.0, 0.005)));
+          vertex.tan_elevation = static_cast<float>(0.6 - j / 150.0 + between(0.0, 0.005));
+        }
+        if (one_in(20)) vertex.azimuth_rad = std::numeric_limits<float>::quiet_NaN();
+        mesh.vertices.push_back(vertex);
+      }
+    }
+    return mesh;
+  }
+  PixelMap map(int width, int height, double span_rad) {
+    PixelMap map(width, height);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        map.at(x, y)[0] = static_cast<float>(between(-0.6, 0.6) * span_rad);
+        map.at(x, y)[1] = one_in(20) ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(between(-0.6, 0.6));
+      }
+    }
+    return map;
+  }
+  /// Noise with many zeros and ones, and one large part that is 1.
+  MaskImage mask(int width, int height) {
+    MaskImage mask(width, height, 1.0f);
+    const int left = pixels(0, width);
+    for (int y = 0; y < height; ++y) {
+      for (int x = left; x < width; ++x) *mask.at(x, y) = static_cast<float>(std::clamp(between(-0.2, 1.2), 0.0, 1.0));
+    }
+    return mask;
+  }
+  /// Rising, of a random shape, with slopes up to eight times that of the plainest.
+  ResponseCurve curve() {
+    std::vector<double> sums{0.0};
+    for (int i = 0; i < 32; ++i) sums.push_back(sums.back() + (one_in(3) ? 0.0 : between(0.0, 8.0)));
+    ResponseCurve curve;
+    const double first = between(0.0, 0.2);
+    for (const double sum : sums) {
+      curve.codes.push_back(
+          static_cast<float>(std::min(1.0, first + (1.0 - first) * sum / std::max(32.0, sums.back()))));
+    }
+    return curve;
+  }
+  HeadColour colour(int width, int height) {
+    HeadColour colour;
+    if (one_in(2)) {
+      colour.matrix = Eigen::Matrix3d::Identity();
+      for (int i = 0; i < 9; ++i) (*colour.matrix)(i / 3, i % 3) += between(-0.2, 0.2);
+    }
+    if (one_in(2)) {
+      colour.black = {between(0.0, 0.1), between(0.0, 0.1), between(0.0, 0.1)};
+      colour.lift = LiftImage(width, height);
+      for (float& lift : colour.lift->data()) lift = static_cast<float>(between(0.0, 1.0));
+    }
+    if (one_in(2)) colour.response = std::array{curve(), curve(), curve()};
+    return colour;
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// The inside of the present thread: what it shows, and that it allocates nothing.
+#include "appliance/display/presenter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/painted_head.h"
+
+namespace {
+thread_local bool is_counting = false;
+thread_local int allocations = 0;
+}  // namespace
+
+// Every `new` and `delete` of the process, the driver's own C++ included.
+void* operator new(std::size_t size) {
+  if (is_counting) ++allocations;
+  void* const memory = std::malloc(size == 0 ? 1 : size);
+  if (memory == nullptr) std::abort();
+  return memory;
+}
+void operator delete(void* memory) noexcept {
+  if (is_counting && memory != nullptr) ++allocations;
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept { operator delete(memory); }
+
+namespace cyclorama {
+namespace {
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+
+std::unique_ptr<Frame> frame_of(std::uint64_t number, const PlanarPicture& picture, double heading_rad = 0.0) {
+  auto frame = std::make_unique<Frame>(
+      PaintedHead::frame(picture, {picture.width(), picture.height(), 1.4, 0.5, -0.5}, nullptr));
+  frame->order = number;
+  frame->number = number;
+  frame->heading_rad = heading_rad;
+  frame->reach_rad = 0.2;
+  return frame;
+}
+PlanarPicture plain(int width, int height, std::uint8_t code, bool half = false) {
+  PlanarPicture picture(width, height, half);
+  std::ranges::fill(picture.luma().data(), code);
+  return picture;
+}
+
+class Presenting : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    output_ = *open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock_);
+    WarpMesh mesh{kWidth, kHeight, 1, 1, {}, 0.0};
+    mesh.vertices = {
+        {0, 0, -0.5f, 0.5f}, {kWidth, 0, 0.5f, 0.5f}, {0, kHeight, -0.5f, -0.5f}, {kWidth, kHeight, 0.5f, -0.5f}};
+    const std::vector<HeadPlan> plans(2, {mesh, MaskImage(kWidth, kHeight, 1.0f)});
+    const AttractTimes times{std::chrono::milliseconds(100), std::chrono::milliseconds(200)};
+    auto presenter = Presenter::make(output_.get(), plans, *frame_of(0, plain(32, 16, 0)), times, &mailbox_, &clock_);
+    ASSERT_TRUE(presenter) << presenter.error().message();
+    presenter_ = *std::move(presenter);
+  }
+  void TearDown() override { presenter_.reset(); }
+
+  RefreshEvent refresh() {
+    clock_.advance(std::chrono::milliseconds(10));
+    is_counting = true;
+    const Status status = presenter_->refresh();
+    is_counting = false;
+    EXPECT_TRUE(status);
+    mailbox_.retired.clear();
+    return mailbox_.refreshes.pop().value_or(RefreshEvent{});
+  }
+  /// What the next refresh shows on a head.
+  RgbImage shown(std::size_t head = 0) {
+    mailbox_.heads[head].want([] { return std::make_unique<RgbImage>(kWidth, kHeight); });
+    refresh();
+    const auto picture = mailbox_.heads[head].take();
+    EXPECT_NE(picture, nullptr);
+    return picture == nullptr ? RgbImage(1, 1) : *picture;
+  }
+  void refresh_for(std::chrono::milliseconds time) {
+    for (int n = 0; n < time.count() / 10; ++n) refresh();
+  }
+
+  ManualClock clock_;
+  PresentMailbox mailbox_{2};
+  std::unique_ptr<Output> output_;
+  std::unique_ptr<Presenter> presenter_;
+};
+
+TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_changing_sizes_and_headings) {
+  RandomHeads heads(1);
+  std::vector<std::unique_ptr<Frame>> frames;
+  for (std::uint64_t n = 0; n < 300; ++n) {
+    const int scale = 1 + static_cast<int>(n % 3);
+    auto frame = frame_of(n + 1, heads.noise(40 * scale + 1, 16 * scale, n % 2 == 0), heads.between(-0.1, 0.1));
+    if (n % 5 == 0) frame->parts = std::make_shared<const std::vector<PixelRect>>(1, PixelRect{16, 0, 16, 16});
+    frames.push_back(std::move(frame));
+  }
+  const auto run = [&](int refreshes) {
+    for (int n = 0; n < refreshes; ++n) {
+      if (n % 4 == 0 && !frames.empty()) {
+        mailbox_.frame.put(std::move(frames.back()));
+        frames.pop_back();
+      }
+      mailbox_.heading.put({heads.between(-0.5, 0.5), n});
+      if (n % 50 == 0) mailbox_.panorama.want([] { return std::make_unique<Frame>(); });
+      if (n % 50 == 25) mailbox_.heads[1].want([] { return std::make_unique<RgbImage>(kWidth, kHeight); });
+      refresh();
+      mailbox_.panorama.take();
+      mailbox_.heads[1].take();
+    }
+  };
+  run(40);  // The largest sizes come, and the first picture fades in.
+  allocations = 0;
+  run(1000);
+  EXPECT_EQ(allocations, 0);
+  frames.clear();
+  is_counting = true;
+  int* volatile counted = new int;  // The counter counts.
+  delete counted;
+  is_counting = false;
+  EXPECT_EQ(allocations, 2);
+}
+
+TEST_F(Presenting, shows_each_frame_whole_and_never_two_at_once) {
+  mailbox_.frame.put(frame_of(1, plain(80, 40, 50)));
+  refresh_for(std::chrono::milliseconds(400));
+  for (std::uint64_t n = 2; n < 40; ++n) {
+    const auto code = static_cast<std::uint8_t>(50 + 5 * n);
+    mailbox_.frame.put(frame_of(n, plain(80 + static_cast<int>(n % 3), 40, code, n % 2 == 0)));
+    const RgbImage picture = shown(n % 2);
+    ASSERT_THAT(picture.data(), ::testing::Each(::testing::AllOf(::testing::Ge(code - 1), ::testing::Le(code + 1))))
+        << n;
+  }
+}
+
+TEST_F(Presenting, repeats_the_last_frame_turned_to_the_newest_heading) {
+  PlanarPicture halves(140, 20, false);
+  for (int y = 0; y < 20; ++y) std::fill_n(halves.luma().at(70, y), 70, std::uint8_t{255});
+  mailbox_.frame.put(frame_of(1, halves, 1.0));
+  mailbox_.heading.put({1.0, 0});
+  refresh_for(std::chrono::milliseconds(300));
+  const auto edge = [&] {  // Where white begins.
+    const RgbImage picture = shown();
+    int x = 0;
+    while (x < kWidth && picture.at(x, 20)[1] < 128) ++x;
+    return x;
+  };
+  EXPECT_NEAR(edge(), 32, 1);
+  mailbox_.heading.put({1.1, 0});  // To the right by a tenth of the head's radian.
+  EXPECT_NEAR(edge(), 32 - 6, 1);
+  mailbox_.heading.put({0.9, 0});
+  EXPECT_NEAR(edge(), 32 + 6, 1);
+  mailbox_.heading.put({-1.0, 0});  // Farther than the picture reaches.
+  EXPECT_NEAR(edge(), 32 + 13, 1);
+}
+
+TEST_F(Presenting, keeps_its_picture_while_nobody_frees_the_old_ones) {
+  for (std::uint64_t n = 1; n <= 12; ++n) {
+    mailbox_.frame.put(frame_of(n, plain(40, 20, 100)));
+    clock_.advance(std::chrono::milliseconds(10));
+    ASSERT_TRUE(presenter_->refresh());
+  }
+  int firsts = 0;
+  while (const auto event = mailbox_.refreshes.pop()) firsts += event->is_first_of_frame ? 1 : 0;
+  EXPECT_EQ(firsts, 9);  // 8 wait to be freed, the ninth is shown.
+  mailbox_.retired.clear();
+  EXPECT_TRUE(refresh().is_first_of_frame);
+}
+
+/// No refresh changes the share by more than its part of the fade (whose steepest place is 1.5 times the mean).
+class Fading : public Presenting {
+ protected:
+  double step() {
+    const double share = refresh().attract_share;
+    EXPECT_LE(std::abs(share - last_), 1.5 * 10.0 / 200.0 + 1e-9);
+    last_ = share;
+    return share;
+  }
+  int steps_until(const std::function<bool(double)>& done) {
+    int steps = 0;
+    while (steps < 200 && !done(step())) ++steps;
+    return steps;
+  }
+  double last_ = 1.0;
+};
+
+TEST_F(Fading, goes_to_the_attract_picture_when_no_frame_follows_the_visitor_and_back_without_a_jump) {
+  EXPECT_EQ(step(), 1.0);
+  EXPECT_THAT(shown().data(), ::testing::Each(0));
+  mailbox_.frame.put(frame_of(1, plain(40, 20, 200)));
+  mailbox_.heading.put({0.0, 0});
+  EXPECT_NEAR(steps_until([](double share) { return share == 0.0; }), 20, 2);
+  EXPECT_EQ(steps_until([](double share) { return share > 0.0; }), 200);  // Nobody moves: the picture is right.
+  mailbox_.heading.put({0.05, 0});
+  EXPECT_NEAR(steps_until([](double share) { return share > 0.0; }), 10, 2);
+  EXPECT_NEAR(steps_until([](double share) { return share > 0.5; }), 10, 2);
+  mailbox_.frame.put(frame_of(2, plain(40, 20, 200), 0.05));  // Half way, the farm is back.
+  EXPECT_NEAR(steps_until([](double share) { return share == 0.0; }), 10, 3);
+}
+
+TEST_F(Fading, begins_when_the_tour_is_gone_even_if_nobody_moves) {
+  mailbox_.frame.put(frame_of(1, plain(40, 20, 200)));
+  steps_until([](double share) { return share == 0.0; });
+  mailbox_.is_failing = true;
+  EXPECT_NEAR(steps_until([](double share) { return share == 1.0; }), 30, 3);
+  EXPECT_THAT(shown().data(), ::testing::Each(0));
+}
+
+TEST_F(Fading, does_not_jump_when_refreshes_are_late) {
+  mailbox_.frame.put(frame_of(1, plain(40, 20, 200)));
+  for (int n = 0; n < 10; ++n) {
+    clock_.advance(std::chrono::seconds(5));
+    const double share = refresh().attract_share;
+    EXPECT_LE(std::abs(share - last_), 1.5 * 50.0 / 200.0 + 1e-9);
+    last_ = share;
+  }
+  EXPECT_EQ(last_, 0.0);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/shown_parts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "tests/doubles/demo_room.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+struct Heads {
+  std::vector<Warp> warps;
+  std::vector<MaskImage> masks;
+  std::vector<HeadFootprint> footprints;
+};
+
+Heads heads_of(const Installation& room, const Panorama& picture) {
+  Heads heads;
+  const std::vector<ProjectorMap> maps = projector_maps(room);
+  heads.masks = make_blend_masks(maps);
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    heads.warps.push_back(*make_warp(maps[i], picture));
+    heads.footprints.emplace_back(heads.warps[i], heads.masks[i]);
+  }
+  return heads;
+}
+
+bool has(const ShownParts& shown, double u, double v) {
+  return shown.meets({static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v)), 1, 1});
+}
+
+/// Every texel that any lit pixel of any head reads, at any turn within reach, lies in a part.
+void expect_all_that_is_read(const Heads& heads, const Panorama& picture, const ShownParts& shown) {
+  std::mt19937 random(4);
+  for (std::size_t i = 0; i < heads.warps.size(); ++i) {
+    const MaskImage& mask = heads.masks[i];
+    for (int n = 0; n < 20000; ++n) {
+      const int x = static_cast<int>(random() % static_cast<unsigned>(mask.width()));
+      const int y = static_cast<int>(random() % static_cast<unsigned>(mask.height()));
+      const auto direction = direction_at(heads.warps[i], x, y);
+      if (!(*mask.at(x, y) > 0.0f) || !direction) continue;
+      const double turn = shown.reach_rad * std::uniform_int_distribution(-1, 1)(random);
+      double u = ((direction->azimuth_rad + turn) / picture.azimuth_span_rad + 0.5) * picture.width_px;
+      if (picture.azimuth_span_rad > 6.28) u -= picture.width_px * std::floor(u / picture.width_px);
+      const double v = (direction->tan_elevation - picture.tan_elevation_top) /
+                       (picture.tan_elevation_bottom - picture.tan_elevation_top) * picture.height_px;
+      for (const double off : {-2.0, 0.0, 2.0}) {
+        const double column = std::clamp(u + off, 0.0, picture.width_px - 0.5);
+        const double row = std::clamp(v + off, 0.0, picture.height_px - 0.5);
+        ASSERT_TRUE(has(shown, column, row)) << i << " " << x << " " << y << " " << u << " " << v;
+      }
+    }
+  }
+}
+
+std::int64_t area(const ShownParts& shown) {
+  std::int64_t sum = 0;
+  for (const PixelRect& part : shown.parts) sum += part.area();
+  return sum;
+}
+
+TEST(ShownParts, hold_all_that_the_demo_reads_and_do_not_overlap) {
+  const Installation room = demo_room();
+  for (const int width : {256, 1024, 3000}) {
+    const Panorama wall = room.panorama(width);
+    const Heads heads = heads_of(room, wall);
+    const Panorama guarded = wall.with_guard_band(0.2);
+    const ShownParts shown = shown_parts(heads.footprints, guarded, wall.azimuth_span_rad);
+    EXPECT_NEAR(shown.reach_rad, 0.2, 0.02);
+    expect_all_that_is_read(heads, guarded, shown);
+    for (std::size_t i = 0; i < shown.parts.size(); ++i) {
+      const PixelRect& part = shown.parts[i];
+      EXPECT_TRUE(part.x % 16 == 0 && part.y % 16 == 0 && !part.empty());
+      EXPECT_LE(part.x + part.width, guarded.width_px);
+      EXPECT_LE(part.y + part.height, guarded.height_px);
+      for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE((ShownParts{0.0, {shown.parts[j]}}).meets(part));
+    }
+  }
+}
+
+TEST(ShownParts, of_one_projector_are_a_part_of_a_whole_turn_whichever_way_it_looks) {
+  Installation room = demo_room();
+  const Panorama circle{2048, 400, kTurn, 0.6, -0.6};
+  room.projectors.resize(1);
+  room.wall.arc_rad = kTurn;
+  for (const double pan : {0.0, 1.5, 3.1, -3.0}) {
+    room.projectors[0].T_room_projector = {Eigen::AngleAxisd(pan, Eigen::Vector3d::UnitY()) *
+                                               Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()),
+                                           Eigen::Vector3d(0.0, 1.6, 0.0)};
+    const Heads heads = heads_of(room, circle);
+    const ShownParts shown = shown_parts(heads.footprints, circle, 2.0);
+    EXPECT_EQ(shown.reach_rad, 0.5);
+    expect_all_that_is_read(heads, circle, shown);
+    EXPECT_LT(area(shown), 2048 * 400 / 2);  // 60 degrees, and half a radian on either side.
+  }
+}
+
+TEST(ShownParts, let_a_wall_all_around_turn_without_end) {
+  PixelMap map(256, 100);
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 256; ++x) {
+      map.at(x, y)[0] = static_cast<float>(kTurn * (x / 255.0 - 0.5));
+      map.at(x, y)[1] = 0.5f - static_cast<float>(y) / 99.0f;
+    }
+  }
+  const HeadFootprint footprint(map, MaskImage(256, 100, 1.0f));
+  const ShownParts shown = shown_parts({footprint}, {512, 90, kTurn, 0.5, -0.5}, kTurn);
+  EXPECT_EQ(area(shown), 512 * 90);
+  EXPECT_NEAR(shown.reach_rad, std::numbers::pi, 1e-12);
+}
+
+TEST(ShownParts, are_none_of_a_head_that_lights_nothing) {
+  const PixelMap map(8, 8, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_TRUE(shown_parts({HeadFootprint(map, MaskImage(8, 8, 1.0f))}, {64, 64, 1.0, 0.5, -0.5}, 1.0).parts.empty());
+  const PixelMap dark(8, 8, 0.0f);
+  EXPECT_TRUE(shown_parts({HeadFootprint(dark, MaskImage(8, 8, 0.0f))}, {64, 64, 1.0, 0.5, -0.5}, 1.0).parts.empty());
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/warp/pixel_map.h"
+
+#include <gtest/gtest.h>
+
+#include "appliance/warp/blend_mask.h"
+#include "tests/doubles/demo_room.h"
+
+namespace cyclorama {
+namespace {
+
+TEST(PixelMap, is_the_exact_map_at_every_pixel) {
+  const ProjectorMap map(demo_room(), 0);
+  const Warp warp = make_pixel_map(map);
+  ASSERT_EQ(width_px(warp), 640);
+  ASSERT_EQ(height_px(warp), 480);
+  for (int y = 0; y < 480; y += 7) {
+    for (int x = 0; x < 640; x += 7) {
+      const auto exact = map.direction_of({x + 0.5, y + 0.5});
+      const auto mapped = direction_at(warp, x, y);
+      ASSERT_EQ(exact.has_value(), mapped.has_value());
+      if (!exact) continue;
+      EXPECT_NEAR(mapped->azimuth_rad, exact->azimuth_rad, 1e-6);
+      EXPECT_NEAR(mapped->tan_elevation, exact->tan_elevation, 1e-6);
+    }
+  }
+}
+
+TEST(Warp, is_a_mesh_where_a_mesh_is_enough_and_else_a_map) {
+  const Installation room = demo_room();
+  const ProjectorMap map(room, 1);
+  const auto easy = make_warp(map, room.panorama(1024), 0.05);
+  ASSERT_TRUE(easy);
+  ASSERT_TRUE(std::holds_alternative<WarpMesh>(*easy));
+  EXPECT_LE(std::get<WarpMesh>(*easy).worst_error_px, 0.05);
+  const auto hard = make_warp(map, room.panorama(8192), 0.0001);
+  ASSERT_TRUE(hard);
+  EXPECT_TRUE(std::holds_alternative<PixelMap>(*hard));
+}
+
+TEST(Warp, of_a_panorama_that_is_none_is_refused) {
+  EXPECT_EQ(make_warp(ProjectorMap(demo_room(), 0), Panorama{}).error().code(), ErrorCode::kInvalidArgument);
+}
+
+TEST(Warp, lies_nowhere_where_its_map_is_not_a_number) {
+  PixelMap map(2, 1, 0.5f);
+  map.at(1, 0)[1] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(direction_at(map, 0, 0));
+  EXPECT_FALSE(direction_at(map, 1, 0));
+}
+
+}  // namespace
+}  // namespace cyclorama

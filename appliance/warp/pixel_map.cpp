@@ -5,8 +5,8 @@
 
 namespace cyclorama {
 namespace {
-// Measured by ./bench.sh display-trade on a software rasteriser: with smaller cells the map is quicker.
-constexpr int kLeastCellPx = 8;
+// Measured by ./bench.sh display-trade on a software rasteriser: with narrower cells the map is quicker.
+constexpr int kLeastCellPx = 12;
 }  // namespace
 
 PixelMap make_pixel_map(const ProjectorMap& map) {
@@ -27,7 +27,9 @@ Result<Warp> make_warp(const ProjectorMap& map, const Panorama& picture, double 
   TRY(picture.validate());
   const int most = std::max(1, map.lens().width_px * map.lens().height_px / (kLeastCellPx * kLeastCellPx));
   auto mesh = make_warp_mesh(map, picture, tolerance_px, most);
-  if (mesh) return Warp(*std::move(mesh));
+  if (mesh && mesh->cells_x * kLeastCellPx <= mesh->width_px && mesh->cells_y * kLeastCellPx <= mesh->height_px) {
+    return Warp(*std::move(mesh));
+  }
   return Warp(make_pixel_map(map));
 }
 

@@ -13,6 +13,7 @@ namespace cyclorama {
 namespace {
 
 constexpr int kFewestCells = 4;
+constexpr double kAlike = 1.1;
 constexpr int kSamplesPerCell = 4;  // Each way; a cell's largest error lies in its middle or on the middle of an edge.
 
 /// Of a free-form wall the sharpest; the others must do with fine cells.
@@ -167,7 +168,10 @@ Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& pic
     WarpMesh flatter = meshed(mesh.cells_x, 2 * mesh.cells_y);
     const bool is_wide = mesh.cells_x < lens.width_px;
     const bool is_high = mesh.cells_y < lens.height_px;
-    const bool across = is_wide && (!is_high || narrower.worst_error_px <= flatter.worst_error_px);
+    // Where both gain alike, the longer side: cards are slow at slivers.
+    const bool is_broad = lens.width_px * mesh.cells_y >= lens.height_px * mesh.cells_x;
+    const double favour = is_broad ? kAlike : 1.0 / kAlike;
+    const bool across = is_wide && (!is_high || narrower.worst_error_px <= favour * flatter.worst_error_px);
     mesh = across ? std::move(narrower) : std::move(flatter);
   }
   return mesh;

@@ -59,7 +59,7 @@ double worst_error(const ProjectorMap& map, const WarpMesh& mesh, const PictureS
 
 /// What three corners make of a place in their triangle; the weights add up to 1.
 std::optional<PanoramaDirection> mixed(const WarpVertex& a, double of_a, const WarpVertex& b, double of_b,
-                                  const WarpVertex& c, double of_c) {
+                                       const WarpVertex& c, double of_c) {
   if (!a.is_valid() || !b.is_valid() || !c.is_valid()) return std::nullopt;
   const auto mix = [&](float x, float y, float z) {
     return of_a * static_cast<double>(x) + of_b * static_cast<double>(y) + of_c * static_cast<double>(z);
@@ -70,7 +70,7 @@ std::optional<PanoramaDirection> mixed(const WarpVertex& a, double of_a, const W
 
 /// In the triangle of a cut cell that the place lies deepest in.
 std::optional<PanoramaDirection> in_cut_cell(const CutCell& cell, const std::vector<WarpVertex>& vertices,
-                                        const Eigen::Vector2d& pixel) {
+                                             const Eigen::Vector2d& pixel) {
   const auto at = [](const WarpVertex& v) { return Eigen::Vector2d(v.x_px, v.y_px); };
   const auto doubled_area = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
     return p.x() * q.y() - p.y() * q.x();
@@ -114,8 +114,7 @@ std::vector<std::uint32_t> WarpMesh::triangles() const {
       ++cut;
       continue;
     }
-    const auto corner =
-        static_cast<std::uint32_t>(cell / cells_x) * row + static_cast<std::uint32_t>(cell % cells_x);
+    const auto corner = static_cast<std::uint32_t>(cell / cells_x) * row + static_cast<std::uint32_t>(cell % cells_x);
     add(corner, corner + row + 1, corner + 1);
     add(corner, corner + row, corner + row + 1);
   }

@@ -88,7 +88,7 @@ TEST(ShownParts, of_one_projector_are_a_part_of_a_whole_turn_whichever_way_it_lo
   Installation room = demo_room();
   const Panorama circle{2048, 400, kTurn, 0.6, -0.6};
   room.projectors.resize(1);
-  room.wall.arc_rad = kTurn;
+  std::get<CylinderWall>(room.wall).arc_rad = kTurn;
   for (const double pan : {0.0, 1.5, 3.1, -3.0}) {
     room.projectors[0].T_room_projector = {Eigen::AngleAxisd(pan, Eigen::Vector3d::UnitY()) *
                                                Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()),

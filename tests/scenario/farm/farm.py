@@ -100,7 +100,7 @@ class Farm:
         links = [Link(self.network, head.museums) for head in self.heads]
         museum = Museum(name, self.build / "tests" / "test-museum", self.folder, [link.address for link in links], rate_hz,
                         [*size, "--poses", poses, *options])
-        museum.links, museum.options = links, options
+        museum.links, museum.asked = links, (options, {"rate_hz": rate_hz, "size": size, "poses": poses})
         if name in self.museums:
             self.past.append(self.museums[name])
         self.museums[name] = museum

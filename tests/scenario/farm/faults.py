@@ -139,7 +139,8 @@ def pause_head(farm, lots):
 def restart_museum(farm, lots):
     museum = some_museum(farm, lots)
     museum.kill()
-    return farm.add_museum(museum.name, *museum.options)
+    options, picture = museum.asked
+    return farm.add_museum(museum.name, *options, **picture)
 
 
 def pause_museum(farm, lots):

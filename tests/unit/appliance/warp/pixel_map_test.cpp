@@ -29,7 +29,7 @@ TEST(PixelMap, is_the_exact_map_at_every_pixel) {
 TEST(Warp, is_a_mesh_where_a_mesh_is_enough_and_else_a_map) {
   const Installation room = demo_room();
   const ProjectorMap map(room, 1);
-  const auto easy = make_warp(map, room.panorama(1024), 0.05);
+  const auto easy = make_warp(map, room.panorama(256), 0.05);
   ASSERT_TRUE(easy);
   ASSERT_TRUE(std::holds_alternative<WarpMesh>(*easy));
   EXPECT_LE(std::get<WarpMesh>(*easy).worst_error_px, 0.05);

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs what is missing, builds everything, runs all quick tests.
 #   ./test.sh [--preset release|dev|asan|tsan] [--only LABEL] [CTEST OPTIONS]      ./test.sh --fuzz SECONDS
-# --only builds and runs no more than the tests of one label: unit or farm.
+# --only builds and runs no more than the tests of one label: unit, farm, or untrusted (what reads the bytes of others).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")"
 preset=release
@@ -19,4 +19,4 @@ done
 scripts/install-packages test
 cmake --preset "$preset" >/dev/null
 cmake --build --preset "$preset" "${what[@]}"
-ctest --preset "$preset" "${which[@]}" "$@"
+ctest --preset "$preset" --parallel "$(nproc)" "${which[@]}" "$@"

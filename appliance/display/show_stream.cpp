@@ -6,6 +6,8 @@
 namespace cyclorama {
 namespace {
 constexpr std::size_t kMostReports = 256;
+/// Where the tour has ended the call, gRPC says so long before.
+constexpr Duration kEndsWithin = std::chrono::seconds(1);
 }
 
 ShowStream::ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire::DisplayHello& hello,
@@ -44,8 +46,12 @@ bool ShowStream::is_up() const {
   return is_up_ && !end_;
 }
 
-std::optional<Error> ShowStream::end() const {
+std::optional<Error> ShowStream::end() {
   const std::lock_guard lock(mutex_);
+  if (read_failed_at_ && !end_ && !is_given_up_ && SteadyClock().now() - *read_failed_at_ > kEndsWithin) {
+    is_given_up_ = true;
+    context_.TryCancel();
+  }
   return end_;
 }
 
@@ -61,6 +67,7 @@ void ShowStream::OnReadDone(bool ok) {
       const std::lock_guard lock(mutex_);
       is_up_ = is_up_ || ok;
       is_ending_ = !ok;
+      if (!ok) read_failed_at_ = SteadyClock().now();
     }
     if (ok) listener_(std::move(message_));
   }
@@ -79,7 +86,7 @@ void ShowStream::OnWriteDone(bool ok) {
 void ShowStream::OnDone(const grpc::Status& status) {
   const std::lock_guard lock(mutex_);
   end_ = status.ok() ? Error(ErrorCode::kUnavailable, "showing the tour: the tour closed the stream")
-                     : from_grpc(status, "showing the tour");
+                     : from_grpc(is_given_up_ ? unreadable() : status, "showing the tour");
   changed_.notify_all();  // Under the lock: the destructor frees this as soon as it has it.
 }
 

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 
+#include "common/base/clock.h"
 #include "common/base/result.h"
 #include "common/wire/channel.h"
 #include "common/wire/museum.grpc.pb.h"
@@ -33,8 +34,9 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
 
   /// The tour has answered.
   [[nodiscard]] bool is_up() const;
-  /// Why the stream is over; nothing while it is not.
-  [[nodiscard]] std::optional<Error> end() const;
+  /// Why the stream is over; nothing while it is not. To be asked now and then: a tour that sends what is no message
+  /// would otherwise be waited for.
+  [[nodiscard]] std::optional<Error> end();
 
  private:
   void OnReadInitialMetadataDone(bool ok) override;
@@ -55,6 +57,8 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
   bool is_writing_ = false;
   bool is_up_ = false;
   bool is_ending_ = false;  // No write may start any more.
+  std::optional<TimePoint> read_failed_at_;
+  bool is_given_up_ = false;
   std::optional<Error> end_;
 };
 

@@ -108,13 +108,17 @@ void wait_dialling(grpc::Channel& channel, Duration time, const std::function<bo
   }
 }
 
+grpc::Status unreadable() {
+  return {grpc::StatusCode::DATA_LOSS, "it sent what cannot be read; install the same version on both sides"};
+}
+
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish) {
   constexpr auto kAtOnce = std::chrono::seconds(1);
   std::future<grpc::Status> end = std::async(std::launch::async, finish);
   if (end.wait_for(kAtOnce) == std::future_status::ready) return end.get();
   context.TryCancel();
   end.wait();
-  return {grpc::StatusCode::DATA_LOSS, "it sent what cannot be read; install the same version on both sides"};
+  return unreadable();
 }
 
 Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address,

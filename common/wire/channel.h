@@ -40,9 +40,12 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address,
 /// about, and within 50 ms when `is_over` becomes true.
 void wait_dialling(grpc::Channel& channel, Duration time, const std::function<bool()>& is_over);
 
+/// DATA_LOSS: what the peer sent is no message.
+grpc::Status unreadable();
+
 /// The end of a client's stream whose Read() returned false. `finish` is the stream's Finish(): where the peer has
 /// ended the call it returns at once; where the peer sent what is no message it never would, so the call is cancelled
-/// after a second, and this is DATA_LOSS.
+/// after a second, and this is unreadable().
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish);
 
 /// What a server asks of those who dial.

@@ -185,6 +185,23 @@ TEST_F(Displaying, waits_for_a_tour_that_is_not_there_yet_and_for_one_that_was_k
   }
 }
 
+TEST_F(Displaying, gives_up_a_tour_that_sends_what_is_no_message_and_dials_again) {
+  const auto tour = FakeTour::start();
+  start(tour->address());
+  ASSERT_TRUE(tour->wait_for_display());
+  tour->send_all(frame_messages(1, plain(wanted_, {200, 40, 40}), wanted_));
+  ASSERT_TRUE(tour->wait_for_reports(1, 0));
+  wire::ShowMessage garbage;
+  garbage.mutable_end()->add_stages()->set_name("\xff");  // A string that is no UTF-8 is no message.
+  ASSERT_TRUE(tour->send(garbage));
+  EXPECT_TRUE(wait_until([&] {
+    return std::string(display_->inspection().status().state()).find("cannot be read") != std::string::npos;
+  }));
+  EXPECT_TRUE(wait_for_colour({200, 40, 40}));
+  ASSERT_TRUE(tour->wait_for_display());
+  EXPECT_EQ(tour->displays, 2);
+}
+
 TEST_F(Displaying, reports_a_damaged_frame_and_keeps_the_old_one) {
   const auto tour = FakeTour::start();
   start(tour->address());

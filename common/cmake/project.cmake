@@ -30,10 +30,12 @@ endif()
 if(CYCLORAMA_SANITIZE)
   list(JOIN CYCLORAMA_SANITIZE "," _san)
   target_compile_options(cyclorama_options INTERFACE -fsanitize=${_san} -fno-omit-frame-pointer -fno-sanitize-recover=all
-    # A null pointer traps without a check before every member, which costs a third of the build.
-    -fno-sanitize=null,vptr,object-size
     # gcc 12 warns about Eigen and std internals once the sanitizers have rewritten them.
     -Wno-error=maybe-uninitialized)
+  if("undefined" IN_LIST CYCLORAMA_SANITIZE)
+    # A null pointer traps without a check before every member, which costs a third of the build.
+    target_compile_options(cyclorama_options INTERFACE -fno-sanitize=null,vptr,object-size)
+  endif()
   target_link_options(cyclorama_options INTERFACE -fsanitize=${_san})
 endif()
 if(CYCLORAMA_FUZZ)

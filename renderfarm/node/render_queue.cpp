@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/render_queue.h"
 
+#include <algorithm>
+
+#include "common/wire/rank.h"
+
 namespace cyclorama {
 namespace {
 /// As many as the tiles of the largest picture, which a head may send one by one after it lost a node.
@@ -8,12 +12,17 @@ constexpr std::size_t kMostOfLink = 8192;
 }  // namespace
 
 bool RenderQueue::add(std::shared_ptr<BlockOrder> order) {
-  const LinkId link = order->link;
-  if (blocks_of_[link] >= kMostOfLink) return false;
-  const Place place{true, order->block.rank(), came_++};
-  if (!places_.try_emplace({link, order->block.block()}, place).second) return false;
+  Lanes& lanes = lanes_[order->link];
+  const Name name{order->link, order->block.block()};
+  if (lanes[0].blocks + lanes[1].blocks >= kMostOfLink || places_.contains(name)) return false;
+  const bool at_rest = order->block.rank() >= kRankAtRest;
+  const auto rank = static_cast<double>(at_rest ? order->block.rank() - kRankAtRest : order->block.rank());
+  Lane& lane = lanes[at_rest];
+  if (lane.blocks == 0) lane.shift = now_[at_rest] - rank;
+  ++lane.blocks;
+  const Place place{true, at_rest, rank + lane.shift, came_++};
+  places_.emplace(name, place);
   waiting_.emplace(place, std::move(order));
-  ++blocks_of_[link];
   return true;
 }
 
@@ -30,9 +39,11 @@ void RenderQueue::cancel(LinkId link, std::uint64_t block) {
 void RenderQueue::remove(LinkId link, std::uint64_t block) {
   const auto found = places_.find({link, block});
   if (found == places_.end()) return;
+  const auto& [is_wanted, at_rest, rank, came] = found->second;
+  if (is_wanted) now_[at_rest] = std::max(now_[at_rest], rank);
+  --lanes_.at(link)[at_rest].blocks;
   waiting_.erase(found->second);
   places_.erase(found);
-  if (--blocks_of_[link] == 0) blocks_of_.erase(link);
 }
 
 void RenderQueue::drop(LinkId link) {
@@ -43,7 +54,7 @@ void RenderQueue::drop(LinkId link) {
     waiting_.erase(order);
     entry = places_.erase(entry);
   }
-  blocks_of_.erase(link);
+  lanes_.erase(link);
 }
 
 std::shared_ptr<const BlockOrder> RenderQueue::next(const std::function<bool(LinkId)>& takes_tiles) const {

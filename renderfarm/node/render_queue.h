@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -29,10 +30,13 @@ struct BlockOrder {
 /// Which block a node works at next:
 ///
 ///   1. one that was cancelled, as it only wants its end,
-///   2. the one of the lowest rank,
-///   3. of those, the one that came first.
+///   2. one of a moving picture,
+///   3. the one of the lowest rank,
+///   4. of those, the one that came first.
 ///
-/// The block at work stays in the queue: asked again between two pieces of work, the queue says whether another has
+/// Each head's ranks count from where it began, so that they say nothing of another head's. A head that had no block
+/// here joins at the rank that is being worked at, and its ranks go on from there for as long as it has blocks: what
+/// start-time fair queueing does with a new visit (head/fair_share.h). The block at work stays in the queue: asked again between two pieces of work, the queue says whether another has
 /// come that goes first. Pure; thread-bound.
 class RenderQueue {
  public:
@@ -51,11 +55,19 @@ class RenderQueue {
 
  private:
   using Name = std::pair<LinkId, std::uint64_t>;
-  using Place = std::tuple<bool, std::uint64_t, std::uint64_t>;  ///< Wanted still; rank; number in order of coming.
+  /// Wanted still; at rest; rank on this node's scale; number in order of coming.
+  using Place = std::tuple<bool, bool, double, std::uint64_t>;
+  /// A link's moving pictures, or those at rest.
+  struct Lane {
+    std::size_t blocks = 0;
+    double shift = 0.0;  ///< From the head's ranks to this node's scale, while there are blocks.
+  };
+  using Lanes = std::array<Lane, 2>;
 
   std::map<Place, std::shared_ptr<BlockOrder>> waiting_;
   std::map<Name, Place> places_;
-  std::map<LinkId, std::size_t> blocks_of_;  ///< How many each link has here.
+  std::map<LinkId, Lanes> lanes_;
+  std::array<double, 2> now_{};  ///< The rank that was done last, of moving pictures and of those at rest.
   std::uint64_t came_ = 0;
 };
 

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <string>
 #include <vector>
+
+#include "common/wire/rank.h"
 
 namespace cyclorama {
 namespace {
@@ -45,10 +49,72 @@ TEST(RenderQueue, keeps_the_block_at_work_until_it_is_done_and_says_when_another
   EXPECT_EQ(queue.next(all)->block.block(), 1u);
   queue.add(order(1, 2, 7));
   EXPECT_EQ(queue.next(all)->block.block(), 1u);
-  queue.add(order(2, 1, 3));
-  EXPECT_EQ(queue.next(all)->link, 2u);
-  queue.remove(2, 1);
+  queue.add(order(1, 3, 3));
+  EXPECT_EQ(queue.next(all)->block.block(), 3u);
+  queue.remove(1, 3);
   EXPECT_EQ(queue.next(all)->block.block(), 1u);
+}
+
+/// Of which heads the blocks are, in the order in which they are worked at; each head always has another waiting.
+std::string heads_at_work(RenderQueue& queue, std::vector<std::uint64_t> ranks, const std::vector<std::uint64_t>& steps,
+                          int count) {
+  std::string heads;
+  std::uint64_t number = 1000;
+  const auto go_on = [&](LinkId link) {
+    const std::size_t head = link - 1;
+    EXPECT_TRUE(queue.add(order(link, number++, ranks[head])));
+    ranks[head] += steps[head];
+  };
+  for (LinkId link = 1; link <= ranks.size(); ++link) {
+    go_on(link);
+    go_on(link);
+  }
+  for (int i = 0; i < count; ++i) {
+    const auto next = queue.next([](LinkId) { return true; });
+    heads += static_cast<char>('0' + next->link);
+    queue.remove(next->link, next->block.block());
+    go_on(next->link);
+  }
+  return heads;
+}
+
+TEST(RenderQueue, shares_between_heads_that_began_at_different_times) {
+  RenderQueue queue;
+  for (const auto& began : {std::vector<std::uint64_t>{0, 7'000'000'000}, {7'000'000'000, 0}, {4'000'000'000'000'000'000, 3}}) {
+    const std::string heads = heads_at_work(queue, began, {10'000, 10'000}, 40);
+    EXPECT_EQ(std::count(heads.begin(), heads.end(), '1'), 20) << heads;
+    EXPECT_EQ(heads.find("111"), std::string::npos) << heads;
+    EXPECT_EQ(heads.find("222"), std::string::npos) << heads;
+    queue.drop(1);
+    queue.drop(2);
+  }
+}
+
+TEST(RenderQueue, gives_a_head_whose_blocks_cost_half_as_much_twice_as_many) {
+  RenderQueue queue;
+  const std::string heads = heads_at_work(queue, {500, 90'000'000}, {10'000, 20'000}, 60);
+  EXPECT_NEAR(static_cast<double>(std::count(heads.begin(), heads.end(), '1')), 40.0, 1.0) << heads;
+}
+
+TEST(RenderQueue, lets_a_head_that_had_nothing_waiting_join_now_and_not_in_its_past) {
+  RenderQueue queue;
+  for (std::uint64_t i = 0; i < 5; ++i) queue.add(order(1, i, 1'000'000 * i));
+  queue.add(order(2, 100, 50));
+  queue.remove(2, 100);
+  for (std::uint64_t i = 0; i < 3; ++i) queue.remove(1, i);
+  queue.add(order(2, 101, 51));
+  queue.add(order(2, 102, 5'000'000));
+  EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{101, 3, 4, 102}));
+}
+
+TEST(RenderQueue, renders_what_rests_after_all_that_moves_whichever_head_wants_it) {
+  RenderQueue queue;
+  queue.add(order(1, 1, kRankAtRest));
+  queue.add(order(1, 2, ~std::uint64_t{0}));
+  queue.add(order(2, 3, kRankAtRest - 1));
+  queue.add(order(2, 4, kRankAtRest + 5));
+  queue.add(order(3, 5, 8));
+  EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{3, 5, 1, 4, 2}));
 }
 
 TEST(RenderQueue, gives_a_cancelled_block_first_as_it_only_wants_its_end) {

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace cyclorama {
+
+/// RenderBlock.rank from here on is of pictures at rest: they come after all moving ones.
+inline constexpr std::uint64_t kRankAtRest = std::uint64_t{1} << 62;
+
+}  // namespace cyclorama

@@ -6,6 +6,9 @@
 ///     for (each head) { TRY(output.draw_to(head)); ... GLES calls ... }
 ///     TRY_ASSIGN(Presented p, output.present());      // All heads in one flip.
 ///   }
+///
+/// Every kind has an option `is_awake`: while that is false the heads are dark (DPMS), refreshes go on, and what is drawn
+/// is kept; on waking the newest picture of each head is shown without being drawn again.
 #pragma once
 
 #include <cstddef>
@@ -30,6 +33,18 @@ struct Presented {
   TimePoint at{};             ///< When the heads began to show it.
 };
 
+/// What one head did at the last present().
+struct HeadShown {
+  enum class Light {
+    kDark,  ///< Nobody sees it: no projector, asleep, or it failed.
+    kSame,  ///< Nothing new was drawn.
+    kNew,
+  };
+  Light light = Light::kDark;
+  TimePoint at{};           ///< kNew: when it began to show the picture.
+  double refresh_hz = 0.0;  ///< Its own mode's, unless it is dark.
+};
+
 /// Owned by the display's present thread, which also owns the GL context that the output made current. Thread-bound.
 class Output {
  public:
@@ -49,6 +64,8 @@ class Output {
   virtual Status draw_to(std::size_t head) = 0;
   /// Shows what was drawn on all heads at once. Heads that were not drawn keep their picture.
   virtual Result<Presented> present() = 0;
+  /// One for each of heads(); of the last present(). Lives as long as the output.
+  [[nodiscard]] virtual const std::vector<HeadShown>& shown() const = 0;
 
  protected:
   Output() = default;

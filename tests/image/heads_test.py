@@ -198,6 +198,7 @@ def main(source, build, kept=None):
                 machine.resize(head, WIDTH, HEIGHT)
             print(machine.wait_for(r"wall: (.*Virtual-\d RHT){3}.*", STARTS_WITHIN_S))
             bad = check_heads(machine)
+            print(machine.wait_for(rf"(pacing: head \d: .*\s+){{{HEADS}}}", STARTS_WITHIN_S))
         finally:
             machine.stop()
     print("\n".join(bad) or "heads: ok")

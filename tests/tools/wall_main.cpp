@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Known pictures on the heads of this machine's graphics card, for tests/image/heads_test.py: eight bars of colour, and
 // in the lowest 32 rows one white square per head's number. As a virtual machine's first process it also mounts what it
-// needs and loads /modules/*. Says "wall: ..." once it shows, and again whenever the heads' modes change.
+// needs and loads /modules/*. Says "wall: ..." once it shows, and again whenever the heads' modes change; then "pacing: ..."
+// after every 200 pictures.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mount.h>
@@ -15,12 +16,15 @@
 #include <filesystem>
 #include <vector>
 
+#include "common/base/percentiles.h"
 #include "drivers/output/drm/drm_output.h"
 #include "drivers/output/gl_objects.h"
+#include "drivers/output/pacing_meter.h"
 
 namespace cyclorama {
 namespace {
 
+constexpr int kPicturesPerReport = 200;
 constexpr char kVertexShader[] = R"(#version 300 es
 void main() {
   gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
@@ -60,13 +64,43 @@ void become_first_process() {
   }
 }
 
-Status show(Output* output) {
+/// How the last pictures came to one head. A picture's age counts from when it was begun.
+class HeadPacing {
+ public:
+  void take(const HeadShown& shown, TimePoint begun_at) {
+    if (shown.light == HeadShown::Light::kNew) ages_ms_.add(to_milliseconds(shown.at - begun_at));
+    const auto step = meter_.take(shown);
+    if (!step) return;
+    intervals_ms_.add(to_milliseconds(step->interval));
+    late_ += step->is_late ? 1 : 0;
+    missed_ += step->missed;
+  }
+  [[nodiscard]] std::string text() const {
+    return fmt::format(
+        "{} intervals: {} late, {} refreshes missed; p50 {:.2f} ms, p95 {:.2f} ms, p99 {:.2f} ms; age p50 {:.2f} ms, "
+        "p95 {:.2f} ms, p99 {:.2f} ms",
+        intervals_ms_.count(), late_, missed_, intervals_ms_.at(0.50), intervals_ms_.at(0.95), intervals_ms_.at(0.99),
+        ages_ms_.at(0.50), ages_ms_.at(0.95), ages_ms_.at(0.99));
+  }
+
+ private:
+  PacingMeter meter_;
+  Percentiles intervals_ms_;
+  Percentiles ages_ms_;
+  std::uint64_t late_ = 0;
+  std::uint64_t missed_ = 0;
+};
+
+Status show(Output* output, const Clock& clock) {
   TRY_ASSIGN(const GlProgram program, GlProgram::link(output->gl(), kVertexShader, kFragmentShader));
   const GlVertexArray no_attributes(output->gl());
   const Gl& gl = output->gl();
   std::string said;
+  std::vector<HeadPacing> pacing(output->heads().size());
+  int pictures = 0;
   for (;;) {
     TRY(output->wait_for_refresh());
+    const TimePoint begun_at = clock.now();
     for (std::size_t head = 0; head < output->heads().size(); ++head) {
       TRY(output->draw_to(head));
       gl.UseProgram(program.id());
@@ -78,9 +112,18 @@ Status show(Output* output) {
     TRY_ASSIGN(const Presented presented, output->present());
     if (const std::string kind = output->kind(); kind != said) {
       fmt::print("wall: {}; {}; refresh {}\n", kind, gl.renderer(), presented.refresh);
-      std::fflush(stdout);
       said = kind;
+      pictures = 0;
+      pacing.assign(pacing.size(), {});
     }
+    for (std::size_t head = 0; head < pacing.size(); ++head) pacing[head].take(output->shown()[head], begun_at);
+    if (++pictures == kPicturesPerReport) {
+      for (std::size_t head = 0; head < pacing.size(); ++head)
+        fmt::print("pacing: head {}: {}\n", head + 1, pacing[head].text());
+      pictures = 0;
+      pacing.assign(pacing.size(), {});
+    }
+    std::fflush(stdout);
   }
 }
 
@@ -92,7 +135,7 @@ Status run(int heads, int width_px, int height_px) {
         {{fmt::format("head {}", head + 1), width_px, height_px}, fmt::format("Virtual-{}", head + 1)});
   for (;;) {
     TRY_ASSIGN(const std::unique_ptr<Output> output, open_drm_output(options, clock));
-    const auto shown = show(output.get());
+    const auto shown = show(output.get(), clock);
     if (shown.error().code() != ErrorCode::kUnavailable) return shown;
     fmt::print("wall: lost: {}\n", shown.error().message());
   }

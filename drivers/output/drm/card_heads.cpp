@@ -190,6 +190,16 @@ double CardHeads::refresh_hz() const {
   return slowest;
 }
 
+HeadShown CardHeads::shown(std::size_t head) const {
+  for (const Pipe& pipe : pipes_) {
+    if (pipe.target.head != head) continue;
+    const std::optional<TimePoint> at = waiter_.flipped_at(card_.crtcs()[pipe.crtc].id());
+    return {at ? HeadShown::Light::kNew : HeadShown::Light::kSame, at.value_or(TimePoint{}),
+            refresh_hz_of(pipe.setting.mode)};
+  }
+  return {};
+}
+
 std::string CardHeads::text_of_head(std::size_t head) const {
   for (const Pipe& pipe : pipes_) {
     if (pipe.target.head != head) continue;

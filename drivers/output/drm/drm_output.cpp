@@ -32,6 +32,7 @@ struct CardState {
   bool has_lost_master = false;
   int failures = 0;  // Since it was last lit.
   int busy_flips = 0;
+  bool has_flipped = false;  // At this present().
   TimePoint retry_at{};
 };
 
@@ -66,7 +67,9 @@ class DrmOutput final : public Output {
       if (!canvas) return std::move(canvas).error().while_doing(fmt::format("head '{}'", mode.name));
       canvases_.push_back(*std::move(canvas));
     }
+    was_awake_ = is_awake();
     is_drawn_.assign(modes_.size(), false);
+    shown_.resize(modes_.size());
     // Without it, connectors are looked at from time to time.
     if (auto monitor = HotplugMonitor::open()) hotplug_.emplace(*std::move(monitor));
     return recover();
@@ -85,6 +88,7 @@ class DrmOutput final : public Output {
   [[nodiscard]] const std::vector<HeadMode>& heads() const override { return modes_; }
   [[nodiscard]] double refresh_hz() const override { return pace_.refresh_hz(); }
   [[nodiscard]] const Gl& gl() const override { return gpu_->gl(); }
+  [[nodiscard]] const std::vector<HeadShown>& shown() const override { return shown_; }
 
   [[nodiscard]] std::string kind() const override {
     std::string text = "DRM";
@@ -121,6 +125,7 @@ class DrmOutput final : public Output {
     TRY(gl().check("presenting"));
     pace_.drawn(clock_.now() - begun_at_);
     for (CardState& card : cards_) {
+      card.has_flipped = false;
       if (!card.heads->is_painted()) continue;
       if (auto flipped = card.heads->flip(); !flipped) TRY(take_failure(&card, std::move(flipped).error()));
     }
@@ -133,6 +138,7 @@ class DrmOutput final : public Output {
         continue;
       }
       card.busy_flips = 0;
+      card.has_flipped = true;
       if (!shown || shown->at < flipped->at) shown = *flipped;
     }
     if (!shown) {
@@ -140,6 +146,7 @@ class DrmOutput final : public Output {
       shown = Flipped{clock_.now(), false};
     }
     pace_.shown(shown->at, shown->has_vblank);
+    for (std::size_t head = 0; head < modes_.size(); ++head) shown_[head] = shown_on_its_card(head);
     return Presented{pace_.number(), pace_.shown_at()};
   }
 
@@ -147,6 +154,16 @@ class DrmOutput final : public Output {
   static Error lost(std::string_view why) { return Error(ErrorCode::kUnavailable, fmt::format("DRM: {}", why)); }
 
   [[nodiscard]] bool is_awake() const { return options_.is_awake == nullptr || *options_.is_awake; }
+
+  [[nodiscard]] HeadShown shown_on_its_card(std::size_t head) const {
+    for (const CardState& card : cards_) {
+      if (!card.heads->is_showing(head)) continue;
+      HeadShown shown = card.heads->shown(head);
+      if (!card.has_flipped) shown.light = HeadShown::Light::kSame;
+      return shown;
+    }
+    return {};
+  }
 
   [[nodiscard]] std::string text_of_head(std::size_t head) const {
     for (const CardState& card : cards_) {
@@ -293,6 +310,7 @@ class DrmOutput final : public Output {
   std::optional<CanvasCopier> copier_;
   std::vector<Canvas> canvases_;
   std::vector<bool> is_drawn_;
+  std::vector<HeadShown> shown_;
   std::optional<HotplugMonitor> hotplug_;
   TimePoint look_again_at_{};
   bool was_awake_ = true;

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 
 #include "common/base/clock.h"
 #include "drivers/output/drm/card.h"
@@ -32,12 +34,20 @@ class FlipWaiter {
   /// Blocks until every event has come. kTimedOut  not within `timeout`: the commit is given up.   Others as errno
   /// says. Precondition: is_waiting().
   Result<Flipped> wait(const Card& card, std::chrono::milliseconds timeout);
+  /// When a CRTC of the commit that was waited for last had its new picture; nothing if it was not part of it.
+  [[nodiscard]] std::optional<TimePoint> flipped_at(std::uint32_t crtc_id) const;
 
  private:
+  struct CrtcFlip {
+    std::uint32_t id = 0;
+    TimePoint at{};
+  };
   struct Commit {
     FlipWaiter* waiter = nullptr;
     std::size_t missing = 0;
     Flipped flipped;
+    std::array<CrtcFlip, 32> crtcs{};  // As many as a card can have.
+    std::size_t crtc_count = 0;
   };
   static void on_flip(int fd, unsigned sequence, unsigned seconds, unsigned microseconds, unsigned crtc_id,
                       void* cookie);
@@ -48,6 +58,7 @@ class FlipWaiter {
   std::array<Commit, 16> commits_{};
   std::size_t next_ = 0;
   Commit* current_ = nullptr;
+  const Commit* done_ = nullptr;  // The last that was waited for, if it succeeded.
 };
 
 }  // namespace cyclorama

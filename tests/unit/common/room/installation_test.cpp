@@ -89,6 +89,54 @@ TEST(Installation, the_panorama_covers_the_wall_from_the_sweet_spot) {
   }
 }
 
+TEST(Installation, says_where_a_projector_is_plugged_in) {
+  const auto room = parse_installation("cards = [\"/dev/dri/card1\", \"/dev/dri/card0\"]\n" + kRoom +
+                                           "connector = \"HDMI-A-2\"\ncard = 1\nturn_deg = 270\n",
+                                       "room.toml");
+  ASSERT_TRUE(room.has_value()) << room.error().message();
+  EXPECT_THAT(room->cards, testing::ElementsAre("/dev/dri/card1", "/dev/dri/card0"));
+  const Plug& plug = room->projectors[0].plug;
+  EXPECT_EQ(plug.connector, "HDMI-A-2");
+  EXPECT_EQ(plug.card, 1);
+  EXPECT_EQ(plug.turn_deg, 270);
+  const auto plain = parse_installation(kRoom, "room.toml");
+  EXPECT_TRUE(plain->cards.empty());
+  EXPECT_EQ(plain->projectors[0].plug.connector, "");
+  EXPECT_EQ(plain->projectors[0].plug.card, std::nullopt);
+  EXPECT_EQ(plain->projectors[0].plug.turn_deg, 0);
+
+  EXPECT_THAT(complaint(kRoom + "turn_deg = 45\n"), HasSubstr("turn_deg"));
+  EXPECT_THAT(complaint(kRoom + "turn_deg = 360\n"), HasSubstr("turn_deg"));
+  EXPECT_THAT(complaint(kRoom + "card = 1\n"), HasSubstr("without a 'connector'"));
+  EXPECT_THAT(complaint(kRoom + "card = -1\nconnector = \"DP-1\"\n"), HasSubstr("projector.card"));
+  EXPECT_THAT(complaint(kRoom + "connector = \"1:DP-1\"\n"), HasSubstr("write card = 1"));
+  EXPECT_THAT(complaint("cards = \"/dev/dri/card0\"\n" + kRoom), HasSubstr("room.toml:1: cards"));
+  const std::string other = with(kRoom.substr(kRoom.find("[[projector]]")), "\"left\"", "\"right\"");
+  EXPECT_THAT(complaint(kRoom + "connector = \"DP-1\"\n" + other + "connector = \"DP-1\"\n"),
+              HasSubstr("the connector of 'left' too"));
+  EXPECT_EQ(complaint(kRoom + "connector = \"DP-1\"\n" + other + "connector = \"DP-1\"\ncard = 1\n"), "");
+}
+
+TEST(Installation, says_how_a_projector_is_switched) {
+  const auto room =
+      parse_installation(kRoom + "pjlink = \"192.0.2.11\"\npjlink_password_file = \"pw\"\n", "room.toml", "/etc/c");
+  ASSERT_TRUE(room.has_value()) << room.error().message();
+  const auto& pjlink = room->projectors[0].pjlink;
+  ASSERT_TRUE(pjlink);
+  EXPECT_EQ(pjlink->address.host, "192.0.2.11");
+  EXPECT_EQ(pjlink->address.port, 4352);
+  EXPECT_EQ(pjlink->password_file, "/etc/c/pw");
+  const auto other = parse_installation(kRoom + "pjlink = \"[2001:db8::11]:99\"\n", "room.toml");
+  ASSERT_TRUE(other.has_value());
+  EXPECT_EQ(other->projectors[0].pjlink->address.host, "2001:db8::11");
+  EXPECT_EQ(other->projectors[0].pjlink->address.port, 99);
+  EXPECT_EQ(other->projectors[0].pjlink->password_file, "");
+  EXPECT_FALSE(parse_installation(kRoom, "room.toml")->projectors[0].pjlink);
+  EXPECT_THAT(complaint(kRoom + "pjlink = \"2001:db8::11\"\n"), HasSubstr("must be HOST or HOST:PORT"));
+  EXPECT_THAT(complaint(kRoom + "pjlink = \"a:b:c\"\n"), HasSubstr("projector.pjlink"));
+  EXPECT_THAT(complaint(kRoom + "pjlink_password_file = \"pw\"\n"), HasSubstr("needs 'pjlink'"));
+}
+
 TEST(Installation, mistakes_name_their_line) {
   EXPECT_THAT(complaint(with(kRoom, "radius_m = 3.0", "radius_mm = 3000")),
               HasSubstr("write 'radius_m', in that unit"));

@@ -23,6 +23,10 @@ TEST(TourSettings, are_the_defaults_for_an_empty_file) {
   EXPECT_EQ(settings->navigation.guide_after, defaults.navigation.guide_after);
 }
 
+TEST(TourSettings, leave_what_is_the_displays) {
+  EXPECT_TRUE(parse_tour_settings("[display]\nx = 1\n[hours]\ny = 2\n", "site.toml"));
+}
+
 TEST(TourSettings, read_every_key_in_its_unit) {
   const auto settings = parse_tour_settings(R"(
 [farm]

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/output/power/projector_duty.h"
+
+#include <gtest/gtest.h>
+
+namespace cyclorama {
+namespace {
+
+using enum ProjectorPower;
+constexpr std::optional<bool> kNothing;
+
+TEST(ProjectorDuty, switches_what_is_not_as_it_should_be_until_it_is) {
+  ProjectorDuty duty;
+  EXPECT_EQ(duty.next(true, kOff), true);
+  EXPECT_EQ(duty.next(true, kOff), true);  // The command was lost.
+  EXPECT_EQ(duty.next(true, kWarming), kNothing);
+  EXPECT_EQ(duty.next(true, kOn), kNothing);
+  EXPECT_EQ(duty.next(false, kOn), false);
+  EXPECT_EQ(duty.next(false, kCooling), kNothing);
+  EXPECT_EQ(duty.next(false, kOff), kNothing);
+}
+
+TEST(ProjectorDuty, knows_after_a_restart_in_the_middle_what_to_do) {
+  EXPECT_EQ(ProjectorDuty().next(true, kOff), true);
+  EXPECT_EQ(ProjectorDuty().next(false, kOn), false);
+  EXPECT_EQ(ProjectorDuty().next(true, kOn), kNothing);
+  EXPECT_EQ(ProjectorDuty().next(false, kOff), kNothing);
+}
+
+TEST(ProjectorDuty, waits_for_one_that_goes_the_other_way) {
+  ProjectorDuty duty;
+  EXPECT_EQ(duty.next(true, kCooling), kNothing);
+  EXPECT_EQ(duty.next(true, kOff), true);
+  EXPECT_EQ(duty.next(false, kWarming), kNothing);
+  EXPECT_EQ(duty.next(false, kOn), false);
+}
+
+TEST(ProjectorDuty, leaves_alone_who_was_switched_by_hand_until_the_hours_change) {
+  ProjectorDuty duty;
+  duty.next(true, kOn);
+  for (int n = 0; n < 5; ++n) EXPECT_EQ(duty.next(true, kOff), kNothing);
+  EXPECT_EQ(duty.next(true, kCooling), kNothing);
+  EXPECT_EQ(duty.next(false, kOff), kNothing);
+  for (int n = 0; n < 5; ++n) EXPECT_EQ(duty.next(false, kOn), kNothing);
+  EXPECT_EQ(duty.next(true, kOn), kNothing);
+  EXPECT_EQ(duty.next(false, kOn), false);
+}
+
+TEST(ProjectorDuty, makes_one_right_that_was_without_power) {
+  ProjectorDuty duty;
+  duty.next(true, kOn);
+  EXPECT_EQ(duty.next(true, std::nullopt), kNothing);
+  EXPECT_EQ(duty.next(true, kOff), true);
+  duty.next(false, kOff);
+  duty.next(false, std::nullopt);
+  EXPECT_EQ(duty.next(false, kOn), false);
+}
+
+}  // namespace
+}  // namespace cyclorama

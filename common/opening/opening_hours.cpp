@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::array<std::string_view, 7> kWeekdays{"Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"};
 constexpr int kDay_min = 24 * 60;
-constexpr absl::Time kEarliest = absl::FromUnixSeconds(1767225600);  // 2026-01-01, before which nobody had this program.
+constexpr absl::Time kEarliest =
+    absl::FromUnixSeconds(1767225600);  // 2026-01-01, before which nobody had this program.
 
 /// With empty parts, which nothing below takes.
 std::vector<std::string_view> split(std::string_view text, char separator) {
@@ -29,8 +30,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 /// Digits only: parse_integer() takes signs.
 std::optional<int> number(std::string_view text, std::size_t digits) {
-  const bool is_plain =
-      text.size() == digits && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+  const bool is_plain = text.size() == digits && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
   const auto value = is_plain ? parse_integer(text) : std::nullopt;
   return value ? std::optional(static_cast<int>(*value)) : std::nullopt;
 }

@@ -2,11 +2,11 @@
 /// When a museum is open. Of site.toml, which several programs read:
 ///
 ///   [hours]
-///   open = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00", "Fri,Sat 22:00-02:00", "2026-12-24 10:00-14:00", "2026-12-25 closed"]
-///   time_zone = "Europe/Zurich"   # Absent: this computer's.
+///   open = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00", "Fri,Sat 22:00-02:00", "2026-12-24 10:00-14:00", "2026-12-25
+///   closed"] time_zone = "Europe/Zurich"   # Absent: this computer's.
 ///
-/// Lines about the same days add up. A line about a date takes the place of all that is said of its weekday. Hours that end
-/// before they begin end on the next day. Without [hours] a museum is always open.
+/// Lines about the same days add up. A line about a date takes the place of all that is said of its weekday. Hours that
+/// end before they begin end on the next day. Without [hours] a museum is always open.
 #pragma once
 
 #include <absl/time/civil_time.h>
@@ -35,9 +35,10 @@ class OpeningHours {
   /// An empty zone: this computer's. kInvalidArgument  a line or the zone cannot be understood, and what to write.
   static Result<OpeningHours> parse(const std::vector<std::string>& lines, const std::string& time_zone = {});
 
-  /// From what time it is, and from nothing else. Hours count by the clock on the wall: where it jumps ahead over an hour
-  /// that they name, that hour is the jump; where an hour comes twice, they begin with the first and end with the second.
-  /// True while the clock stands before 2026: it was not set yet, and a museum whose clock is broken is not dark.
+  /// From what time it is, and from nothing else. Hours count by the clock on the wall: where it jumps ahead over an
+  /// hour that they name, that hour is the jump; where an hour comes twice, they begin with the first and end with the
+  /// second. True while the clock stands before 2026: it was not set yet, and a museum whose clock is broken is not
+  /// dark.
   [[nodiscard]] bool is_open(WallTime now) const;
 
  private:

@@ -79,7 +79,8 @@ InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& 
   projector.name = table.text("name");
   const int width = table.integer("width_px", {16, 8192});
   const int height = table.integer("height_px", {16, 8192});
-  projector.lens = Pinhole::from_field_of_view(width, height, table.number("field_of_view_deg", {1.0, 150.0}) * kDegree);
+  projector.lens =
+      Pinhole::from_field_of_view(width, height, table.number("field_of_view_deg", {1.0, 150.0}) * kDegree);
   const std::vector<double> shift = table.numbers("lens_shift_fraction", 2, {-1.0, 1.0}, std::vector<double>{0.0, 0.0});
   projector.lens.centre_u_px += shift[0] * width;
   projector.lens.centre_v_px += shift[1] * height;
@@ -102,8 +103,7 @@ Result<Address> parse_projector_address(const std::string& text) {
   return address ? address : parse_address(fmt::format("{}:{}", text, kPjlinkPort));
 }
 
-Result<Installation> parse_installation(std::string_view text, std::string name,
-                                        const std::filesystem::path& folder) {
+Result<Installation> parse_installation(std::string_view text, std::string name, const std::filesystem::path& folder) {
   TRY_ASSIGN(Config config, Config::parse(text, std::move(name)));
   ConfigTable root = config.root();
   Installation installation;

@@ -51,21 +51,23 @@ struct Installation {
   ///
   ///   one plane               perspective, on a plane whose tilt is the wall's; unless it reaches beyond 75 degrees
   ///   a dome                  fisheye about the dome's axis
-  ///   all else                panorama; what leaves the sweet spot in a corner's direction lands in the corner, so flat
+  ///   all else                panorama; what leaves the sweet spot in a corner's direction lands in the corner, so
+  ///   flat
   ///                           pieces need no picture of their own. A fisheye if it rises or falls beyond 75 degrees,
   ///                           where a tangent of elevation wastes its rows.
   ///
   /// `height_px` of 0: square pixels; of a fisheye the width.
   [[nodiscard]] PictureShape picture(int width_px, int height_px = 0) const;
-  /// The panorama of the sweet spot that just covers the wall, with square pixels in the middle, whatever its elevations.
+  /// The panorama of the sweet spot that just covers the wall, with square pixels in the middle, whatever its
+  /// elevations.
   [[nodiscard]] Panorama panorama(int width_px) const;
 };
 
 /// HOST or HOST:PORT; without a port PJLink's. Errors of parse_address().
 Result<Address> parse_projector_address(const std::string& text);
 
-/// Errors as Config::read(); a room in which a projector or the eye is not on the wall's lit side is refused. Files that it
-/// names lie in the installation's folder.
+/// Errors as Config::read(); a room in which a projector or the eye is not on the wall's lit side is refused. Files
+/// that it names lie in the installation's folder.
 Result<Installation> read_installation(const std::filesystem::path& path);
 /// `name` stands for the file in errors.
 Result<Installation> parse_installation(std::string_view text, std::string name,

@@ -7,8 +7,8 @@
 ///     TRY_ASSIGN(Presented p, output.present());      // All heads in one flip.
 ///   }
 ///
-/// Every kind has an option `is_awake`: while that is false the heads are dark (DPMS), refreshes go on, and what is drawn
-/// is kept; on waking the newest picture of each head is shown without being drawn again.
+/// Every kind has an option `is_awake`: while that is false the heads are dark (DPMS), refreshes go on, and what is
+/// drawn is kept; on waking the newest picture of each head is shown without being drawn again.
 #pragma once
 
 #include <cstddef>

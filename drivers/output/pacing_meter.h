@@ -16,8 +16,8 @@ struct PictureStep {
   bool is_late = false;
 };
 
-/// How evenly one head gets its pictures. Only those that follow one another are compared: while nothing new is drawn, or
-/// the head is dark, there is no pace. A value; thread-bound; allocates nothing.
+/// How evenly one head gets its pictures. Only those that follow one another are compared: while nothing new is drawn,
+/// or the head is dark, there is no pace. A value; thread-bound; allocates nothing.
 class PacingMeter {
  public:
   /// What the head did at a present(). Nothing when there is nothing to compare with.

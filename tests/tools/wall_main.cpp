@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Known pictures on the heads of this machine's graphics card, for tests/image/heads_test.py: eight bars of colour, and
 // in the lowest 32 rows one white square per head's number. As a virtual machine's first process it also mounts what it
-// needs and loads /modules/*. Says "wall: ..." once it shows, and again whenever the heads' modes change; then "pacing: ..."
-// after every 200 pictures.
+// needs and loads /modules/*. Says "wall: ..." once it shows, and again whenever the heads' modes change; then "pacing:
+// ..." after every 200 pictures.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mount.h>

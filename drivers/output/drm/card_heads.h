@@ -51,8 +51,8 @@ class CardHeads {
   [[nodiscard]] bool is_showing(std::size_t head) const;
   /// Of the slowest head; 0 when none is lit.
   [[nodiscard]] double refresh_hz() const;
-  /// Of one head, and when it began to show what the last wait() was for. kDark when it is not lit, kSame when that commit
-  /// was not about it.
+  /// Of one head, and when it began to show what the last wait() was for. kDark when it is not lit, kSame when that
+  /// commit was not about it.
   [[nodiscard]] HeadShown shown(std::size_t head) const;
   /// "HDMI-A-1 1920x1080@60.00 10 bit EPS EB-L1755U": what a head is shown with; "dark" else.
   [[nodiscard]] std::string text_of_head(std::size_t head) const;

@@ -24,7 +24,8 @@ struct DrmOptions {
   double refresh_hz = 60.0;                  ///< Of the modes that are looked for.
   std::vector<std::filesystem::path> cards;  ///< The first one draws. Empty: all of the machine's that have connectors.
   std::chrono::milliseconds flip_timeout{500};
-  /// While false, all connectors are off (ACTIVE = 0). Null: always on. Outlives the output; another thread may write it.
+  /// While false, all connectors are off (ACTIVE = 0). Null: always on. Outlives the output; another thread may write
+  /// it.
   const std::atomic<bool>* is_awake = nullptr;
 };
 

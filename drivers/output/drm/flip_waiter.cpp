@@ -20,7 +20,8 @@ void* FlipWaiter::expect(std::size_t crtcs) {
 
 void FlipWaiter::cancel() { current_ = nullptr; }
 
-void FlipWaiter::on_flip(int, unsigned sequence, unsigned seconds, unsigned microseconds, unsigned crtc_id, void* cookie) {
+void FlipWaiter::on_flip(int, unsigned sequence, unsigned seconds, unsigned microseconds, unsigned crtc_id,
+                         void* cookie) {
   Commit& commit = *static_cast<Commit*>(cookie);
   if (commit.missing > 0) --commit.missing;
   const bool has_time = commit.waiter->card_->has_monotonic_time();

@@ -151,21 +151,23 @@ Status run(const Options& options, const StopSignal& stop) {
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
-  Program program("cyclorama-projectors",
-                  "Switches projectors on and off over the network (PJLink class 1), asks how they are, or keeps them to "
-                  "the museum's hours.");
+  Program program(
+      "cyclorama-projectors",
+      "Switches projectors on and off over the network (PJLink class 1), asks how they are, or keeps them to "
+      "the museum's hours.");
   Options options;
   program.options()
       .add_option("command", options.command,
                   "on, off, ask; or keep: on while the museum is open and off while it is closed, until it is stopped")
       ->required()
       ->check(CLI::IsMember({"on", "off", "ask", "keep"}));
-  program.options()
-      .add_option("projectors", options.projectors, "HOST or HOST:PORT of each; port 4352 if none is given");
+  program.options().add_option("projectors", options.projectors,
+                               "HOST or HOST:PORT of each; port 4352 if none is given");
   program.options().add_option("--installation", options.installation,
                                "The room (TOML): its projectors that have pjlink = \"HOST\"");
   program.options().add_option("--config", options.config, "With keep: the museum's site.toml: [hours]");
-  program.options().add_option("--password-file", options.password_file, "A file that holds the password of those named here");
+  program.options().add_option("--password-file", options.password_file,
+                               "A file that holds the password of those named here");
   program.options()
       .add_option("--within", options.within_s, "Seconds to try a projector that cannot just now")
       ->check(CLI::Range(0.0, 3600.0))

@@ -7,8 +7,8 @@
 namespace cyclorama {
 namespace {
 
-using ::testing::HasSubstr;
 using std::chrono::minutes;
+using ::testing::HasSubstr;
 
 constexpr auto kZone = "Europe/Zurich";  // CET; CEST from 2026-03-29 02:00 to 2026-10-25 03:00.
 
@@ -79,8 +79,8 @@ TEST(OpeningHours, go_on_after_midnight) {
 }
 
 TEST(OpeningHours, of_a_date_take_the_place_of_its_weekday) {
-  const OpeningHours year =
-      hours({"Mon-Sun 10:00-18:00", "Thu 20:00-01:00", "2026-12-24 10:00-14:00", "2026-12-25 closed", "2026-12-31 closed"});
+  const OpeningHours year = hours(
+      {"Mon-Sun 10:00-18:00", "Thu 20:00-01:00", "2026-12-24 10:00-14:00", "2026-12-25 closed", "2026-12-31 closed"});
   EXPECT_TRUE(year.is_open(local("2026-12-24 13:59:59")));  // A Thursday.
   EXPECT_FALSE(year.is_open(local("2026-12-24 14:00:00")));
   EXPECT_FALSE(year.is_open(local("2026-12-24 21:00:00")));
@@ -157,12 +157,34 @@ TEST(OpeningHours, know_other_places) {
 }
 
 TEST(OpeningHours, refuse_what_they_cannot_understand) {
-  for (const char* line :
-       {"", " ", "Mon", "Mon ", "10:00-18:00", "Mon 10:00", "Mon 10:00-", "Mon 10-18", "Mon 10:00-18:00 ", "Mon  10:00-18:00",
-        "Mon 10:00-10:00", "Mon 24:00-02:00", "Mon 10:00-24:01", "Mon 10:60-18:00", "Mon 1:00-2:00", "Mon -1:00-02:00",
-        "Mon 10:00-18:00,", "Mon, 10:00-18:00", "Mon- 10:00-18:00", "Mon-Tue-Wed 10:00-18:00", "mon 10:00-18:00",
-        "Montag 10:00-18:00", "2026-02-30 closed", "2026-13-01 closed", "26-12-25 closed", "2026-12-25 shut",
-        "2026-12-24-2026-12-26 closed", "Mon 10:00-12:00-14:00"}) {
+  for (const char* line : {"",
+                           " ",
+                           "Mon",
+                           "Mon ",
+                           "10:00-18:00",
+                           "Mon 10:00",
+                           "Mon 10:00-",
+                           "Mon 10-18",
+                           "Mon 10:00-18:00 ",
+                           "Mon  10:00-18:00",
+                           "Mon 10:00-10:00",
+                           "Mon 24:00-02:00",
+                           "Mon 10:00-24:01",
+                           "Mon 10:60-18:00",
+                           "Mon 1:00-2:00",
+                           "Mon -1:00-02:00",
+                           "Mon 10:00-18:00,",
+                           "Mon, 10:00-18:00",
+                           "Mon- 10:00-18:00",
+                           "Mon-Tue-Wed 10:00-18:00",
+                           "mon 10:00-18:00",
+                           "Montag 10:00-18:00",
+                           "2026-02-30 closed",
+                           "2026-13-01 closed",
+                           "26-12-25 closed",
+                           "2026-12-25 shut",
+                           "2026-12-24-2026-12-26 closed",
+                           "Mon 10:00-12:00-14:00"}) {
     EXPECT_THAT(complaint({line}), HasSubstr("write days and hours")) << line;
   }
   EXPECT_THAT(complaint({}), HasSubstr("never open"));

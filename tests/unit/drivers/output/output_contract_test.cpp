@@ -317,12 +317,12 @@ TEST_P(OutputContract, refuses_what_cannot_be) {
 }
 
 using Renderer = HeadlessOptions::Renderer;
-INSTANTIATE_TEST_SUITE_P(
-    Kinds, OutputContract,
-    ::testing::Values(Kind{"egl", [] { return std::make_unique<HeadlessPlace>(Renderer::kEgl); }},
-                      Kind{"osmesa", [] { return std::make_unique<HeadlessPlace>(Renderer::kOsMesa); }},
-                      Kind{"drm", [] { return std::make_unique<DrmPlace>(); }}),
-    [](const auto& tested) { return tested.param.name; });
+INSTANTIATE_TEST_SUITE_P(Kinds, OutputContract,
+                         ::testing::Values(Kind{"egl", [] { return std::make_unique<HeadlessPlace>(Renderer::kEgl); }},
+                                           Kind{"osmesa",
+                                                [] { return std::make_unique<HeadlessPlace>(Renderer::kOsMesa); }},
+                                           Kind{"drm", [] { return std::make_unique<DrmPlace>(); }}),
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace cyclorama

@@ -143,7 +143,8 @@ Result<std::string> authorise(std::string_view greeting, std::string_view passwo
       !std::all_of(challenge.begin(), challenge.end(), is_hex))
     return not_pjlink(greeting);
   if (password.empty())
-    return Error(ErrorCode::kInvalidArgument, "it wants a password; name a file that holds it (pjlink_password_file)");
+    return Error(ErrorCode::kInvalidArgument, "it wants a password; name a file that holds it: --password-file, or "
+                                              "pjlink_password_file in installation.toml");
   return md5_hex(std::string(challenge) + std::string(password));
 }
 

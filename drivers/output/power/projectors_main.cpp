@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "common/base/clock.h"
@@ -71,8 +70,8 @@ Status bring(const PjlinkProjector& projector, bool is_on, TimePoint deadline, c
   for (;;) {
     auto set = set_power(projector, is_on, kAnswerWithin);
     if (set || set.error().code() != ErrorCode::kUnavailable) return set;
-    if (stop.requested() || SteadyClock().now() + kAgainAfter > deadline) return set;
-    std::this_thread::sleep_for(kAgainAfter);
+    const TimePoint again = SteadyClock().now() + kAgainAfter;
+    if (again > deadline || stop.wait_until(again)) return set;
   }
 }
 
@@ -81,6 +80,7 @@ Status switch_or_ask(const Options& options, const std::vector<NamedProjector>& 
       SteadyClock().now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.within_s));
   std::size_t failed = 0;
   for (const auto& [name, place] : projectors) {
+    if (stop.requested()) return Error(ErrorCode::kUnavailable, fmt::format("stopped before projector {}", name));
     auto done = options.command == "ask" ? Status(Done{}) : bring(place, options.command == "on", deadline, stop);
     const auto power = done ? ask_power(place, kAnswerWithin) : Result<ProjectorPower>(std::move(done).error());
     if (power) {

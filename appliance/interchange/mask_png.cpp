@@ -3,25 +3,16 @@
 
 #include <spng.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 
 #include "appliance/interchange/fault.h"
+#include "common/image/png_samples.h"
 
 namespace cyclorama {
 namespace {
 
 constexpr std::size_t kChunkLimitBytes = std::size_t{1} << 20;
-constexpr int kQuick = 3;
-
-using Context = std::unique_ptr<spng_ctx, void (*)(spng_ctx*)>;
-
-Context make_context(int flags) {
-  Context context(spng_ctx_new(flags), spng_ctx_free);
-  CHECK(context != nullptr);
-  return context;
-}
 
 Error broken(const char* place, int code) { return fault(place, spng_strerror(code), "export the mask again"); }
 
@@ -51,7 +42,8 @@ Layout layout_of(const spng_ihdr& header) {
 }  // namespace
 
 Result<MaskMap> decode_mask_png(std::span<const std::byte> png, std::size_t limit_px) {
-  const Context context = make_context(0);
+  const std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context(spng_ctx_new(0), spng_ctx_free);
+  CHECK(context != nullptr);
   spng_set_chunk_limits(context.get(), kChunkLimitBytes, kChunkLimitBytes);
   if (const int e = spng_set_png_buffer(context.get(), png.data(), png.size())) return broken("PNG", e);
   spng_ihdr header{};
@@ -92,34 +84,13 @@ Result<MaskMap> decode_mask_png(std::span<const std::byte> png, std::size_t limi
 }
 
 Result<std::vector<std::byte>> encode_mask_png(const MaskMap& mask) {
-  const Context context = make_context(SPNG_CTX_ENCODER);
-  spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
-  spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, kQuick);
-  spng_ihdr header{};
-  header.width = static_cast<std::uint32_t>(mask.width_px);
-  header.height = static_cast<std::uint32_t>(mask.height_px);
-  header.bit_depth = static_cast<std::uint8_t>(mask.bits);
-  header.color_type = mask.channels == 3 ? SPNG_COLOR_TYPE_TRUECOLOR : SPNG_COLOR_TYPE_GRAYSCALE;
-  spng_set_ihdr(context.get(), &header);
+  PngSamples png{mask.width_px, mask.height_px, mask.channels, mask.bits, std::as_bytes(std::span(mask.samples))};
   std::vector<std::uint8_t> narrow;
-  const void* pixels = mask.samples.data();
-  std::size_t bytes = mask.samples.size() * sizeof(std::uint16_t);
   if (mask.bits == 8) {
     for (const std::uint16_t sample : mask.samples) narrow.push_back(static_cast<std::uint8_t>(sample));
-    pixels = narrow.data();
-    bytes = narrow.size();
+    png.samples = std::as_bytes(std::span(narrow));
   }
-  if (const int e = spng_encode_image(context.get(), pixels, bytes, SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE)) {
-    return Error(ErrorCode::kInvalidArgument, fmt::format("encoding a mask as PNG: {}", spng_strerror(e)));
-  }
-  std::size_t size = 0;
-  int e = 0;
-  const std::unique_ptr<void, void (*)(void*)> buffer(spng_get_png_buffer(context.get(), &size, &e), std::free);
-  if (buffer == nullptr) {
-    return Error(ErrorCode::kInvalidArgument, fmt::format("encoding a mask as PNG: {}", spng_strerror(e)));
-  }
-  const auto* const begin = static_cast<const std::byte*>(buffer.get());
-  return std::vector<std::byte>(begin, begin + size);
+  return encode_png(png);
 }
 
 }  // namespace cyclorama

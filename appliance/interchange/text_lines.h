@@ -14,23 +14,21 @@
 #include "appliance/interchange/fault.h"
 #include "common/base/result.h"
 #include "common/base/text.h"
+#include "common/base/text_lines.h"
 
 namespace cyclorama {
 
 /// Borrows the text. Thread-bound.
 class TextLines {
  public:
-  explicit TextLines(std::string_view text) : left_(text) {}
+  explicit TextLines(std::string_view text) : lines_(text) {}
 
-  /// The next line that is not blank, without its line end and the blanks around it; nothing at the end.
+  /// The next line that is not blank, without the blanks around it; nothing at the end.
   std::optional<std::string_view> next() {
-    while (!left_.empty()) {
-      const std::size_t end = std::min(left_.find('\n'), left_.size());
-      std::string_view line = left_.substr(0, end);
-      left_.remove_prefix(std::min(end + 1, left_.size()));
+    std::string_view line;
+    while (lines_.next(&line)) {
       ++number_;
-      while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
-      while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+      line = trimmed(line);
       if (!line.empty()) return line;
     }
     return std::nullopt;
@@ -39,8 +37,7 @@ class TextLines {
   [[nodiscard]] std::string place() const { return fmt::format("line {}", number_); }
 
  private:
-  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-  std::string_view left_;
+  LineReader lines_;
   std::size_t number_ = 0;
 };
 

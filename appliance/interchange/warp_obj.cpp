@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "appliance/interchange/mesh_files.h"
 #include "appliance/interchange/text_lines.h"
+#include "common/geometry/obj_text.h"
+#include "common/geometry/polygon.h"
 
 namespace cyclorama {
 namespace {
@@ -17,26 +21,26 @@ constexpr std::array<std::string_view, 9> kPassedOver{"vn", "vp", "o", "g", "s",
 
 class ObjReader {
  public:
-  explicit ObjReader(std::string_view text) : lines_(text) {}
+  explicit ObjReader(std::string_view text) : statements_(text) {}
 
   Result<WarpNet> read() {
-    while (const auto line = lines_.next()) {
-      if (line->front() == '#') continue;
-      const auto fields = fields_of(*line);
-      if (fields[0] == "v") {
-        TRY(read_vertex(fields));
-      } else if (fields[0] == "vt") {
-        TRY_ASSIGN(const Pair texture, pair_of(fields, 4));
+    std::string_view keyword;
+    std::string_view rest;
+    while (statements_.next(&keyword, &rest)) {
+      if (keyword == "v") {
+        TRY(read_vertex(rest));
+      } else if (keyword == "vt") {
+        TRY_ASSIGN(const Pair texture, pair_of(fields_of(rest), "vt"));
         textures_.push_back(texture);
-      } else if (fields[0] == "f") {
-        TRY(read_face(fields));
-      } else if (std::find(kPassedOver.begin(), kPassedOver.end(), fields[0]) == kPassedOver.end()) {
-        return fault(lines_.place(), fmt::format("'{}' is no part of a warp", printable(fields[0])),
+      } else if (keyword == "f") {
+        TRY(read_face(fields_of(rest)));
+      } else if (std::find(kPassedOver.begin(), kPassedOver.end(), keyword) == kPassedOver.end()) {
+        return fault(place(), fmt::format("'{}' is no part of a warp", printable(keyword)),
                      "export vertices, texture vertices and faces alone");
       }
       if (vertices_.size() > kMostWarpNodes || textures_.size() > kMostWarpNodes ||
           faces_.size() > kMostWarpTriangles) {
-        return fault(lines_.place(), "the mesh is too large",
+        return fault(place(), "the mesh is too large",
                      fmt::format("export at most {} nodes and {} triangles", kMostWarpNodes, kMostWarpTriangles));
       }
     }
@@ -47,58 +51,59 @@ class ObjReader {
   }
 
  private:
-  Status read_vertex(const std::vector<std::string_view>& fields) {
-    TRY_ASSIGN(const Pair place, pair_of(fields, 4));
-    if (fields.size() == 4) {
-      TRY_ASSIGN(const double z, number_of(fields[3], lines_.place()));
+  [[nodiscard]] std::string place() const { return fmt::format("line {}", statements_.line()); }
+
+  Status read_vertex(std::string_view rest) {
+    const auto numbers = fields_of(rest);
+    TRY_ASSIGN(const Pair at, pair_of(numbers, "v"));
+    if (numbers.size() == 3) {
+      TRY_ASSIGN(const double z, number_of(numbers[2], place()));
       if (z != 0.0) {
-        return fault(lines_.place(), "the mesh is not flat",
+        return fault(place(), "the mesh is not flat",
                      "export x and y over the projector's picture; points in space go into MPCDI a3");
       }
     }
-    vertices_.push_back(place);
+    vertices_.push_back(at);
     return Done{};
   }
 
-  Result<Pair> pair_of(const std::vector<std::string_view>& fields, std::size_t most) const {
-    if (fields.size() < 3 || fields.size() > most) {
-      return fault(lines_.place(), fmt::format("{} numbers after '{}'", fields.size() - 1, fields[0]),
-                   "give two or three");
+  Result<Pair> pair_of(const std::vector<std::string_view>& numbers, std::string_view keyword) const {
+    if (numbers.size() < 2 || numbers.size() > 3) {
+      return fault(place(), fmt::format("{} numbers after '{}'", numbers.size(), keyword), "give two or three");
     }
     Pair pair{};
-    for (std::size_t i = 0; i < 2; ++i) {
-      TRY_ASSIGN(pair[i], number_of(fields[i + 1], lines_.place()));
+    for (std::size_t i = 0; i < pair.size(); ++i) {
+      TRY_ASSIGN(pair[i], number_of(numbers[i], place()));
     }
     return pair;
   }
 
-  Status read_face(const std::vector<std::string_view>& fields) {
-    if (fields.size() < 4 || fields.size() > kMostCorners + 1) {
-      return fault(lines_.place(), fmt::format("a face of {} corners", fields.size() - 1),
+  Status read_face(const std::vector<std::string_view>& words) {
+    if (words.size() < 3 || words.size() > kMostCorners) {
+      return fault(place(), fmt::format("a face of {} corners", words.size()),
                    fmt::format("give 3 to {}", kMostCorners));
     }
     std::vector<Corner> corners;
-    for (std::size_t i = 1; i < fields.size(); ++i) {
-      const auto parts = fields_of(fields[i], '/');
-      if (parts.size() > 3) return fault(lines_.place(), "a corner has more than three indices", "export it again");
-      TRY_ASSIGN(const std::uint32_t vertex, index_of(parts[0], vertices_.size()));
-      const bool has_texture = parts.size() > 1 && !parts[1].empty();
-      TRY_ASSIGN(const std::uint32_t texture, index_of(has_texture ? parts[1] : parts[0], textures_.size()));
+    std::vector<Eigen::Vector3d> places;
+    for (const std::string_view word : words) {
+      const ObjCornerWords parts = obj_corner(word);
+      if (!parts.beyond.empty()) return fault(place(), "a corner has more than three indices", "export it again");
+      TRY_ASSIGN(const std::uint32_t vertex, index_of(parts.vertex, vertices_.size()));
+      TRY_ASSIGN(const std::uint32_t texture,
+                 index_of(parts.texture.empty() ? parts.vertex : parts.texture, textures_.size()));
       corners.emplace_back(vertex, texture);
+      places.emplace_back(vertices_[vertex][0], vertices_[vertex][1], 0.0);
     }
-    for (std::size_t i = 2; i < corners.size(); ++i) faces_.push_back({corners[0], corners[i - 1], corners[i]});
+    std::vector<WarpTriangle> cut;
+    triangulate(places, &cut);
+    for (const WarpTriangle& t : cut) faces_.push_back({corners[t[0]], corners[t[1]], corners[t[2]]});
     return Done{};
   }
 
-  /// From 1, or from the end when negative.
-  Result<std::uint32_t> index_of(std::string_view field, std::size_t count) const {
-    const auto index = parse_integer(field);
-    const auto most = static_cast<long long>(count);
-    if (!index || *index == 0 || *index > most || *index < -most) {
-      return fault(lines_.place(), fmt::format("a face names '{}' of {} so far", printable(field), count),
-                   "write vertices, each with its texture vertex, before their faces");
-    }
-    return static_cast<std::uint32_t>(*index > 0 ? *index - 1 : most + *index);
+  Result<std::uint32_t> index_of(std::string_view word, std::size_t count) const {
+    if (const auto index = obj_index(word, count, count)) return *index;
+    return fault(place(), fmt::format("a face names '{}' of {} so far", printable(word), count),
+                 "write vertices, each with its texture vertex, before their faces");
   }
 
   [[nodiscard]] WarpNode node_of(const Corner& corner) const {
@@ -134,7 +139,7 @@ class ObjReader {
     return net;
   }
 
-  TextLines lines_;
+  ObjStatements statements_;
   std::vector<Pair> vertices_;
   std::vector<Pair> textures_;
   std::vector<std::array<Corner, 3>> faces_;
@@ -142,7 +147,10 @@ class ObjReader {
 
 }  // namespace
 
-Result<WarpNet> parse_warp_obj(std::string_view text) { return ObjReader(text).read(); }
+Result<WarpNet> parse_warp_obj(std::string_view text) {
+  std::string storage;
+  return ObjReader(to_utf8(std::as_bytes(std::span(text)), &storage)).read();
+}
 
 Result<std::string> print_warp_obj(const WarpNet& net) {
   TRY(check(net));

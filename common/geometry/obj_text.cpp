@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/geometry/obj_text.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <utility>
+
+#include "common/base/text.h"
 
 namespace cyclorama {
 namespace {
@@ -77,6 +81,29 @@ bool ObjStatements::next(std::string_view* ret_keyword, std::string_view* ret_re
     if (!ret_keyword->empty()) return true;
   }
   return false;
+}
+
+ObjCornerWords obj_corner(std::string_view word) {
+  const auto up_to_slash = [&] {
+    const std::size_t slash = std::min(word.find('/'), word.size());
+    const std::string_view part = word.substr(0, slash);
+    word.remove_prefix(std::min(slash + 1, word.size()));
+    return part;
+  };
+  ObjCornerWords words;
+  words.vertex = up_to_slash();
+  words.texture = up_to_slash();
+  words.normal = up_to_slash();
+  words.beyond = word;
+  return words;
+}
+
+std::optional<std::uint32_t> obj_index(std::string_view word, std::size_t so_far, std::size_t in_all) {
+  const auto number = parse_integer(word);
+  if (!number || *number == 0) return std::nullopt;
+  const long long index = *number > 0 ? *number - 1 : static_cast<long long>(so_far) + *number;
+  if (index < 0 || std::cmp_greater_equal(index, in_all)) return std::nullopt;
+  return static_cast<std::uint32_t>(index);
 }
 
 }  // namespace cyclorama

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,5 +33,18 @@ class ObjStatements {
   std::size_t line_ = 0;
   std::string joined_;
 };
+
+/// The words of a face's corner "7/-1/3", each empty where it is left out; `beyond` is what should not be there.
+struct ObjCornerWords {
+  std::string_view vertex;
+  std::string_view texture;
+  std::string_view normal;
+  std::string_view beyond;
+};
+[[nodiscard]] ObjCornerWords obj_corner(std::string_view word);
+
+/// Where in a list an index points: from 1, or back from the last of the `so_far` that stand above. Nothing where it is
+/// no number or points at none of the `in_all`.
+[[nodiscard]] std::optional<std::uint32_t> obj_index(std::string_view word, std::size_t so_far, std::size_t in_all);
 
 }  // namespace cyclorama

@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <span>
@@ -90,29 +89,18 @@ class Reader {
     return Done{};
   }
 
-  /// From 1, or from the end if below zero.
-  Result<std::size_t> index(std::string_view word, std::string_view what, std::size_t count) const {
-    long long number = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    const bool whole = error == std::errc() && end == word.data() + word.size();
-    const long long from_zero = number > 0 ? number - 1 : static_cast<long long>(count) + number;
-    if (!whole || number == 0 || from_zero < 0 || std::cmp_greater_equal(from_zero, count)) {
-      return refuse(fmt::format("'{}' is none of the {} {} above", printable(word, 40), count, what));
-    }
-    return static_cast<std::size_t>(from_zero);
+  Result<std::uint32_t> index(std::string_view word, std::string_view what, std::size_t count) const {
+    if (const auto found = obj_index(word, count, count)) return *found;
+    return refuse(fmt::format("'{}' is none of the {} {} above", printable(word, 40), count, what));
   }
 
   Status add_face(std::string_view rest) {
     std::vector<std::uint32_t> corners;
     std::vector<Eigen::Vector3d> places;
     for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest)) {
-      const std::size_t slash = word.find('/');
-      TRY_ASSIGN(const std::size_t position, index(word.substr(0, slash), "positions", positions_.size()));
-      if (slash != std::string_view::npos) {
-        const std::string_view after = word.substr(slash + 1);
-        const std::string_view texture = after.substr(0, after.find('/'));
-        if (!texture.empty()) TRY(index(texture, "texture coordinates", texture_places_));
-      }
+      const ObjCornerWords words = obj_corner(word);
+      TRY_ASSIGN(const std::uint32_t position, index(words.vertex, "positions", positions_.size()));
+      if (!words.texture.empty()) TRY(index(words.texture, "texture coordinates", texture_places_));
       corners.push_back(positions_[position]);
       places.push_back(surface_.positions[corners.back()]);
     }

@@ -92,13 +92,11 @@ struct Counts {
 /// One index of "7/-1/3"; none when it is left out.
 Result<std::uint32_t> index_of(std::string_view word, std::size_t so_far, std::size_t in_all, const char* what) {
   if (word.empty()) return ObjCorner::kNone;
-  const auto value = parse_integer(word);
-  if (!value) return Error(ErrorCode::kBadData, fmt::format("'{}' is not the number of a {}", printable(word), what));
-  const long long index = *value > 0 ? *value - 1 : static_cast<long long>(so_far) + *value;
-  if (*value != 0 && index >= 0 && static_cast<unsigned long long>(index) < in_all)
-    return static_cast<std::uint32_t>(index);
+  if (const auto index = obj_index(word, so_far, in_all)) return *index;
+  if (!parse_integer(word))
+    return Error(ErrorCode::kBadData, fmt::format("'{}' is not the number of a {}", printable(word), what));
   return Error(ErrorCode::kBadData,
-               fmt::format("a face refers to {} {} of {}; export the file again", what, *value, in_all));
+               fmt::format("a face refers to {} {} of {}; export the file again", what, word, in_all));
 }
 
 /// Second pass: faces into one mesh per material.
@@ -151,17 +149,13 @@ class FaceReader {
   }
 
   Result<ObjCorner> corner_of(std::string_view word) const {
-    std::array<std::string_view, 3> parts;
-    for (std::string_view& part : parts) {
-      const std::size_t slash = word.find('/');
-      part = word.substr(0, slash);
-      word.remove_prefix(slash == std::string_view::npos ? word.size() : slash + 1);
-    }
-    if (parts[0].empty()) return Error(ErrorCode::kBadData, "a corner of a face names no vertex");
+    const ObjCornerWords words = obj_corner(word);
+    if (words.vertex.empty()) return Error(ErrorCode::kBadData, "a corner of a face names no vertex");
     ObjCorner corner;
-    TRY_ASSIGN(corner.position, index_of(parts[0], counts_.positions, lists_.positions.size(), "vertex"));
-    TRY_ASSIGN(corner.texcoord, index_of(parts[1], counts_.texcoords, lists_.texcoords.size(), "texture coordinate"));
-    TRY_ASSIGN(corner.normal, index_of(parts[2], counts_.normals, lists_.normals.size(), "normal"));
+    TRY_ASSIGN(corner.position, index_of(words.vertex, counts_.positions, lists_.positions.size(), "vertex"));
+    TRY_ASSIGN(corner.texcoord,
+               index_of(words.texture, counts_.texcoords, lists_.texcoords.size(), "texture coordinate"));
+    TRY_ASSIGN(corner.normal, index_of(words.normal, counts_.normals, lists_.normals.size(), "normal"));
     return corner;
   }
 

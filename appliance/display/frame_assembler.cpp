@@ -8,14 +8,13 @@
 #include <mutex>
 #include <utility>
 
+#include "common/base/picture_cut.h"
 #include "common/base/text.h"
 #include "common/wire/convert.h"
 
 namespace cyclorama {
 namespace {
-constexpr int kCutPx = 16;
 constexpr std::size_t kMostKnownParts = 8;
-int cuts(int px) { return (px + kCutPx - 1) / kCutPx; }
 }  // namespace
 
 /// Pictures of frames that nobody shows any more, to decode the next ones into: a frame's memory is mapped once and not
@@ -60,8 +59,7 @@ class FrameAssembler::Assembly {
         sink_(*sink),
         clock_(*clock),
         in_flight_(std::move(in_flight)),
-        columns_(cuts(width())),
-        covered_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(cuts(height())), false) {
+        covered_(width(), height()) {
     frame_.reach_rad = shown_->reach_rad;
     frame_.parts = {shown_, &shown_->parts};
     ++*in_flight_;
@@ -111,14 +109,7 @@ class FrameAssembler::Assembly {
     }
     frame_.bytes += tile.jpeg().size();
     if (frame_.bytes > kLargestFrameBytes) return refuse("makes the frame larger than 256 MiB");
-    for (int row = y / kCutPx; row < cuts(bottom); ++row) {
-      for (int column = x / kCutPx; column < cuts(right); ++column) {
-        const std::size_t cell =
-            static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
-        if (covered_[cell]) return refuse("covers a place that another tile covers");
-        covered_[cell] = true;
-      }
-    }
+    if (!covered_.cover(x, y, right - x, bottom - y)) return refuse("covers a place that another tile covers");
     ++frame_.tiles;
     return Done{};
   }
@@ -152,13 +143,13 @@ class FrameAssembler::Assembly {
   /// The end of the frame came.
   void close(const wire::FrameEnd& end) {
     is_complete_ = true;
-    const auto empty = std::count(covered_.begin(), covered_.end(), false);
+    const std::size_t empty = covered_.count() - covered_.covered();
     if (!end.complete()) {
       fail(end.reason().empty() ? "the farm gave the frame up"
                                 : "the farm gave the frame up: " + printable(end.reason(), 200));
     } else if (end.tiles() != frame_.tiles || empty > 0) {
       fail(fmt::format("{} of {} tiles came", frame_.tiles, end.tiles()) +
-           (empty > 0 ? fmt::format(", and {} of {} cells of the picture are empty", empty, covered_.size()) : ""));
+           (empty > 0 ? fmt::format(", and {} of {} cells of the picture are empty", empty, covered_.count()) : ""));
     }
   }
 
@@ -178,8 +169,7 @@ class FrameAssembler::Assembly {
   FrameSink& sink_;
   const Clock& clock_;
   std::shared_ptr<std::atomic<int>> in_flight_;
-  int columns_;
-  std::vector<bool> covered_;
+  CoveredCells covered_;
   std::atomic<std::uint32_t> decoded_{0};
   bool is_complete_ = false;
   std::atomic<bool> has_failed_{false};

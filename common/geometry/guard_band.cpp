@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/base/picture_cut.h"
 #include "common/geometry/picture_place.h"
 
 namespace cyclorama {
@@ -15,7 +16,6 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr int kLargestSidePx = 16384;
-constexpr int kCutPx = 16;
 constexpr double kWidestTangent = 5.671;  // Of 80 degrees: beyond, a flat picture is mostly rim.
 constexpr double kSameEdge = 1e-9;        // In tangents: a picture that is not turned stays inside itself.
 

@@ -7,10 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/picture_cut.h"
+
 namespace cyclorama {
 namespace {
 constexpr int kLargestSidePx = 16384;
-constexpr int kCutPx = 16;  // Blocks are cut at multiples of a JPEG block with 4:2:0 chroma.
 }  // namespace
 
 Status Panorama::validate() const {

@@ -5,10 +5,11 @@
 
 #include <cmath>
 
+#include "common/base/picture_cut.h"
+
 namespace cyclorama {
 namespace {
 
-constexpr std::uint32_t kCutPx = 16;
 // What a view may ask for; renderfarm/render/quality.h allows at least as much.
 constexpr std::uint32_t kMostSamples = 4096;
 constexpr std::uint32_t kMostBounces = 64;

@@ -4,12 +4,11 @@
 
 #include <vector>
 
+#include "common/base/picture_cut.h"
 #include "common/image/pixel_rect.h"
 
 namespace cyclorama {
 
-/// Pictures are cut here only: a JPEG block with halved chroma is 16 pixels wide.
-inline constexpr int kCutPx = 16;
 /// As measured by `./bench.sh jpeg`: smaller tiles cost bytes, larger ones come later.
 inline constexpr int kLargestTilePx = 256;
 

@@ -10,12 +10,7 @@
 namespace cyclorama {
 namespace {
 
-/// Tiles start on cuts this far apart.
-constexpr std::uint32_t kCutPx = 16;
-
 Error broken(const std::string& what) { return Error(ErrorCode::kBadData, "the farm " + what); }
-
-std::uint32_t cells(std::uint32_t px) { return (px + kCutPx - 1) / kCutPx; }
 
 bool is_same_place(const wire::View& a, const wire::View& b) {
   return from_wire(a.eye_m()) == from_wire(b.eye_m()) && a.heading_rad() == b.heading_rad();
@@ -80,7 +75,7 @@ Status ViewWindow::begin(const wire::View& view) {
   if (!is_refined) in_flight_.erase(in_flight_.begin(), asked);  // Older numbers were skipped.
   open_ = *begun;
   open_number_ = view.number();
-  covered_.assign(std::size_t{cells(view.panorama().width_px())} * cells(view.panorama().height_px()), false);
+  covered_ = CoveredCells(begun->width_px, begun->height_px);
   covered_px_ = 0;
   tiles_ = 0;
   return Done{};
@@ -91,22 +86,10 @@ Status ViewWindow::accept(const wire::Tile& tile) {
     return broken(fmt::format("sent a tile of frame {}, which is not open", tile.view_number()));
   }
   if (const Status fits = validate(tile, *open_); !fits) return broken("sent a " + fits.error().message());
-  const auto each_cell = [&](const auto& use) {
-    const std::size_t columns = cells(static_cast<std::uint32_t>(open_->width_px));
-    for (std::size_t y = tile.y_px() / kCutPx; y < cells(tile.y_px() + tile.height_px()); ++y) {
-      for (std::size_t x = tile.x_px() / kCutPx; x < cells(tile.x_px() + tile.width_px()); ++x) {
-        if (!use(covered_[y * columns + x])) return false;
-      }
-    }
-    return true;
-  };
-  if (!each_cell([](bool covered) { return !covered; })) {
+  const auto px = [](std::uint32_t value) { return static_cast<int>(value); };  // Inside of the picture.
+  if (!covered_.cover(px(tile.x_px()), px(tile.y_px()), px(tile.width_px()), px(tile.height_px()))) {
     return broken(fmt::format("sent a tile at ({}, {}) over another", tile.x_px(), tile.y_px()));
   }
-  each_cell([](std::vector<bool>::reference covered) {
-    covered = true;
-    return true;
-  });
   ++tiles_;
   covered_px_ += std::uint64_t{tile.width_px()} * tile.height_px();
   return Done{};

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <vector>
 
+#include "common/base/picture_cut.h"
 #include "common/base/result.h"
 #include "common/geometry/panorama.h"
 #include "common/wire/farm.pb.h"
@@ -60,7 +60,7 @@ class ViewWindow {
   std::optional<wire::View> answered_;  ///< As asked: the last whose frame ended.
   std::optional<Panorama> open_;        ///< As begun.
   std::uint64_t open_number_ = 0;
-  std::vector<bool> covered_;           ///< The open frame's cells of 16 x 16, row by row.
+  CoveredCells covered_;                ///< Of the open frame.
   std::uint64_t covered_px_ = 0;
   std::uint32_t tiles_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/picture_cut.h"
 #include "renderfarm/head/head_state.h"
 
 namespace cyclorama {
@@ -21,7 +22,6 @@ constexpr int kMostDoublings = 4;  ///< From the first to the last.
 
 std::uint32_t scaled(std::uint32_t px, double scale) {
   if (scale >= 1.0) return px;
-  constexpr double kCutPx = 16.0;
   return std::min(px, static_cast<std::uint32_t>(kCutPx * std::max(1.0, std::round(scale * px / kCutPx))));
 }
 

@@ -6,38 +6,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "common/base/check.h"
 #include "renderfarm/client/view_window.h"
 #include "tests/doubles/fake_scene.h"
+#include "tests/fuzz/fuzz_input.h"
 
 namespace {
 
 using namespace cyclorama;
 
 constexpr std::uint32_t kMostSidePx = 80;
-
-class Input {
- public:
-  Input(const std::uint8_t* data, std::size_t size) : left_(data, size) {}
-  [[nodiscard]] bool is_empty() const { return left_.empty(); }
-  std::uint32_t byte() {
-    if (left_.empty()) return 0;
-    const std::uint8_t value = left_.front();
-    left_ = left_.subspan(1);
-    return value;
-  }
-  std::span<const std::uint8_t> bytes(std::size_t count) {
-    const auto taken = left_.first(std::min(count, left_.size()));
-    left_ = left_.subspan(taken.size());
-    return taken;
-  }
-
- private:
-  std::span<const std::uint8_t> left_;
-};
 
 wire::View view_of(std::uint64_t number, std::uint32_t width, std::uint32_t height) {
   wire::View view;
@@ -51,7 +31,7 @@ wire::View view_of(std::uint64_t number, std::uint32_t width, std::uint32_t heig
 }
 
 /// One that may well be right, as the bytes choose it; or any.
-wire::VisitReply reply_of(Input* input) {
+wire::VisitReply reply_of(FuzzInput* input) {
   wire::VisitReply reply;
   switch (input->byte() % 6) {
     case 0:
@@ -135,7 +115,7 @@ class Museum {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  Input input(data, size);
+  FuzzInput input(data, size);
   ViewWindow window;
   Museum museum;
   std::uint64_t newest = 0;

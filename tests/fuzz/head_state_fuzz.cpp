@@ -13,24 +13,11 @@
 #include "renderfarm/head/head_state.h"
 #include "tests/doubles/fake_peers.h"
 #include "tests/doubles/fake_scene.h"
+#include "tests/fuzz/fuzz_input.h"
 
 namespace {
 
 using namespace cyclorama;
-
-class Input {
- public:
-  explicit Input(std::span<const std::uint8_t> bytes) : left_(bytes) {}
-  std::uint32_t byte() {
-    if (left_.empty()) return 0;
-    const std::uint8_t value = left_.front();
-    left_ = left_.subspan(1);
-    return value;
-  }
-
- private:
-  std::span<const std::uint8_t> left_;
-};
 
 HeadLimits small_pictures() {
   HeadLimits limits;
@@ -51,7 +38,7 @@ class Farm {
   }
 
   void happen(unsigned what, std::span<const std::uint8_t> bytes) {
-    Input input(bytes);
+    FuzzInput input(bytes);
     NodeId& node = nodes_[what / 8 % nodes_.size()];
     Visit& visit = visits_[what / 8 % visits_.size()];
     wire::NodeReport report;
@@ -140,7 +127,7 @@ class Farm {
   void ask(Visit& visit, const wire::VisitRequest& request) { state_.visit_asked(visit.id, request, clock_.now()); }
 
   /// A museum as it should be: opens, then asks for what its window lets through.
-  void look(Visit& visit, Input* input) {
+  void look(Visit& visit, FuzzInput* input) {
     wire::VisitRequest request;
     if (!visit.is_sound) return;
     if (input->byte() % 8 == 7) {
@@ -166,7 +153,7 @@ class Farm {
   }
 
   /// The node does what it was told first, or says something of itself.
-  void work(NodeId id, Input* input) {
+  void work(NodeId id, FuzzInput* input) {
     auto& queue = peers_.commands[id];
     wire::NodeReport report;
     const std::uint32_t how = input->byte();
@@ -193,7 +180,7 @@ class Farm {
     }
   }
   /// At most so many tiles, and an end; without any it failed.
-  void render(NodeId id, const wire::RenderBlock& order, std::uint32_t most, Input* input) {
+  void render(NodeId id, const wire::RenderBlock& order, std::uint32_t most, FuzzInput* input) {
     state_.order_written(id, order.block(), clock_.now());
     wire::NodeReport report;
     std::uint32_t delivered = 0;

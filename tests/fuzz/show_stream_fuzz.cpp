@@ -8,29 +8,10 @@
 #include "appliance/display/frame_assembler.h"
 #include "tests/doubles/heads_that_see_all.h"
 #include "tests/doubles/jpeg_tiles.h"
+#include "tests/fuzz/fuzz_input.h"
 
 namespace cyclorama {
 namespace {
-
-class Input {
- public:
-  Input(const std::uint8_t* data, std::size_t size) : left_(data, size) {}
-  [[nodiscard]] bool is_empty() const { return left_.empty(); }
-  std::uint32_t byte() {
-    if (left_.empty()) return 0;
-    const std::uint8_t value = left_.front();
-    left_ = left_.subspan(1);
-    return value;
-  }
-  std::span<const std::uint8_t> bytes(std::size_t count) {
-    const auto taken = left_.first(std::min(count, left_.size()));
-    left_ = left_.subspan(taken.size());
-    return taken;
-  }
-
- private:
-  std::span<const std::uint8_t> left_;
-};
 
 /// What is ready must be whole; each frame has one outcome.
 class CheckingSink final : public FrameSink {
@@ -54,7 +35,7 @@ const std::string& jpeg_of(int width, int height) {
   return jpeg;
 }
 
-wire::Tile tile_from(Input* input) {
+wire::Tile tile_from(FuzzInput* input) {
   wire::Tile tile;
   tile.set_view_number(input->byte() % 4);
   tile.set_x_px(16 * (input->byte() % 6));
@@ -69,7 +50,7 @@ wire::Tile tile_from(Input* input) {
   return tile;
 }
 
-wire::ShowMessage message_from(Input* input) {
+wire::ShowMessage message_from(FuzzInput* input) {
   wire::ShowMessage message;
   switch (input->byte() % 5) {
     case 0: {
@@ -101,7 +82,7 @@ wire::ShowMessage message_from(Input* input) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  Input input(data, size);
+  FuzzInput input(data, size);
   SteadyClock clock;
   CheckingSink sink;
   DecodePool pool(1);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "appliance/display/attract_picture.h"
+#include "appliance/display/measured_head.h"
 #include "common/base/text.h"
 #include "common/wire/convert.h"
 
@@ -24,6 +25,11 @@ Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const
   std::vector<MaskImage> masks = make_blend_masks(maps);
   std::vector<HeadPlan> heads;
   for (std::size_t i = 0; i < maps.size(); ++i) {
+    if (installation.projectors[i].warp) {
+      TRY_ASSIGN(HeadPlan measured, measured_head(installation, i, picture));
+      heads.push_back(std::move(measured));
+      continue;
+    }
     auto warp = make_warp(maps[i], picture);
     if (!warp)
       return std::move(warp).error().while_doing(fmt::format("projector '{}'", installation.projectors[i].name));

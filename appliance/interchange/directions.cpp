@@ -7,6 +7,7 @@
 
 #include "appliance/interchange/display_warp.h"
 #include "appliance/interchange/fault.h"
+#include "appliance/interchange/map_sampling.h"
 
 namespace cyclorama {
 namespace {
@@ -87,7 +88,7 @@ Result<DirectionMap> directions_of(const WarpRegion& region, WarpProfile profile
   for (int y = 0; y < directions.height(); ++y) {
     for (int x = 0; x < directions.width(); ++x) {
       const float* const sample = region.map->at(x, y);
-      if (std::isnan(sample[0]) || std::isnan(sample[1])) continue;
+      if (!is_mapped(sample)) continue;
       const auto direction = look(sample);
       if (!direction || !direction->allFinite()) continue;
       const Eigen::Vector3f unit = direction->normalized().cast<float>();

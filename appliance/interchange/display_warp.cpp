@@ -4,54 +4,62 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "appliance/interchange/fault.h"
 #include "appliance/interchange/map_sampling.h"
-#include "common/geometry/panorama.h"
+#include "common/geometry/picture_place.h"
 
 namespace cyclorama {
 namespace {
 
 constexpr int kFewestCells = 8;
 constexpr int kFinestCellPx = 4;
+constexpr double kFarthest = 1e9;  // Straight up in a panorama, but for rounding.
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Azimuths count from the middle of what is mapped, so that none jumps inside of one projector's picture.
-double middle_azimuth(const DirectionMap& directions) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int y = 0; y < directions.height(); ++y) {
-    for (int x = 0; x < directions.width(); ++x) {
-      const float* const d = directions.at(x, y);
-      if (!std::isnan(d[0])) sum += Eigen::Vector3f(d[0], d[1], d[2]).cast<double>();
+/// Where directions lie in a picture; azimuths count from the middle of what is mapped, so that none jumps inside of
+/// one projector's picture.
+class Places {
+ public:
+  Places(const DirectionMap& directions, const PictureShape& picture) : picture_(picture) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int y = 0; y < directions.height(); ++y) {
+      for (int x = 0; x < directions.width(); ++x) {
+        const float* const d = directions.at(x, y);
+        if (!std::isnan(d[0])) sum += Eigen::Vector3f(d[0], d[1], d[2]).cast<double>();
+      }
     }
+    middle_rad_ = std::atan2(sum.x(), -sum.z());
   }
-  return std::atan2(sum.x(), -sum.z());
-}
+  [[nodiscard]] std::optional<PicturePlace> of(const Eigen::Vector3d& direction) const {
+    const auto place = place_of(picture_, direction);
+    if (!place || !(std::abs(place->across) < kFarthest) || !(std::abs(place->up) < kFarthest)) return std::nullopt;
+    return counted_near(*place, picture_, middle_rad_);
+  }
+  /// At a place in the projector's picture, 0 to 1 from its upper left corner.
+  [[nodiscard]] std::optional<PicturePlace> at(const DirectionMap& directions, double x, double y) const {
+    const auto direction = sample_map(directions, x, y);
+    if (!direction) return std::nullopt;
+    return of(*direction);
+  }
 
-std::optional<PanoramaDirection> counted(const Eigen::Vector3d& direction, double middle_rad) {
-  const double level = std::hypot(direction.x(), direction.z());
-  if (!(level > 1e-9)) return std::nullopt;  // Straight up or down has no azimuth.
-  const double azimuth = std::atan2(direction.x(), -direction.z());
-  return PanoramaDirection{middle_rad + wrapped_angle(azimuth - middle_rad), direction.y() / level};
-}
+ private:
+  PictureShape picture_;
+  double middle_rad_ = 0.0;
+};
 
-WarpMesh sampled(const DirectionMap& directions, double middle_rad, int width_px, int height_px, int cells_x,
+WarpMesh sampled(const DirectionMap& directions, const Places& places, int width_px, int height_px, int cells_x,
                  int cells_y) {
-  WarpMesh mesh;
-  mesh.width_px = width_px;
-  mesh.height_px = height_px;
-  mesh.cells_x = cells_x;
-  mesh.cells_y = cells_y;
+  WarpMesh mesh{width_px, height_px, cells_x, cells_y, {}, 0.0};
   for (int j = 0; j <= cells_y; ++j) {
     for (int i = 0; i <= cells_x; ++i) {
       const double x = static_cast<double>(i) / cells_x;
       const double y = static_cast<double>(j) / cells_y;
       WarpVertex vertex{static_cast<float>(width_px * x), static_cast<float>(height_px * y), kNone, kNone};
-      if (const auto sample = sample_map(directions, x, y)) {
-        if (const auto direction = counted(*sample, middle_rad)) {
-          vertex.azimuth_rad = static_cast<float>(direction->azimuth_rad);
-          vertex.tan_elevation = static_cast<float>(direction->tan_elevation);
-        }
+      if (const auto place = places.at(directions, x, y)) {
+        vertex.azimuth_rad = static_cast<float>(place->across);
+        vertex.tan_elevation = static_cast<float>(place->up);
       }
       mesh.vertices.push_back(vertex);
     }
@@ -94,42 +102,22 @@ void grow_rim(WarpMesh* mesh) {
   }
 }
 
-Eigen::Vector3d vector_of(const PanoramaDirection& d) {
-  return Eigen::Vector3d(std::sin(d.azimuth_rad), d.tan_elevation, -std::cos(d.azimuth_rad)).normalized();
-}
-
-/// The largest angle between the mesh and a mapped sample that it draws.
-double worst_angle(const DirectionMap& directions, const WarpMesh& mesh) {
+/// The largest distance between the mesh and a mapped sample; infinite where the mesh leaves one out.
+double worst_error(const DirectionMap& directions, const Places& places, const WarpMesh& mesh,
+                   const PixelScale& scale) {
   double worst = 0.0;
   for (int y = 0; y < directions.height(); ++y) {
     for (int x = 0; x < directions.width(); ++x) {
       const float* const d = directions.at(x, y);
-      if (std::isnan(d[0])) continue;
+      const auto truth = std::isnan(d[0]) ? std::nullopt : places.of(Eigen::Vector3f(d[0], d[1], d[2]).cast<double>());
+      if (!truth) continue;
       const auto meshed = mesh.interpolate(
           {mesh.width_px * (x + 0.5) / directions.width(), mesh.height_px * (y + 0.5) / directions.height()});
-      if (!meshed) continue;
-      const Eigen::Vector3d truth = Eigen::Vector3f(d[0], d[1], d[2]).cast<double>();
-      worst = std::max(worst, (vector_of(*meshed) - truth).norm());
+      if (!meshed) return std::numeric_limits<double>::infinity();
+      worst = std::max(worst, scale.distance_px(*truth, {meshed->azimuth_rad, meshed->tan_elevation}));
     }
   }
   return worst;
-}
-
-/// The mean angle from one projector pixel to the next, across.
-double radians_per_px(const DirectionMap& directions, int width_px) {
-  double sum = 0.0;
-  double count = 0.0;
-  for (int y = 0; y < directions.height(); ++y) {
-    for (int x = 0; x + 1 < directions.width(); ++x) {
-      const float* const a = directions.at(x, y);
-      const float* const b = directions.at(x + 1, y);
-      if (std::isnan(a[0]) || std::isnan(b[0])) continue;
-      sum += (Eigen::Vector3f(a[0], a[1], a[2]) - Eigen::Vector3f(b[0], b[1], b[2])).cast<double>().norm();
-      count += 1.0;
-    }
-  }
-  if (!(sum > 0.0)) return 1.0;
-  return sum / count * directions.width() / width_px;
 }
 
 MaskMap mask_map(const MaskImage& mask) {
@@ -153,25 +141,42 @@ MaskImage light_of(const MaskMap& mask, int width_px, int height_px) {
 
 }  // namespace
 
-Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px, double tolerance_rad) {
-  CHECK(!directions.empty() && width_px > 0 && height_px > 0 && tolerance_rad > 0.0);
-  const double middle_rad = middle_azimuth(directions);
-  const double pixel_rad = radians_per_px(directions, width_px);
+Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
+                           double tolerance_px) {
+  CHECK(!directions.empty() && width_px > 0 && height_px > 0 && tolerance_px > 0.0);
+  const Places places(directions, picture);
+  const PixelScale scale = pixel_scale(picture);
   const auto most = [](int px) { return std::max(1, px / kFinestCellPx); };
   for (int cells = kFewestCells;; cells *= 2) {
     const int cells_x = std::min(cells, most(width_px));
     const int cells_y = std::min(cells, most(height_px));
-    WarpMesh mesh = sampled(directions, middle_rad, width_px, height_px, cells_x, cells_y);
+    WarpMesh mesh = sampled(directions, places, width_px, height_px, cells_x, cells_y);
     grow_rim(&mesh);
-    const double worst_rad = worst_angle(directions, mesh);
-    mesh.worst_error_px = worst_rad / pixel_rad;
+    mesh.worst_error_px = worst_error(directions, places, mesh, scale);
     const bool is_finest = cells_x == most(width_px) && cells_y == most(height_px);
     if (mesh.triangles().empty()) {
       if (is_finest) return fault("map", "too little of it is mapped to draw", "measure or export the region again");
-    } else if (worst_rad <= tolerance_rad || is_finest) {
+    } else if (mesh.worst_error_px <= tolerance_px || is_finest) {
       return mesh;
     }
   }
+}
+
+Result<Warp> warp_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
+                       double tolerance_px) {
+  TRY_ASSIGN(WarpMesh mesh, mesh_from(directions, width_px, height_px, picture, tolerance_px));
+  if (mesh.worst_error_px <= tolerance_px && is_quicker_than_a_map(mesh)) return Warp(std::move(mesh));
+  const Places places(directions, picture);
+  PixelMap map(width_px, height_px, kNone);
+  for (int y = 0; y < height_px; ++y) {
+    for (int x = 0; x < width_px; ++x) {
+      const auto place = places.at(directions, (x + 0.5) / width_px, (y + 0.5) / height_px);
+      if (!place) continue;
+      map.at(x, y)[0] = static_cast<float>(place->across);
+      map.at(x, y)[1] = static_cast<float>(place->up);
+    }
+  }
+  return Warp(std::move(map));
 }
 
 MaskImage mask_of(const WarpRegion& region) {
@@ -183,8 +188,7 @@ MaskImage mask_of(const WarpRegion& region) {
     for (int x = 0; x < mask.width(); ++x) {
       const int i = static_cast<int>((x + 0.5) * map.width() / mask.width());
       const int j = static_cast<int>((y + 0.5) * map.height() / mask.height());
-      const float* const sample = map.at(i, j);
-      if (std::isnan(sample[0]) || std::isnan(sample[1])) *mask.at(x, y) = 0.0f;
+      if (!is_mapped(map.at(i, j))) *mask.at(x, y) = 0.0f;
     }
   }
   return mask;
@@ -205,8 +209,9 @@ WarpRegion region_of(const WarpMesh& mesh, const MaskImage& mask, const PictureS
   region.map = WarpMap(mesh.width_px, mesh.height_px, kNone);
   for (int y = 0; y < mesh.height_px; ++y) {
     for (int x = 0; x < mesh.width_px; ++x) {
-      const auto direction = mesh.interpolate({x + 0.5, y + 0.5});
-      const auto pixel = direction ? pixel_of(picture, vector_of(*direction)) : std::nullopt;
+      const auto place = mesh.interpolate({x + 0.5, y + 0.5});
+      const auto pixel =
+          place ? pixel_of(picture, direction_of(picture, {place->azimuth_rad, place->tan_elevation})) : std::nullopt;
       if (!pixel) continue;
       const double u = pixel->u / width_px(picture);
       const double v = 1.0 - pixel->v / height_px(picture);

@@ -3,7 +3,7 @@
 /// others play. Pure; reentrant.
 ///
 ///     region (2d)       u, v in the source picture ─ picture's shape ─┐
-///     region (3d)       u, v in a frustum's view ─────────────────────┼─▶ directions from the sweet spot ─▶ WarpMesh
+///     region (3d)       u, v in a frustum's view ─────────────────────┼─▶ directions from the sweet spot ─▶ Warp
 ///     region (a3, sl)   x, y, z on the screen ─ where the eye is ─────┘
 ///     alpha ────────────────────────────────────────────────────────────▶ MaskImage      beta ─▶ black level
 #pragma once
@@ -14,7 +14,7 @@
 
 #include "appliance/interchange/warp_set.h"
 #include "appliance/warp/blend_mask.h"
-#include "appliance/warp/warp_mesh.h"
+#include "appliance/warp/pixel_map.h"
 #include "common/geometry/projection.h"
 
 namespace cyclorama {
@@ -35,11 +35,18 @@ using DirectionMap = Image<float, 3>;
 /// give. kBadData  no sample gives a direction.
 Result<DirectionMap> directions_of(const WarpRegion& region, WarpProfile profile, const WarpSetting& setting);
 
-/// A mesh over the projector's picture whose cells are halved until they keep to `tolerance_rad` of the directions, or
-/// are four pixels wide. Vertices just outside of what is mapped go on straight, so that the rim is drawn: mask_of()
-/// cuts it off pixel by pixel. WarpMesh::worst_error_px is the angle that is left, in the region's mean pixels.
-/// kBadData  nothing mapped.
-Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px, double tolerance_rad);
+/// A mesh over the projector's picture that says where in `picture` its pixels lie, whose cells are halved until they
+/// keep to `tolerance_px` of the directions and no mapped sample is left out, or are four pixels wide. Vertices just
+/// outside of what is mapped go on straight, so that the rim is drawn: mask_of() cuts it off pixel by pixel.
+/// WarpMesh::worst_error_px is what is left; infinite where a mapped sample is left out.
+/// kBadData  nothing mapped, or nothing of it is in the picture's reach.
+Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
+                           double tolerance_px);
+
+/// That mesh, if it keeps to `tolerance_px` and is_quicker_than_a_map(); else where each pixel's centre lies, between
+/// the samples. Errors of mesh_from().
+Result<Warp> warp_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
+                       double tolerance_px = 0.05);
 
 /// Factors on linear light per projector pixel: alpha (its channels' mean), and 0 where nothing is mapped.
 [[nodiscard]] MaskImage mask_of(const WarpRegion& region);

@@ -23,14 +23,13 @@ struct Between {
   [[nodiscard]] int nearest() const { return share < 0.5 ? first : second; }
 };
 
-/// Of a flat map the third number says nothing and may be NaN.
-bool is_mapped(const float* sample) { return std::isfinite(sample[0]) && std::isfinite(sample[1]); }
-
 Eigen::Vector3d vector_of(const float* sample) {
   return Eigen::Vector3f(sample[0], sample[1], sample[2]).cast<double>();
 }
 
 }  // namespace
+
+bool is_mapped(const float* sample) { return std::isfinite(sample[0]) && std::isfinite(sample[1]); }
 
 std::optional<Eigen::Vector3d> sample_map(const WarpMap& map, double x, double y) {
   const Between across(x, map.width());

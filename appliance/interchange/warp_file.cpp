@@ -38,22 +38,6 @@ Result<WarpNet> read_mesh(const std::filesystem::path& path, const std::string& 
       fmt::format("'{}' ends like no warp file; use .mpcdi, .xml, .pfm, .data, .obj, .csv or .simcad", path.string()));
 }
 
-Result<const WarpRegion*> chosen(const WarpSet& set, const std::string& id) {
-  std::string ids;
-  const WarpRegion* only = nullptr;
-  int count = 0;
-  for (const WarpBuffer& buffer : set.buffers) {
-    for (const WarpRegion& region : buffer.regions) {
-      if (region.id == id) return &region;
-      ids += fmt::format("{}'{}'", ids.empty() ? "" : ", ", region.id);
-      only = &region;
-      ++count;
-    }
-  }
-  if (id.empty() && count == 1) return only;
-  return invalid(fmt::format("which region is meant? There {} {}", count == 1 ? "is" : "are", ids));
-}
-
 }  // namespace
 
 Result<WarpFile> read_warp_file(const std::filesystem::path& path, const WarpFileOptions& options) {
@@ -72,6 +56,22 @@ Result<WarpFile> read_warp_file(const std::filesystem::path& path, const WarpFil
   return WarpFile{set_of(*std::move(region), WarpProfile::k2d), {}};
 }
 
+Result<const WarpRegion*> chosen_region(const WarpSet& set, const std::string& id) {
+  std::string ids;
+  const WarpRegion* only = nullptr;
+  int count = 0;
+  for (const WarpBuffer& buffer : set.buffers) {
+    for (const WarpRegion& region : buffer.regions) {
+      if (region.id == id) return &region;
+      ids += fmt::format("{}'{}'", ids.empty() ? "" : ", ", region.id);
+      only = &region;
+      ++count;
+    }
+  }
+  if (id.empty() && count == 1) return only;
+  return invalid(fmt::format("which region is meant? There {} {}; name one", count == 1 ? "is" : "are", ids));
+}
+
 Status write_warp_file(const std::filesystem::path& path, const WarpSet& set, const std::string& id,
                        const WarpFileOptions& options) {
   const std::string ending = path.extension().string();
@@ -83,7 +83,7 @@ Status write_warp_file(const std::filesystem::path& path, const WarpSet& set, co
   if (ending != ".pfm" && ending != ".data" && ending != ".obj") {
     return invalid(fmt::format("'{}' cannot be written; use .mpcdi, .pfm, .data or .obj", path.string()));
   }
-  TRY_ASSIGN(const WarpRegion* const region, chosen(set, id));
+  TRY_ASSIGN(const WarpRegion* const region, chosen_region(set, id));
   const std::filesystem::path mask = options.mask.value_or(std::filesystem::path(path).replace_extension(".png"));
   if (ending == ".pfm") return write_warp_pair(path, mask, *region);
   if (set.profile != WarpProfile::k2d) {

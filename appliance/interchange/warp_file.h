@@ -38,6 +38,10 @@ struct WarpFile {
 /// kInvalidArgument  no format has such an ending.     Else the errors of the format's reader.
 Result<WarpFile> read_warp_file(const std::filesystem::path& path, const WarpFileOptions& options);
 
+/// The region of that id; of no id, the only one there is. It lives as long as the set.
+/// kInvalidArgument  there is none, or which one is not said: names those that there are.
+Result<const WarpRegion*> chosen_region(const WarpSet& set, const std::string& id);
+
 /// One region goes into all formats but MPCDI: `region` names it, or is empty where there is only one. Meshes lose the
 /// beta map and what lies in space. A mesh is written from the even grid of net_from(); an OBJ and a PFM write the
 /// alpha beside them, as PNG (options.mask, or the same name with .png).

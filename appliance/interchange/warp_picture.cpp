@@ -15,8 +15,6 @@ namespace {
 constexpr double kLines = 10.0;
 constexpr double kLineShare = 0.06;  ///< Of the way from one line to the next.
 
-bool is_mapped(const float* sample) { return std::isfinite(sample[0]) && std::isfinite(sample[1]); }
-
 struct Range {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();

@@ -23,13 +23,15 @@ PixelMap make_pixel_map(const ProjectorMap& map) {
   return directions;
 }
 
+bool is_quicker_than_a_map(const WarpMesh& mesh) {
+  return mesh.cells_x * kLeastCellPx <= mesh.width_px && mesh.cells_y * kLeastCellPx <= mesh.height_px;
+}
+
 Result<Warp> make_warp(const ProjectorMap& map, const Panorama& picture, double tolerance_px) {
   TRY(picture.validate());
   const int most = std::max(1, map.lens().width_px * map.lens().height_px / (kLeastCellPx * kLeastCellPx));
   auto mesh = make_warp_mesh(map, picture, tolerance_px, most);
-  if (mesh && mesh->cells_x * kLeastCellPx <= mesh->width_px && mesh->cells_y * kLeastCellPx <= mesh->height_px) {
-    return Warp(*std::move(mesh));
-  }
+  if (mesh && is_quicker_than_a_map(*mesh)) return Warp(*std::move(mesh));
   return Warp(make_pixel_map(map));
 }
 

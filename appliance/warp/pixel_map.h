@@ -18,8 +18,11 @@ using Warp = std::variant<WarpMesh, PixelMap>;
 
 [[nodiscard]] PixelMap make_pixel_map(const ProjectorMap& map);
 
-/// A mesh that keeps to `tolerance_px`, if its cells are large enough to be drawn quicker than a map of each pixel is
-/// read; else that map. kInvalidArgument  the panorama is none.
+/// Whether a mesh's cells are large enough to be drawn quicker than a map of each pixel is read.
+[[nodiscard]] bool is_quicker_than_a_map(const WarpMesh& mesh);
+
+/// A mesh that keeps to `tolerance_px`, if it is_quicker_than_a_map(); else that map. kInvalidArgument  the panorama is
+/// none.
 Result<Warp> make_warp(const ProjectorMap& map, const Panorama& picture, double tolerance_px = 0.05);
 
 /// Across the whole head, in projector pixels.

@@ -28,6 +28,11 @@ bool crosses(const Pinhole& lens, const Eigen::Vector2d& a, const Eigen::Vector2
 
 }  // namespace
 
+PicturePlace counted_near(const PicturePlace& place, const PictureShape& picture, double middle_rad) {
+  if (!std::holds_alternative<Panorama>(picture)) return place;
+  return {middle_rad + wrapped_angle(place.across - middle_rad), place.up};
+}
+
 ProjectorMap::ProjectorMap(const Installation& installation, std::size_t projector)
     : wall_(installation.wall), eye_(installation.sweet_spot) {
   CHECK(projector < installation.projectors.size());
@@ -66,11 +71,9 @@ std::optional<Eigen::Vector3d> ProjectorMap::sight_of(const Eigen::Vector2d& pix
 
 std::optional<PicturePlace> ProjectorMap::place_of(const Eigen::Vector2d& pixel, const PictureShape& picture) const {
   const auto direction = sight_of(pixel);
-  auto place = direction ? cyclorama::place_of(picture, *direction) : std::nullopt;
-  if (place && std::holds_alternative<Panorama>(picture)) {
-    place->across = middle_azimuth_rad_ + wrapped_angle(place->across - middle_azimuth_rad_);
-  }
-  return place;
+  const auto place = direction ? cyclorama::place_of(picture, *direction) : std::nullopt;
+  if (!place) return std::nullopt;
+  return counted_near(*place, picture, middle_azimuth_rad_);
 }
 
 std::optional<PanoramaDirection> ProjectorMap::direction_of(const Eigen::Vector2d& pixel) const {

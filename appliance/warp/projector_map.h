@@ -17,6 +17,10 @@ struct PanoramaDirection {
   double tan_elevation = 0.0;
 };
 
+/// The same place, with its azimuth, where the picture has any, within half a turn of `middle_rad`: azimuths of one
+/// projector's picture must not jump.
+[[nodiscard]] PicturePlace counted_near(const PicturePlace& place, const PictureShape& picture, double middle_rad);
+
 /// Where each pixel of one projector is seen from the sweet spot, exactly, from the known geometry of the room.
 /// A value; reentrant. Pixels are continuous: the centre of the first is (0.5, 0.5).
 class ProjectorMap {

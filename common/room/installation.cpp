@@ -9,6 +9,7 @@
 
 #include "common/base/file.h"
 #include "common/config/config.h"
+#include "common/room/file_beside.h"
 #include "common/room/read_wall.h"
 
 namespace cyclorama {
@@ -73,6 +74,15 @@ void refuse_shared_connectors(const std::vector<InstalledProjector>& projectors,
   }
 }
 
+std::optional<InstalledWarp> read_warp(ConfigTable* table, const std::filesystem::path& folder) {
+  if (!table->has("warp")) return std::nullopt;
+  InstalledWarp warp;
+  warp.file = file_beside(table, "warp", folder);
+  warp.region = table->text("warp_region", "");
+  if (table->has("warp_mask")) warp.mask = file_beside(table, "warp_mask", folder);
+  return warp;
+}
+
 InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& wall,
                                   const std::filesystem::path& folder) {
   InstalledProjector projector;
@@ -92,6 +102,7 @@ InstalledProjector read_projector(ConfigTable table, const std::optional<Wall>& 
   projector.plug = read_plug(&table);
   projector.pjlink = read_pjlink(&table, folder);
   if (wall && !is_lit_from(*wall, position)) table.refuse("position_m", wrong_side(*wall));
+  projector.warp = read_warp(&table, folder);
   return projector;
 }
 

@@ -31,12 +31,21 @@ struct PjlinkPlace {
   std::filesystem::path password_file{};  ///< Empty: it wants no password.
 };
 
+/// A warp that another program measured (appliance/interchange reads it): what the display draws with instead of what
+/// follows from the projector's place.
+struct InstalledWarp {
+  std::filesystem::path file;  ///< In the installation's folder.
+  std::string region;          ///< Of a file with several; empty: the one with the projector's name, or the only one.
+  std::filesystem::path mask;  ///< A PNG that belongs to a PFM; empty: none.
+};
+
 struct InstalledProjector {
   std::string name;  ///< "left": its key in pages, pictures and files.
   Pinhole lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
   Plug plug{};
   std::optional<PjlinkPlace> pjlink{};  ///< Nothing: it is switched by hand.
+  std::optional<InstalledWarp> warp = {};
 };
 
 /// A value; reentrant.
@@ -66,8 +75,8 @@ struct Installation {
 /// HOST or HOST:PORT; without a port PJLink's. Errors of parse_address().
 Result<Address> parse_projector_address(const std::string& text);
 
-/// Errors as Config::read(); a room in which a projector or the eye is not on the wall's lit side is refused. Files
-/// that it names lie in the installation's folder.
+/// Errors as Config::read(); a room in which a projector or the eye is not on the wall's lit side is refused. Meshes and
+/// warps lie in the installation's folder; a warp is not opened here.
 Result<Installation> read_installation(const std::filesystem::path& path);
 /// `name` stands for the file in errors.
 Result<Installation> parse_installation(std::string_view text, std::string name,

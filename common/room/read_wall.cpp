@@ -8,6 +8,7 @@
 
 #include "common/base/file.h"
 #include "common/base/text.h"
+#include "common/room/file_beside.h"
 
 namespace cyclorama {
 namespace {
@@ -85,20 +86,17 @@ Wall read_dome(ConfigTable* table) {
 }
 
 std::optional<Wall> read_mesh(ConfigTable* table, const std::filesystem::path& folder) {
-  const std::filesystem::path file = table->text("file");
-  if (file.empty()) return std::nullopt;  // Refused already.
-  if (file.filename() != file) {
-    table->refuse("file", "is a path; put the mesh beside the installation and write its name alone");
-    return std::nullopt;
-  }
-  const auto text = read_text_file(folder / file, kMostFileBytes);
+  const std::filesystem::path file = file_beside(table, "file", folder);
+  if (file.empty()) return std::nullopt;
+  const auto text = read_text_file(file, kMostFileBytes);
   if (!text) {
     table->refuse("file", printable(text.error().message(), 300));
     return std::nullopt;
   }
   auto mesh = MeshWall::read(*text);
   if (mesh) return *std::move(mesh);
-  table->refuse("file", fmt::format("'{}' {}", printable(file.string(), 100), printable(mesh.error().message(), 300)));
+  table->refuse(
+      "file", fmt::format("'{}' {}", printable(file.filename().string(), 100), printable(mesh.error().message(), 300)));
   return std::nullopt;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "appliance/interchange/mpcdi.h"
 #include "tests/doubles/demo_room.h"
@@ -15,26 +16,13 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kToleranceRad = 1e-4;
+constexpr double kTolerancePx = 0.1;
 constexpr double kRimRad = 3e-3;  ///< A fifth of a pixel of these small projectors: what is lost where the wall ends.
 
 /// The room's middle projector with a tenth of its pixels, through an MPCDI file and back.
 class Returned : public ::testing::Test {
  protected:
-  Returned() : room_(small_room()), map_(room_, 1), masks_(make_blend_masks(projector_maps(room_))) {}
-
-  static Installation small_room() {
-    Installation room = demo_room();
-    for (InstalledProjector& projector : room.projectors) {
-      Pinhole& lens = projector.lens;
-      lens.width_px /= 10;
-      lens.height_px /= 10;
-      lens.focal_px /= 10;
-      lens.centre_u_px /= 10;
-      lens.centre_v_px /= 10;
-    }
-    return room;
-  }
+  Returned() : room_(demo_room_with_pixels_over(10)), map_(room_, 1), masks_(make_blend_masks(projector_maps(room_))) {}
 
   static WarpRegion through_file(WarpRegion region, WarpProfile profile) {
     WarpSet set;
@@ -79,7 +67,7 @@ TEST_F(Returned, a_flat_region_draws_what_the_projector_showed) {
   const WarpRegion region = through_file(region_of(*mesh, masks_[1], picture, "middle"), WarpProfile::k2d);
   const auto directions = directions_of(region, WarpProfile::k2d, {.picture = picture, .eye_m = {}});
   ASSERT_TRUE(directions.has_value()) << directions.error().message();
-  const auto back = mesh_from(*directions, region.width_px, region.height_px, kToleranceRad);
+  const auto back = mesh_from(*directions, region.width_px, region.height_px, picture, kTolerancePx);
   ASSERT_TRUE(back.has_value()) << back.error().message();
   EXPECT_LT(worst_angle(*back), kRimRad);
   const MaskImage mask = mask_of(region);
@@ -98,12 +86,13 @@ TEST_F(Returned, a_flat_region_draws_what_the_projector_showed) {
 }
 
 TEST_F(Returned, points_on_the_wall_draw_what_the_projector_showed) {
+  const Panorama picture = room_.panorama(2048);
   const WarpRegion region =
       through_file(region_in_space(map_, room_.sweet_spot, masks_[1], "middle"), WarpProfile::kAdvanced3d);
   EXPECT_EQ(region.unit, LengthUnit::kMetre);
   const auto directions = directions_of(region, WarpProfile::kAdvanced3d, {});
   ASSERT_TRUE(directions.has_value()) << directions.error().message();
-  const auto back = mesh_from(*directions, region.width_px, region.height_px, kToleranceRad);
+  const auto back = mesh_from(*directions, region.width_px, region.height_px, picture, kTolerancePx);
   ASSERT_TRUE(back.has_value());
   EXPECT_LT(worst_angle(*back), kRimRad);
 }
@@ -206,7 +195,7 @@ TEST(MeshFrom, a_projector_across_the_seam_at_half_a_turn_has_azimuths_that_do_n
       directions.at(x, y)[2] = -level * static_cast<float>(std::cos(azimuth));
     }
   }
-  const auto mesh = mesh_from(directions, 64, 8, 1e-3);
+  const auto mesh = mesh_from(directions, 64, 8, Panorama{6283, 1000, 2.0 * std::numbers::pi, 0.5, -0.5}, 1.0);
   ASSERT_TRUE(mesh.has_value());
   for (int x = 0; x + 1 < 64; ++x) {
     const double step = mesh->interpolate({x + 1.5, 4.0})->azimuth_rad - mesh->interpolate({x + 0.5, 4.0})->azimuth_rad;
@@ -216,7 +205,8 @@ TEST(MeshFrom, a_projector_across_the_seam_at_half_a_turn_has_azimuths_that_do_n
 
 TEST(MeshFrom, a_map_without_a_mapped_sample_is_refused) {
   const DirectionMap none(8, 8, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_THAT(mesh_from(none, 8, 8, 1e-3).error().message(), HasSubstr("too little"));
+  EXPECT_THAT(mesh_from(none, 8, 8, Panorama{1024, 512, 2.0, 0.5, -0.5}, 1.0).error().message(),
+              HasSubstr("too little"));
 }
 
 TEST(BlackLevel, is_light_after_gamma_in_the_projectors_pixels) {

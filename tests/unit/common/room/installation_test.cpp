@@ -10,6 +10,7 @@
 namespace cyclorama {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -47,6 +48,28 @@ TEST(Installation, a_room_is_read_with_its_units) {
   ASSERT_EQ(room->projectors.size(), 1u);
   EXPECT_EQ(room->projectors[0].name, "left");
   EXPECT_EQ(room->projectors[0].lens.width_px, 1280);
+}
+
+TEST(Installation, a_warp_of_another_program_lies_beside_it) {
+  EXPECT_FALSE(parse_installation(kRoom, "room.toml")->projectors[0].warp.has_value());
+  const auto room = parse_installation(kRoom + "warp = 'wall.mpcdi'\nwarp_region = 'l'\n", "room.toml", "/museum");
+  ASSERT_TRUE(room.has_value()) << room.error().message();
+  ASSERT_TRUE(room->projectors[0].warp.has_value());
+  EXPECT_EQ(room->projectors[0].warp->file, "/museum/wall.mpcdi");
+  EXPECT_EQ(room->projectors[0].warp->region, "l");
+  EXPECT_TRUE(room->projectors[0].warp->mask.empty());
+  const auto pair = parse_installation(kRoom + "warp = 'l.pfm'\nwarp_mask = 'l.png'\n", "room.toml", "/museum");
+  ASSERT_TRUE(pair.has_value()) << pair.error().message();
+  EXPECT_EQ(pair->projectors[0].warp->mask, "/museum/l.png");
+}
+
+TEST(Installation, a_warp_elsewhere_or_half_of_one_is_refused) {
+  for (const char* const name : {"../wall.mpcdi", "/wall.mpcdi", ""}) {
+    EXPECT_THAT(complaint(kRoom + "warp = '" + name + "'\n"),
+                AllOf(StartsWith("room.toml:"), HasSubstr("beside the installation")))
+        << name;
+  }
+  EXPECT_THAT(complaint(kRoom + "warp_region = 'l'\n"), HasSubstr("warp_region"));
 }
 
 TEST(Installation, a_pan_to_the_left_looks_to_the_left_and_upright) {

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/measured_head.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "appliance/interchange/display_warp.h"
+#include "appliance/interchange/warp_file.h"
+
+namespace cyclorama {
+namespace {
+
+Result<HeadPlan> head_of(const WarpRegion& region, WarpProfile profile, const Pinhole& lens,
+                         const WarpSetting& setting) {
+  if (region.width_px != lens.width_px || region.height_px != lens.height_px) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("region '{}': it has {}x{} pixels, and the projector {}x{}; correct width_px and "
+                             "height_px, or export it for these pixels",
+                             region.id, region.width_px, region.height_px, lens.width_px, lens.height_px));
+  }
+  TRY_ASSIGN(const DirectionMap directions, directions_of(region, profile, setting));
+  TRY_ASSIGN(Warp warp, warp_from(directions, lens.width_px, lens.height_px, setting.picture));
+  HeadPlan head{std::move(warp), mask_of(region)};
+  if (auto black = black_level_of(region)) {
+    head.colour.black = Eigen::Vector3d::Ones();
+    head.colour.lift = *std::move(black);
+  }
+  return head;
+}
+
+Result<HeadPlan> head_in(const InstalledProjector& projector, const WarpSetting& setting) {
+  const InstalledWarp& installed = *projector.warp;
+  WarpFileOptions options;
+  options.width_px = projector.lens.width_px;
+  options.height_px = projector.lens.height_px;
+  if (!installed.mask.empty()) options.mask = installed.mask;
+  TRY_ASSIGN(const WarpFile file, read_warp_file(installed.file, options));
+  const bool has_namesake = installed.region.empty() && file.set.region(projector.name) != nullptr;
+  const auto head = [&]() -> Result<HeadPlan> {
+    TRY_ASSIGN(const WarpRegion* const region,
+               chosen_region(file.set, has_namesake ? projector.name : installed.region));
+    return head_of(*region, file.set.profile, projector.lens, setting);
+  };
+  auto made = head();
+  if (!made) return std::move(made).error().while_doing(fmt::format("using warp '{}'", installed.file.string()));
+  return made;
+}
+
+}  // namespace
+
+Result<HeadPlan> measured_head(const Installation& installation, std::size_t projector, const PictureShape& picture) {
+  const InstalledProjector& installed = installation.projectors.at(projector);
+  CHECK(installed.warp.has_value());
+  auto head = head_in(installed, {picture, installation.sweet_spot.xyz});
+  if (!head) return std::move(head).error().while_doing(fmt::format("projector '{}'", installed.name));
+  return head;
+}
+
+}  // namespace cyclorama

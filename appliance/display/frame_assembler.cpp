@@ -213,7 +213,9 @@ void FrameAssembler::begin(const wire::View& view) {
   refused_number_ = view.number();
   const auto drop = [&](const std::string& reason) { sink_.frame_dropped(view.number(), reason); };
   if (const Status valid = validate(view); !valid) return drop(valid.error().message());
-  const Panorama panorama = *from_wire(view.panorama());
+  const PictureShape shape = *from_wire(view.panorama());
+  if (!std::holds_alternative<Panorama>(shape)) return drop("a picture of another kind than this wall's");
+  const Panorama panorama = std::get<Panorama>(shape);
   if (static_cast<std::size_t>(panorama.width_px) * static_cast<std::size_t>(panorama.height_px) > kLargestFramePx) {
     return drop(fmt::format("a picture of {}x{} pixels; at most {} pixels are shown", panorama.width_px,
                             panorama.height_px, kLargestFramePx));

@@ -162,7 +162,7 @@ double turn_reach(const PictureShape& picture, const PictureShape& shown) {
 
 std::optional<PictureShape> covering(const PictureShape& a, const PictureShape& b) {
   if (a == b) return a;
-  if (R_eye_picture(a) != R_eye_picture(b)) return std::nullopt;
+  if (!has_same_places(a, b)) return std::nullopt;
   return std::visit([](const auto& p, const auto& q) { return joined(p, q); }, a, b);
 }
 

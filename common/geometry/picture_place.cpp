@@ -10,6 +10,9 @@ double tilt_of(const Panorama&) { return 0.0; }
 double tilt_of(const Perspective& s) { return s.tilt_rad; }
 double tilt_of(const Fisheye& s) { return s.tilt_rad; }
 double tilt_of(const Equirectangular&) { return 0.0; }
+double tilt_of(const PictureShape& shape) {
+  return std::visit([](const auto& s) { return tilt_of(s); }, shape);
+}
 
 /// Of a span over pixels: what a pixel is times, and where 0 is.
 struct Spread {
@@ -80,9 +83,22 @@ PixelScale pixel_scale(const PictureShape& shape) {
   return std::visit([](const auto& s) { return scale(s); }, shape);
 }
 
+PictureShape with_pixels(PictureShape shape, int width_px, int height_px) {
+  std::visit(
+      [&](auto& s) {
+        s.width_px = width_px;
+        s.height_px = height_px;
+      },
+      shape);
+  return shape;
+}
+
+bool has_same_places(const PictureShape& a, const PictureShape& b) {
+  return a.index() == b.index() && tilt_of(a) == tilt_of(b);
+}
+
 Eigen::Matrix3d R_eye_picture(const PictureShape& shape) {
-  const double tilt = std::visit([](const auto& s) { return tilt_of(s); }, shape);
-  return Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  return Eigen::AngleAxisd(tilt_of(shape), Eigen::Vector3d::UnitX()).toRotationMatrix();
 }
 
 Eigen::Vector3d direction_of(const PictureShape& shape, const PicturePlace& at) {

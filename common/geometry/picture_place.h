@@ -44,6 +44,10 @@ struct PixelScale {
   }
 };
 [[nodiscard]] PixelScale pixel_scale(const PictureShape& shape);
+/// The same places with other pixels.
+[[nodiscard]] PictureShape with_pixels(PictureShape shape, int width_px, int height_px);
+/// Whether places mean the same in both: they are of one kind and tilt.
+[[nodiscard]] bool has_same_places(const PictureShape& a, const PictureShape& b);
 
 /// The picture's axes (x right, y up, z against its axis) seen in the Eye frame.
 [[nodiscard]] Eigen::Matrix3d R_eye_picture(const PictureShape& shape);

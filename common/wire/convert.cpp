@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/base/picture_cut.h"
@@ -16,7 +17,7 @@ constexpr std::uint32_t kMostBounces = 64;
 constexpr std::uint32_t kMostLightSamples = 16;
 constexpr float kMostLight = 1e9f;
 constexpr double kFarthestEyeM = 1e7;       // Far beyond any scene, and within float, which the ray kernels use.
-constexpr double kSteepestElevation = 1e4;  // Tangent: within a hundredth of a degree of straight up or down.
+constexpr double kSteepest = 1e4;           // Tangent: within a hundredth of a degree of a right angle.
 
 Error refuse(const char* field, const std::string& what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("view.{} {}", field, what));
@@ -58,24 +59,52 @@ void to_wire(const Eigen::Vector3d& v, wire::Vector3* ret_v) {
   ret_v->set_z(v.z());
 }
 
-Result<Panorama> from_wire(const wire::Panorama& p) {
-  Panorama panorama;
+Result<PictureShape> from_wire(const wire::Panorama& p) {
   // A count beyond int becomes negative or large, and validate() refuses both.
-  panorama.width_px = static_cast<int>(p.width_px());
-  panorama.height_px = static_cast<int>(p.height_px());
-  panorama.azimuth_span_rad = p.azimuth_span_rad();
-  panorama.tan_elevation_top = p.tan_elevation_top();
-  panorama.tan_elevation_bottom = p.tan_elevation_bottom();
-  TRY(panorama.validate());
-  return panorama;
+  const int width = static_cast<int>(p.width_px());
+  const int height = static_cast<int>(p.height_px());
+  PictureShape shape;
+  switch (p.projection()) {
+    case wire::Panorama::CYLINDER:
+      shape = Panorama{width, height, p.azimuth_span_rad(), p.tan_elevation_top(), p.tan_elevation_bottom()};
+      break;
+    case wire::Panorama::PERSPECTIVE:
+      shape = Perspective{width, height, p.tan_left(), p.tan_right(), p.tan_top(), p.tan_bottom(), p.tilt_rad()};
+      break;
+    case wire::Panorama::FISHEYE:
+      shape = Fisheye{width, height, p.field_rad(), p.tilt_rad()};
+      break;
+    default:
+      return Error(ErrorCode::kInvalidArgument,
+                   fmt::format("panorama projection is {}, which this program does not know; update it",
+                               static_cast<int>(p.projection())));
+  }
+  TRY(validate(shape));
+  return shape;
 }
 
-void to_wire(const Panorama& p, wire::Panorama* ret_p) {
-  ret_p->set_width_px(static_cast<std::uint32_t>(p.width_px));
-  ret_p->set_height_px(static_cast<std::uint32_t>(p.height_px));
-  ret_p->set_azimuth_span_rad(p.azimuth_span_rad);
-  ret_p->set_tan_elevation_top(p.tan_elevation_top);
-  ret_p->set_tan_elevation_bottom(p.tan_elevation_bottom);
+void to_wire(const PictureShape& shape, wire::Panorama* ret_p) {
+  ret_p->Clear();
+  ret_p->set_width_px(static_cast<std::uint32_t>(width_px(shape)));
+  ret_p->set_height_px(static_cast<std::uint32_t>(height_px(shape)));
+  if (const auto* panorama = std::get_if<Panorama>(&shape)) {
+    ret_p->set_azimuth_span_rad(panorama->azimuth_span_rad);
+    ret_p->set_tan_elevation_top(panorama->tan_elevation_top);
+    ret_p->set_tan_elevation_bottom(panorama->tan_elevation_bottom);
+  } else if (const auto* flat = std::get_if<Perspective>(&shape)) {
+    ret_p->set_projection(wire::Panorama::PERSPECTIVE);
+    ret_p->set_tan_left(flat->tan_left);
+    ret_p->set_tan_right(flat->tan_right);
+    ret_p->set_tan_top(flat->tan_top);
+    ret_p->set_tan_bottom(flat->tan_bottom);
+    ret_p->set_tilt_rad(flat->tilt_rad);
+  } else {
+    const auto* fisheye = std::get_if<Fisheye>(&shape);
+    CHECK(fisheye != nullptr);
+    ret_p->set_projection(wire::Panorama::FISHEYE);
+    ret_p->set_field_rad(fisheye->field_rad);
+    ret_p->set_tilt_rad(fisheye->tilt_rad);
+  }
 }
 
 Status validate(const wire::View& view) {
@@ -84,21 +113,27 @@ Status validate(const wire::View& view) {
   if (!(from_wire(view.eye_m()).cwiseAbs().maxCoeff() <= kFarthestEyeM)) return refuse("eye_m", "is too far away");
   if (!std::isfinite(view.heading_rad())) return refuse("heading_rad", "is not finite");
   TRY(validate_knobs(view));
-  TRY_ASSIGN(const Panorama panorama, from_wire(view.panorama()));
-  if (panorama.tan_elevation_top > kSteepestElevation || panorama.tan_elevation_bottom < -kSteepestElevation) {
-    return refuse("panorama", fmt::format("has an elevation beyond a tangent of {}", kSteepestElevation));
+  TRY_ASSIGN(const PictureShape picture, from_wire(view.panorama()));
+  double steepest = 0.0;
+  if (const auto* panorama = std::get_if<Panorama>(&picture)) {
+    steepest = std::max(panorama->tan_elevation_top, -panorama->tan_elevation_bottom);
+  } else if (const auto* flat = std::get_if<Perspective>(&picture)) {
+    steepest = std::max({flat->tan_right, -flat->tan_left, flat->tan_top, -flat->tan_bottom});
   }
-  return Done{};
+  if (steepest <= kSteepest) return Done{};
+  return refuse("panorama", fmt::format("has an angle beyond a tangent of {}", kSteepest));
 }
 
-Status validate(const wire::Tile& tile, const Panorama& picture) {
+Status validate(const wire::Tile& tile, const PictureShape& picture) {
+  const int width = width_px(picture);
+  const int height = height_px(picture);
   const std::uint64_t right = std::uint64_t{tile.x_px()} + tile.width_px();
   const std::uint64_t bottom = std::uint64_t{tile.y_px()} + tile.height_px();
   if (tile.width_px() == 0 || tile.height_px() == 0 || tile.x_px() % kCutPx != 0 || tile.y_px() % kCutPx != 0 ||
-      right > static_cast<std::uint64_t>(picture.width_px) || bottom > static_cast<std::uint64_t>(picture.height_px)) {
+      right > static_cast<std::uint64_t>(width) || bottom > static_cast<std::uint64_t>(height)) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("tile {}x{} at ({}, {}) does not fit a picture of {}x{}", tile.width_px(),
-                             tile.height_px(), tile.x_px(), tile.y_px(), picture.width_px, picture.height_px));
+                             tile.height_px(), tile.x_px(), tile.y_px(), width, height));
   }
   return Done{};
 }

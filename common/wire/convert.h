@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "common/base/result.h"
-#include "common/geometry/panorama.h"
+#include "common/geometry/projection.h"
 #include "common/wire/farm.pb.h"
 #include "common/wire/view.pb.h"
 
@@ -14,14 +14,15 @@ namespace cyclorama {
 [[nodiscard]] Eigen::Vector3d from_wire(const wire::Vector3& v);
 void to_wire(const Eigen::Vector3d& v, wire::Vector3* ret_v);
 
-/// kInvalidArgument  as Panorama::validate().
-Result<Panorama> from_wire(const wire::Panorama& p);
-void to_wire(const Panorama& p, wire::Panorama* ret_p);
+/// kInvalidArgument  as validate(), and a projection that this program does not know.
+Result<PictureShape> from_wire(const wire::Panorama& p);
+/// Precondition: it is not equirectangular, which nobody asks a farm for.
+void to_wire(const PictureShape& shape, wire::Panorama* ret_p);
 
 /// Everything in a view that a node or a display relies on. kInvalidArgument names the field.
 Status validate(const wire::View& view);
 /// That a tile lies inside its picture and starts on a 16-pixel cut. kInvalidArgument.
-Status validate(const wire::Tile& tile, const Panorama& picture);
+Status validate(const wire::Tile& tile, const PictureShape& picture);
 /// That a scene can be walked in: finite poses, three corners or more, a positive scale. kInvalidArgument names the field.
 Status validate(const wire::SceneDescription& scene);
 

@@ -20,7 +20,8 @@ struct SplitRequest {
   /// How fast each node is, above 0: threads times the measured speed of one. The order of nodes should stay from frame
   /// to frame.
   std::span<const double> speeds;
-  /// Where the picture looks and how wide it is, so that a turn can take the costs with it.
+  /// Where the picture looks and how wide it is, so that a turn can take the costs with it. A span of 0: no turn shifts
+  /// the picture, which is no panorama.
   double heading_rad = 0.0;
   double azimuth_span_rad = 1.0;
   /// What each block costs its node beside its pixels, at any speed: orders, a partly filled batch, a JPEG's head.

@@ -90,7 +90,9 @@ double difference(const WorkGrid& a, const WorkGrid& b) {
 }  // namespace
 
 double CostMap::turn_seen(const Place& at, double part) const {
-  const double turn = options_.turns ? part * (at.heading_rad - place_.heading_rad) / azimuth_span_rad_ : 0.0;
+  const double turn = options_.turns && azimuth_span_rad_ > 0.0
+                          ? part * (at.heading_rad - place_.heading_rad) / azimuth_span_rad_
+                          : 0.0;
   return std::isfinite(turn) ? std::clamp(turn, -1.0, 1.0) : 0.0;
 }
 
@@ -118,7 +120,7 @@ WorkGrid CostMap::moved(double fraction, PictureSize size) const {
 }
 
 WorkGrid CostMap::predict(const SplitRequest& request) {
-  azimuth_span_rad_ = usable(request.azimuth_span_rad, 1.0);
+  azimuth_span_rad_ = request.azimuth_span_rad == 0.0 ? 0.0 : usable(request.azimuth_span_rad, 1.0);
   WorkGrid cost(request.size, static_cast<float>(kFirstGuess));
   double effort = 1.0;
   if (is_known() && !cost.cells().empty()) {

@@ -21,7 +21,8 @@ struct CostMapOptions {
 /// Seconds per pixel and effort, in cells. When the eye only turns, the content of a panorama moves by the turn over
 /// the azimuth span. When the eye also walks, near content moves otherwise; then it moves by as much of the turn as
 /// explained the last frame best (an orbit around a relic: by nothing at all). What comes in at an edge costs as the
-/// edge did. A value; thread-bound. Invariant: every cost is finite and above zero.
+/// edge did. A picture that is no panorama stays where it is. A value; thread-bound. Invariant: every cost is finite
+/// and above zero.
 class CostMap {
  public:
   explicit CostMap(const CostMapOptions& options = {}) : options_(options) {}
@@ -46,7 +47,7 @@ class CostMap {
   CostMapOptions options_;
   WorkGrid cost_;  ///< Per pixel, of effort 1.
   Place place_;    ///< Whose costs they are.
-  double azimuth_span_rad_ = 1.0;
+  double azimuth_span_rad_ = 1.0;  ///< 0: nothing moves.
   double part_of_turn_ = 1.0;  ///< That the content moves by when the eye walks too.
 };
 

@@ -34,8 +34,7 @@ const char* fault_of(const RecordedFrame& frame) {
   }
   if (!std::isfinite(frame.heading_rad) || !std::ranges::all_of(frame.eye_m, [](double v) { return std::isfinite(v); }))
     return "heading or eye is no number";
-  if (!(frame.azimuth_span_rad > 0.0 && std::isfinite(frame.azimuth_span_rad)))
-    return "the azimuth span is not above 0";
+  if (!(frame.azimuth_span_rad >= 0.0 && std::isfinite(frame.azimuth_span_rad))) return "the azimuth span is below 0";
   if (!(frame.effort > 0.0 && std::isfinite(frame.effort))) return "the effort is not above 0";
   if (!std::ranges::all_of(frame.work.cells(), is_work)) return "a cell's work is no number, or below 0";
   return nullptr;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "common/geometry/picture_place.h"
 #include "common/wire/convert.h"
 
 namespace cyclorama {
@@ -16,12 +17,11 @@ bool is_same_place(const wire::View& a, const wire::View& b) {
   return from_wire(a.eye_m()) == from_wire(b.eye_m()) && a.heading_rad() == b.heading_rad();
 }
 
-/// What the farm makes of a panorama that was asked for: the same field, perhaps with fewer pixels.
-Status check_shape(const Panorama& asked, Panorama begun) {
-  const bool fits = begun.width_px <= asked.width_px && begun.height_px <= asked.height_px;
-  begun.width_px = asked.width_px;
-  begun.height_px = asked.height_px;
-  return fits && begun == asked ? Status(Done{}) : broken("sent a frame in another shape");
+/// What the farm makes of a picture that was asked for: the same field, perhaps with fewer pixels.
+Status check_shape(const PictureShape& asked, const PictureShape& begun) {
+  const bool fits = width_px(begun) <= width_px(asked) && height_px(begun) <= height_px(asked) &&
+                    with_pixels(begun, width_px(asked), height_px(asked)) == asked;
+  return fits ? Status(Done{}) : broken("sent a frame in another shape");
 }
 
 }  // namespace
@@ -68,14 +68,14 @@ Status ViewWindow::begin(const wire::View& view) {
   }
   const wire::View& wanted = is_refined ? *answered_ : *asked;
   if (!is_same_place(view, wanted)) return broken("sent a frame from another place");
-  TRY_ASSIGN(const Panorama field, from_wire(wanted.panorama()));
+  TRY_ASSIGN(const PictureShape field, from_wire(wanted.panorama()));
   const auto begun = from_wire(view.panorama());
   if (!begun) return broken("sent a frame whose " + begun.error().message());
   TRY(check_shape(field, *begun));
   if (!is_refined) in_flight_.erase(in_flight_.begin(), asked);  // Older numbers were skipped.
   open_ = *begun;
   open_number_ = view.number();
-  covered_ = CoveredCells(begun->width_px, begun->height_px);
+  covered_ = CoveredCells(width_px(*begun), height_px(*begun));
   covered_px_ = 0;
   tiles_ = 0;
   return Done{};
@@ -100,7 +100,7 @@ Status ViewWindow::end(const wire::FrameEnd& end) {
     return broken(fmt::format("ended frame {}, which is not open", end.view_number()));
   }
   const std::uint64_t whole_px =
-      static_cast<std::uint64_t>(open_->width_px) * static_cast<std::uint64_t>(open_->height_px);
+      static_cast<std::uint64_t>(width_px(*open_)) * static_cast<std::uint64_t>(height_px(*open_));
   if (end.complete() && (covered_px_ != whole_px || end.tiles() != tiles_)) {
     return broken(
         fmt::format("called frame {} complete with {} of {} pixels", end.view_number(), covered_px_, whole_px));

@@ -8,7 +8,7 @@
 
 #include "common/base/picture_cut.h"
 #include "common/base/result.h"
-#include "common/geometry/panorama.h"
+#include "common/geometry/projection.h"
 #include "common/wire/farm.pb.h"
 
 namespace cyclorama {
@@ -58,7 +58,7 @@ class ViewWindow {
   std::optional<wire::View> waiting_;
   std::deque<wire::View> in_flight_;    ///< Growing numbers.
   std::optional<wire::View> answered_;  ///< As asked: the last whose frame ended.
-  std::optional<Panorama> open_;        ///< As begun.
+  std::optional<PictureShape> open_;    ///< As begun.
   std::uint64_t open_number_ = 0;
   CoveredCells covered_;                ///< Of the open frame.
   std::uint64_t covered_px_ = 0;

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
-#include <variant>
 
 #include "common/base/clock.h"
 #include "common/base/cpu_time.h"
@@ -22,16 +21,12 @@ namespace {
 /// Strips have margins of their own, which are filtered twice.
 constexpr int kLeastStripPx = 64;
 
-const Panorama* panorama_of(const Projection& picture) {
-  return picture.viewing.eyes == Eyes::kMono ? std::get_if<Panorama>(&picture.shape) : nullptr;
-}
-
-/// `rect` and `px` around it, as far as the panorama goes.
-PixelRect grown(const PixelRect& rect, int px, const Panorama& panorama) {
+/// `rect` and `px` around it, as far as the picture goes.
+PixelRect grown(const PixelRect& rect, int px, const Projection& picture) {
   const int left = std::max(0, rect.x - px);
   const int top = std::max(0, rect.y - px);
-  return {left, top, std::min(panorama.width_px, rect.x + rect.width + px) - left,
-          std::min(panorama.height_px, rect.y + rect.height + px) - top};
+  return {left, top, std::min(picture.width_px(), rect.x + rect.width + px) - left,
+          std::min(picture.height_px(), rect.y + rect.height + px) - top};
 }
 
 /// A film's cost, told of the cells that `rect` touches. What went into its margin and its denoising counts for all
@@ -55,8 +50,8 @@ RenderCost told_of(RenderCost cost, const PixelRect& wide, const PixelRect& rect
 }  // namespace
 
 Status check_denoisable(const PanoramaView& view) {
-  if (panorama_of(view.picture()) != nullptr) return Done{};
-  return Error(ErrorCode::kInvalidArgument, "the denoiser knows panoramas for one eye only");
+  if (view.picture().viewing.eyes == Eyes::kMono) return Done{};
+  return Error(ErrorCode::kInvalidArgument, "the denoiser knows pictures for one eye only");
 }
 
 DenoisingRenderer::DenoisingRenderer(const Renderer& renderer, int threads)
@@ -74,9 +69,8 @@ RenderCost DenoisingRenderer::render(const PanoramaView& view, const PixelRect& 
 RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const PixelRect& rect,
                                               RadianceImage* ret_pixels, const std::function<bool()>& cancelled) {
   const Projection picture = view.picture();
-  const Panorama* const panorama = panorama_of(picture);
-  CHECK(panorama != nullptr);
-  const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), *panorama);
+  CHECK(check_denoisable(view).has_value());
+  const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), picture);
   RenderCost cost = renderer_.render_film(view, wide, true, &film_, cancelled);
   if (rect.empty() || (cancelled && cancelled())) {
     *ret_pixels = RadianceImage(rect.width, rect.height);
@@ -84,7 +78,7 @@ RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const Pi
   }
   const TimePoint start = SteadyClock().now();
   const double cpu_start = thread_cpu_seconds();
-  const PixelRays rays = panorama_rays(*panorama, view.heading_rad, wide);
+  const PixelRays rays = picture_rays(picture.shape, view.heading_rad, wide);
   if (wide_.width() != wide.width || wide_.height() != wide.height) wide_ = RadianceImage(wide.width, wide.height);
   const PixelRect part{rect.x - wide.x, rect.y - wide.y, rect.width, rect.height};
   const int threads = static_cast<int>(denoisers_.size());

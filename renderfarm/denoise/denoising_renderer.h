@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// kInvalidArgument, one sentence, unless the denoiser knows the view's rays: a panorama for one eye.
+/// kInvalidArgument, one sentence, unless the denoiser knows the view's rays: a picture for one eye.
 [[nodiscard]] Status check_denoisable(const PanoramaView& view);
 
 /// Keeps its memory from one picture to the next, and a reference to the renderer, which must outlive it. Thread-bound.

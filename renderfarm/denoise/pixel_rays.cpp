@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/denoise/pixel_rays.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "common/geometry/picture_place.h"
 
 namespace cyclorama {
 
@@ -22,6 +26,28 @@ PixelRays panorama_rays(const Panorama& panorama, double heading_rad, const Pixe
       *out++ = scale * east;
       *out++ = scale * t;
       *out++ = scale * south;
+    }
+  }
+  return rays;
+}
+
+PixelRays picture_rays(const PictureShape& shape, double heading_rad, const PixelRect& rect) {
+  if (const auto* panorama = std::get_if<Panorama>(&shape)) return panorama_rays(*panorama, heading_rad, rect);
+  const PixelScale scale = pixel_scale(shape);
+  const PicturePlace middle = scale.place_at({0.5 * width_px(shape), 0.5 * height_px(shape)});
+  const Eigen::Vector3d axis = direction_of(shape, {});
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(-heading_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  // In the middle of a perspective a place is a tangent: the angle grows by its cosine squared.
+  const double flat = std::holds_alternative<Perspective>(shape)
+                          ? 1.0 / (1.0 + std::pow(middle.across, 2) + std::pow(middle.up, 2))
+                          : 1.0;
+  PixelRays rays{RadianceImage(rect.width, rect.height), flat / scale.u_per_across};
+  float* out = rays.directions.data().data();
+  for (int y = 0; y < rect.height; ++y) {
+    for (int x = 0; x < rect.width; ++x) {
+      const Eigen::Vector3d seen = direction_at(shape, {rect.x + x + 0.5, rect.y + y + 0.5}).value_or(axis);
+      const Eigen::Vector3f direction = (turn * seen.normalized()).cast<float>();
+      out = std::copy_n(direction.data(), 3, out);
     }
   }
   return rays;

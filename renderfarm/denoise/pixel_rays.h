@@ -2,7 +2,7 @@
 /// Where the pixels of a film look, whatever camera made it.
 #pragma once
 
-#include "common/geometry/panorama.h"
+#include "common/geometry/projection.h"
 #include "common/image/pixel_rect.h"
 #include "renderfarm/render/film.h"
 
@@ -16,5 +16,7 @@ struct PixelRays {
 
 /// Of `rect` of a panorama. A pixel gets the same direction in whatever rect. Precondition: panorama.validate().
 [[nodiscard]] PixelRays panorama_rays(const Panorama& panorama, double heading_rad, const PixelRect& rect);
+/// The same of a picture of any shape. Outside of a fisheye's circle, where there are no samples, along its axis.
+[[nodiscard]] PixelRays picture_rays(const PictureShape& shape, double heading_rad, const PixelRect& rect);
 
 }  // namespace cyclorama

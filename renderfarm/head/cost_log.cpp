@@ -43,7 +43,11 @@ void CostLog::add(const FrameReport& report) {
   waiting.session = report.session;
   waiting.size = {static_cast<int>(view.panorama().width_px()), static_cast<int>(view.panorama().height_px())};
   waiting.frame.heading_rad = view.heading_rad();
-  waiting.frame.azimuth_span_rad = view.panorama().azimuth_span_rad();
+  if (view.panorama().projection() == wire::Panorama::CYLINDER) {
+    waiting.frame.azimuth_span_rad = view.panorama().azimuth_span_rad();
+  } else {
+    waiting.frame.azimuth_span_rad = 0.0;  // A turn shifts nothing.
+  }
   waiting.frame.eye_m = {view.eye_m().x(), view.eye_m().y(), view.eye_m().z()};
   waiting.frame.effort = view.samples();
   waiting.costs = report.costs;

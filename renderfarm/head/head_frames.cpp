@@ -34,6 +34,11 @@ PictureSize size_of(const wire::View& view) {
 
 std::array<double, 3> eye_of(const wire::View& view) { return {view.eye_m().x(), view.eye_m().y(), view.eye_m().z()}; }
 
+/// 0 of a picture that a turn does not shift.
+double shifting_span(const wire::View& view) {
+  return view.panorama().projection() == wire::Panorama::CYLINDER ? view.panorama().azimuth_span_rad() : 0.0;
+}
+
 /// What a pixel costs grows with its samples; how much more a bounce costs, only the scene knows.
 double effort_of(const wire::View& view) { return view.samples(); }
 
@@ -56,7 +61,7 @@ std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& vi
     speeds.push_back(speed_of(node, session.scene));
     thread_speeds.push_back(node.scenes.at(session.scene).speed);
   }
-  SplitRequest request{size_of(view), speeds, view.heading_rad(), view.panorama().azimuth_span_rad()};
+  SplitRequest request{size_of(view), speeds, view.heading_rad(), shifting_span(view)};
   request.eye_m = eye_of(view);
   request.effort = effort_of(view);
   request.block_overhead_seconds = kBlockSeconds;

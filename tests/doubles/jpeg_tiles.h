@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 
-inline wire::View view_of(std::uint64_t number, const Panorama& panorama, double heading_rad = 0.0) {
+inline wire::View view_of(std::uint64_t number, const PictureShape& panorama, double heading_rad = 0.0) {
   wire::View view;
   view.set_number(number);
   view.set_heading_rad(heading_rad);
@@ -54,7 +54,7 @@ inline wire::FrameEnd end_of(std::uint64_t number, std::size_t tiles, bool compl
 
 /// The messages of one whole frame, in order.
 inline std::vector<wire::ShowMessage> frame_messages(std::uint64_t number, const RgbImage& picture,
-                                                     const Panorama& panorama, double heading_rad = 0.0,
+                                                     const PictureShape& panorama, double heading_rad = 0.0,
                                                      int side_px = 64) {
   std::vector<wire::ShowMessage> messages(1);
   *messages[0].mutable_begin() = view_of(number, panorama, heading_rad);

@@ -1,37 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/tour/session/display_hub.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
+#include "common/geometry/guard_band.h"
+
 namespace cyclorama {
-namespace {
-constexpr int kLargestPx = 16384;  // Panorama::validate()'s.
-}
-
-Panorama covering(const Panorama& a, const Panorama& b) {
-  if (a == b) return a;
-  Panorama both;
-  both.azimuth_span_rad = std::max(a.azimuth_span_rad, b.azimuth_span_rad);
-  both.tan_elevation_top = std::max(a.tan_elevation_top, b.tan_elevation_top);
-  both.tan_elevation_bottom = std::min(a.tan_elevation_bottom, b.tan_elevation_bottom);
-  const auto rows_per_tan = [](const Panorama& p) {
-    return p.height_px / (p.tan_elevation_top - p.tan_elevation_bottom);
-  };
-  const double width = both.azimuth_span_rad / std::min(a.radians_per_px(), b.radians_per_px());
-  const double height =
-      (both.tan_elevation_top - both.tan_elevation_bottom) * std::max(rows_per_tan(a), rows_per_tan(b));
-  both.width_px = static_cast<int>(std::min(std::ceil(width - 1e-6), double{kLargestPx}));
-  both.height_px = static_cast<int>(std::min(std::ceil(height - 1e-6), double{kLargestPx}));
-  return both;
-}
-
-Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string name, const Panorama& wanted) {
+Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string name, const PictureShape& wanted) {
   const std::lock_guard lock(mutex_);
   if (closed_) return *closed_;
   if (members_.size() >= kMostDisplays)
     return Error(ErrorCode::kBusy, "as many displays as may dial in are here already");
+  for (const Member& member : members_) {
+    if (covering(member.wanted, wanted)) continue;
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("display '{}' is here for a wall of another kind, and one picture cannot serve both; give "
+                             "all displays of a room the same [wall]",
+                             member.name));
+  }
   members_.push_back({link, std::move(name), wanted});
   link->send_heading(heading_rad_, shutter_ns_);
   return Done{};
@@ -63,11 +52,11 @@ std::size_t DisplayHub::send(const SharedShowMessage& message) {
   return lost;
 }
 
-std::optional<Panorama> DisplayHub::wanted() const {
+std::optional<PictureShape> DisplayHub::wanted() const {
   const std::lock_guard lock(mutex_);
   if (members_.empty()) return std::nullopt;
-  Panorama all = members_.front().wanted;
-  for (const Member& member : members_) all = covering(all, member.wanted);
+  PictureShape all = members_.front().wanted;
+  for (const Member& member : members_) all = *covering(all, member.wanted);  // join() saw to it.
   return all;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// All displays that are dialled in: what goes to each of them, and which panorama they want together.
+/// All displays that are dialled in: what goes to each of them, and which picture they want together.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "common/geometry/panorama.h"
+#include "common/geometry/projection.h"
 #include "kiosk/tour/session/outbox.h"
 
 namespace cyclorama {
@@ -29,17 +29,15 @@ class DisplayLink {
   DisplayLink& operator=(const DisplayLink&) = default;
 };
 
-/// The smallest panorama that covers both, with the finer pixels of the two, as far as the largest picture allows.
-[[nodiscard]] Panorama covering(const Panorama& a, const Panorama& b);
-
 /// Sends one message object to all displays; only references are copied here. Thread-safe.
 class DisplayHub {
  public:
   static constexpr std::size_t kMostDisplays = 32;
 
   /// The newest heading is sent to it at once, so that its stream starts with one.
-  /// kBusy  kMostDisplays are there.     kUnavailable  close() was called.
-  Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const Panorama& wanted);
+  /// kBusy  kMostDisplays are there.     kUnavailable  close() was called.     kInvalidArgument  its wall wants another
+  /// kind of picture than those that are here.
+  Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const PictureShape& wanted);
   /// Idempotent.
   void leave(const DisplayLink* link);
 
@@ -47,7 +45,7 @@ class DisplayHub {
   /// How many displays lost a whole frame by it, being slow.
   std::size_t send(const SharedShowMessage& message);
   /// What all displays want; nothing without displays.
-  [[nodiscard]] std::optional<Panorama> wanted() const;
+  [[nodiscard]] std::optional<PictureShape> wanted() const;
   [[nodiscard]] std::size_t count() const;
   /// Ends all streams, now and later.
   void close(const Error& reason);
@@ -56,7 +54,7 @@ class DisplayHub {
   struct Member {
     std::shared_ptr<DisplayLink> link;
     std::string name;
-    Panorama wanted;
+    PictureShape wanted;
   };
   mutable std::mutex mutex_;  ///< Guards the following.
   std::vector<Member> members_;

@@ -86,7 +86,7 @@ void Tour::send_heading() {
 }
 
 std::optional<wire::View> Tour::next_view() const {
-  const std::optional<Panorama> wanted = hub_.wanted();
+  const std::optional<PictureShape> wanted = hub_.wanted();
   if (!visit_ || farm_away_ || !wanted) return std::nullopt;
   const Navigation& navigation = visit_->navigation;
   wire::View view;
@@ -95,7 +95,7 @@ std::optional<wire::View> Tour::next_view() const {
       Eigen::Vector3d(navigation.walker.place_m.x(), visit_->scene.start_eye_m().y(), navigation.walker.place_m.y()),
       view.mutable_eye_m());
   view.set_heading_rad(navigation.walker.heading_rad);
-  to_wire(wanted->with_guard_band(settings_.picture.guard_rad), view.mutable_panorama());
+  to_wire(with_guard_band(*wanted, settings_.picture.guard_rad), view.mutable_panorama());
   view.set_samples(static_cast<std::uint32_t>(settings_.picture.samples));
   view.set_jpeg_quality(static_cast<std::uint32_t>(settings_.picture.jpeg_quality));
   view.set_subsample_chroma(settings_.picture.subsample_chroma);

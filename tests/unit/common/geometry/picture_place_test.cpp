@@ -116,5 +116,18 @@ TEST(PicturePlace, a_dome_master_turns_about_its_middle) {
   EXPECT_NEAR(heading->up, 0.0, 1e-12);
 }
 
+TEST(PicturePlace, means_the_same_in_pictures_of_one_kind_and_tilt) {
+  for (const PictureShape& shape : shapes()) {
+    const PictureShape larger = with_pixels(shape, 1234, 567);
+    EXPECT_EQ(width_px(larger), 1234);
+    EXPECT_EQ(height_px(larger), 567);
+    EXPECT_EQ(with_pixels(larger, width_px(shape), height_px(shape)), shape);
+    EXPECT_TRUE(has_same_places(shape, larger));
+  }
+  EXPECT_TRUE(has_same_places(Fisheye{64, 64, 3.0, 0.5}, Fisheye{64, 64, 2.0, 0.5}));
+  EXPECT_FALSE(has_same_places(Fisheye{64, 64, 3.0, 0.5}, Fisheye{64, 64, 3.0, 0.4}));
+  EXPECT_FALSE(has_same_places(Panorama{64, 64, 1.0, 0.5, -0.5}, Perspective{64, 64, -1.0, 1.0, 1.0, -1.0, 0.0}));
+}
+
 }  // namespace
 }  // namespace cyclorama

@@ -21,11 +21,48 @@ wire::View good_view() {
   return view;
 }
 
-TEST(Convert, a_panorama_crosses_unchanged) {
-  const Panorama panorama{1920, 1088, 2.2, 0.41, -0.42};
+TEST(Convert, pictures_of_every_projection_cross_unchanged) {
   wire::Panorama wire;
-  to_wire(panorama, &wire);
-  EXPECT_EQ(*from_wire(wire), panorama);
+  for (const PictureShape& shape :
+       {PictureShape(Panorama{1920, 1088, 2.2, 0.41, -0.42}),
+        PictureShape(Perspective{1200, 700, -0.9, 1.1, 0.6, -0.5, 0.2}), PictureShape(Fisheye{1024, 1000, 2.9, 0.7}),
+        PictureShape(Panorama{640, 320, 2.0, 0.5, -0.5})}) {
+    to_wire(shape, &wire);  // Over what the last one left there.
+    const auto back = from_wire(wire);
+    ASSERT_TRUE(back) << back.error().message();
+    EXPECT_EQ(*back, shape);
+  }
+}
+
+TEST(Convert, a_panorama_is_the_same_bytes_as_before_there_were_other_pictures) {
+  wire::Panorama wire;
+  to_wire(Panorama{16, 8, 0.0, 0.0, 0.0}, &wire);
+  EXPECT_EQ(wire.SerializeAsString(), std::string("\x08\x10\x10\x08"));
+}
+
+TEST(Convert, an_unknown_projection_is_one_clear_error) {
+  wire::View view = good_view();
+  // As a later program may send it.
+  ASSERT_TRUE(view.mutable_panorama()->MergeFromString("\x30\x07"));
+  const Status status = validate(view);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(status.error().message(), HasSubstr("projection is 7, which this program does not know; update it"));
+}
+
+TEST(Convert, other_projections_are_checked_too) {
+  const auto refused = [](const PictureShape& shape) {
+    wire::View view = good_view();
+    to_wire(shape, view.mutable_panorama());
+    const Status status = validate(view);
+    return status ? std::string("accepted") : status.error().message();
+  };
+  EXPECT_EQ(refused(Perspective{640, 480, -1.0, 1.0, 0.7, -0.7, 0.1}), "accepted");
+  EXPECT_EQ(refused(Fisheye{640, 640, 3.0, 0.1}), "accepted");
+  EXPECT_THAT(refused(Perspective{640, 480, 1.0, -1.0, 0.7, -0.7, 0.1}), HasSubstr("tan_right"));
+  EXPECT_THAT(refused(Perspective{640, 480, -1.0, 2e4, 0.7, -0.7, 0.1}), HasSubstr("beyond a tangent"));
+  EXPECT_THAT(refused(Fisheye{640, 640, 7.0, 0.1}), HasSubstr("field_rad"));
+  EXPECT_THAT(refused(Fisheye{640, 640, 3.0, std::numeric_limits<double>::quiet_NaN()}), HasSubstr("tilt_rad"));
 }
 
 TEST(Convert, a_good_view_passes) {

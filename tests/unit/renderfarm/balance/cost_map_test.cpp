@@ -81,6 +81,16 @@ TEST(CostMap, moves_with_the_turn_of_an_eye_that_stands_still) {
   EXPECT_NEAR(middle_of_work(map.predict(view(kSize, -0.3))), before + 6.0, 0.1);
 }
 
+TEST(CostMap, stays_in_a_picture_that_no_turn_shifts) {
+  CostMap map(kSharp);
+  learn(&map, measured(kSize, relic_at(400.0)));
+  SplitRequest flat = view();
+  flat.azimuth_span_rad = 0.0;
+  const double before = middle_of_work(map.predict(flat));
+  flat.heading_rad = 0.3;
+  EXPECT_NEAR(middle_of_work(map.predict(flat)), before, 0.1);
+}
+
 TEST(CostMap, stays_where_an_orbit_keeps_its_relic) {
   CostMap map(kSharp);
   // The eye goes around and turns; the relic stays in the middle.

@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "common/wire/convert.h"
 #include "tests/doubles/fake_scene.h"
 
 namespace cyclorama {
@@ -23,6 +24,12 @@ wire::View view_of(std::uint64_t number, std::uint32_t width = 64, std::uint32_t
   view.mutable_panorama()->set_azimuth_span_rad(1.0);
   view.mutable_panorama()->set_tan_elevation_top(0.5);
   view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
+  return view;
+}
+
+wire::View dome_of(std::uint64_t number, int size_px, double tilt_rad) {
+  wire::View view = view_of(number);
+  to_wire(Fisheye{size_px, size_px, 3.0, tilt_rad}, view.mutable_panorama());
   return view;
 }
 
@@ -233,6 +240,16 @@ TEST(ViewWindow, asks_again_for_the_newest_view_after_a_loss) {
   ASSERT_TRUE(window.take(opened()));
   EXPECT_EQ(window.take_sendable()->number(), 3u);
   EXPECT_FALSE(window.take_sendable());
+}
+
+TEST(ViewWindow, takes_a_dome_that_was_asked_for_with_fewer_pixels_and_no_other) {
+  ViewWindow window = open_window();
+  window.put(dome_of(1, 64, 0.5));
+  ASSERT_TRUE(window.take_sendable());
+  EXPECT_THAT(window.take(begin_of(dome_of(1, 64, 0.4))).error().message(), HasSubstr("another shape"));
+  EXPECT_THAT(window.take(begin_of(dome_of(1, 80, 0.5))).error().message(), HasSubstr("another shape"));
+  EXPECT_THAT(window.take(begin_of(1)).error().message(), HasSubstr("another shape"));
+  EXPECT_TRUE(window.take(begin_of(dome_of(1, 32, 0.5))));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/image/cropped.h"
 #include "renderfarm/render/tone.h"
 #include "tests/doubles/simple_scenes.h"
@@ -40,6 +42,33 @@ class DenoisingRendererTest : public testing::Test {
   }
   static inline std::unique_ptr<Renderer> renderer_;
 };
+
+TEST_F(DenoisingRendererTest, takes_noise_out_of_flat_and_round_pictures_too) {
+  for (const PictureShape& shape :
+       {PictureShape(Perspective{160, 120, -1.0, 1.0, 0.75, -0.75, 0.2}), PictureShape(Fisheye{128, 128, 3.0, 0.5})}) {
+    PanoramaView noisy = view();
+    noisy.projection = Projection{shape, {}};
+    ASSERT_TRUE(check_denoisable(noisy));
+    const PixelRect all{0, 0, width_px(shape), height_px(shape)};
+    PanoramaView clean = noisy;
+    clean.quality.samples = 256;
+    RadianceImage reference;
+    RadianceImage plain;
+    RadianceImage smooth;
+    renderer_->render_radiance(clean, all, &reference, nullptr);
+    renderer_->render_radiance(noisy, all, &plain, nullptr);
+    DenoisingRenderer(*renderer_, 1).render_radiance(noisy, all, &smooth, nullptr);
+    const auto error = [&](const RadianceImage& image) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < image.data().size(); ++i) {
+        EXPECT_TRUE(std::isfinite(image.data()[i]));
+        sum += std::pow(static_cast<double>(image.data()[i] - reference.data()[i]), 2);
+      }
+      return sum;
+    };
+    EXPECT_LT(error(smooth), 0.7 * error(plain)) << shape.index();
+  }
+}
 
 TEST_F(DenoisingRendererTest, makes_of_any_part_the_pixels_of_the_whole_film_to_the_last_bit) {
   Film film;

@@ -173,19 +173,30 @@ TEST(VisitLog, does_not_grow_with_names_that_peers_invent) {
   EXPECT_GT(log.gauge("dropped: other"), 900.0);
 }
 
-TEST(Covering, is_the_smallest_panorama_with_both_inside) {
-  const Panorama wide{800, 200, 4.0, 0.3, -0.3};
-  const Panorama tall{600, 600, 1.5, 0.9, -0.5};
-  EXPECT_EQ(covering(wide, wide), wide);
-  const Panorama both = covering(wide, tall);
-  EXPECT_TRUE(both.validate());
-  EXPECT_EQ(both, covering(tall, wide));
-  EXPECT_EQ(both.azimuth_span_rad, 4.0);
-  EXPECT_EQ(both.tan_elevation_top, 0.9);
-  EXPECT_EQ(both.tan_elevation_bottom, -0.5);
-  EXPECT_LE(both.radians_per_px(), 1.5 / 600 + 1e-12);
-  const Panorama sharp{16384, 16384, 0.1, 0.1, -0.1};
-  EXPECT_TRUE(covering(wide, sharp).validate()) << "as far as the largest picture allows";
+class SilentDisplay final : public DisplayLink {
+ public:
+  void send_heading(double, std::int64_t) override {}
+  std::optional<std::uint64_t> send(const SharedShowMessage&) override { return std::nullopt; }
+  void close(const Error&) override {}
+};
+
+TEST(DisplayHub, asks_for_one_picture_for_all_and_refuses_a_display_that_none_serves) {
+  DisplayHub hub;
+  const auto left = std::make_shared<SilentDisplay>();
+  const auto right = std::make_shared<SilentDisplay>();
+  const auto dome = std::make_shared<SilentDisplay>();
+  EXPECT_FALSE(hub.wanted());
+  ASSERT_TRUE(hub.join(left, "left", Perspective{500, 400, -1.0, 0.2, 0.5, -0.5, 0.1}));
+  ASSERT_TRUE(hub.join(right, "right", Perspective{500, 400, -0.2, 1.0, 0.5, -0.5, 0.1}));
+  EXPECT_EQ(std::get<Perspective>(*hub.wanted()).tan_right, 1.0);
+  EXPECT_EQ(std::get<Perspective>(*hub.wanted()).tan_left, -1.0);
+  const Status refused = hub.join(dome, "dome", Fisheye{512, 512});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_NE(refused.error().message().find("'left' is here for a wall of another kind"), std::string::npos);
+  hub.leave(left.get());
+  hub.leave(right.get());
+  EXPECT_TRUE(hub.join(dome, "dome", Fisheye{512, 512}));
 }
 
 TEST(Site, puts_start_and_stops_inside_and_says_when_nobody_can_walk) {

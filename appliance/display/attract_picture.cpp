@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/geometry/picture_place.h"
 #include "common/image/image_file.h"
 #include "common/image/jpeg.h"
 
@@ -25,33 +26,38 @@ Colour colour_at(double tan_elevation) {
   return colour;
 }
 
-Frame frame_of(const Panorama& panorama, const RgbImage& picture) {
+double tan_elevation_at(const PictureShape& shape, int x, int y) {
+  const Eigen::Vector3d seen = direction_of(shape, pixel_scale(shape).place_at({x + 0.5, y + 0.5}));
+  return seen.y() / std::hypot(seen.x(), seen.z());  // Straight up an infinity: the zenith's colour.
+}
+
+Frame frame_of(const PictureShape& shape, const RgbImage& picture) {
   Frame frame;
-  frame.panorama = panorama;
+  frame.shape = shape;
   frame.picture = std::make_shared<const PlanarPicture>(JpegEncoder().to_planar(picture));
   return frame;
 }
 
 }  // namespace
 
-Frame attract_frame(const Panorama& shown) {
-  RgbImage picture(shown.width_px, shown.height_px);
+Frame attract_frame(const PictureShape& shown) {
+  RgbImage picture(width_px(shown), height_px(shown));
+  const bool has_even_rows = std::holds_alternative<Panorama>(shown);
   for (int y = 0; y < picture.height(); ++y) {
-    const Colour colour = colour_at(shown.tan_elevation_at(y + 0.5));
+    Colour colour{};
     for (int x = 0; x < picture.width(); ++x) {
+      if (x == 0 || !has_even_rows) colour = colour_at(tan_elevation_at(shown, x, y));
       std::ranges::transform(colour, picture.at(x, y), [](double c) { return static_cast<std::uint8_t>(c + 0.5); });
     }
   }
   return frame_of(shown, picture);
 }
 
-Result<Frame> attract_frame(const Panorama& shown, const std::filesystem::path& picture) {
+Result<Frame> attract_frame(const PictureShape& shown, const std::filesystem::path& picture) {
   TRY_ASSIGN(const RgbaImage pixels, read_image(picture, kPhotoLimitPx));
-  Panorama panorama = shown;
-  panorama.width_px = pixels.width();
-  panorama.height_px = pixels.height();
-  TRY(panorama.validate());
-  return frame_of(panorama, without_alpha(pixels));
+  const PictureShape shape = with_pixels(shown, pixels.width(), pixels.height());
+  TRY(validate(shape));
+  return frame_of(shape, without_alpha(pixels));
 }
 
 }  // namespace cyclorama

@@ -20,7 +20,7 @@ constexpr auto kRedialAfter = std::chrono::milliseconds(250);
 constexpr auto kLongestRefresh = std::chrono::seconds(2);
 constexpr std::size_t kMostDropsWaiting = 256;
 
-Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const Panorama& picture) {
+Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const PictureShape& picture) {
   const std::vector<ProjectorMap> maps = projector_maps(installation);
   std::vector<MaskImage> masks = make_blend_masks(maps);
   std::vector<HeadPlan> heads;
@@ -33,7 +33,10 @@ Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const
     auto warp = make_warp(maps[i], picture);
     if (!warp)
       return std::move(warp).error().while_doing(fmt::format("projector '{}'", installation.projectors[i].name));
-    heads.push_back({*std::move(warp), std::move(masks[i])});
+    HeadPlan& head = heads.emplace_back();
+    head.warp = *std::move(warp);
+    head.mask = std::move(masks[i]);
+    head.picture = picture;
   }
   return heads;
 }
@@ -71,14 +74,13 @@ Display::Display(DisplayOptions options, const Clock& clock)
 Display::~Display() = default;
 
 Status Display::prepare() {
-  wanted_ = options_.installation.panorama(options_.width_px);
-  if (options_.height_px > 0) wanted_.height_px = options_.height_px;
-  TRY(wanted_.validate());
+  wanted_ = options_.installation.picture(options_.width_px, options_.height_px);
+  TRY(validate(wanted_));
   TRY_ASSIGN(std::vector<HeadPlan> heads, plan_heads(options_.installation, wanted_));
   TRY_ASSIGN(channel_, make_channel(options_.tour));
   TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_}));
   describe(heads);
-  ShownByHeads shown{footprints(heads), wanted_.azimuth_span_rad};
+  ShownByHeads shown{footprints(heads), wanted_};
 
   PresentPlan plan;
   plan.open_output = [this] {
@@ -116,7 +118,7 @@ void Display::describe(const std::vector<HeadPlan>& heads) {
   }
   inspection_.set_fact("heads", fmt::format("{}", heads.size()));
   inspection_.set_fact("heads_with_pixel_maps", fmt::format("{}", maps));
-  inspection_.set_fact("panorama", fmt::format("{}x{} px", wanted_.width_px, wanted_.height_px));
+  inspection_.set_fact("panorama", fmt::format("{}x{} px", width_px(wanted_), height_px(wanted_)));
   inspection_.set_fact("warp_vertices", fmt::format("{}", vertices));
   inspection_.set_fact("warp_error_px", fmt::format("{:.3f}", worst_px));
   inspection_.set_fact("wall_unlit_percent", fmt::format("{:.2f}", 100.0 * unlit_fraction(options_.installation)));
@@ -133,7 +135,7 @@ void Display::on_message(wire::ShowMessage message) {
 
 void Display::frame_ready(Frame frame) {
   const int largest = present_->largest_side_px();
-  if (frame.panorama.width_px > largest || frame.panorama.height_px > largest) {
+  if (width_px(frame.shape) > largest || height_px(frame.shape) > largest) {
     return frame_dropped(frame.number, fmt::format("larger than {} px, the graphics card's most", largest));
   }
   std::unique_ptr<Frame> unseen;

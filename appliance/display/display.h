@@ -22,7 +22,7 @@ struct DisplayOptions {
   Installation installation;
   std::string tour;                ///< HOST:PORT that is dialled.
   std::string listen = "[::1]:0";  ///< HOST:PORT of the inspection service.
-  int width_px = 1024;             ///< Of the panorama that is asked for.
+  int width_px = 1024;             ///< Of the picture that is asked for.
   int height_px = 0;               ///< 0: as high as square pixels make it.
   double refresh_hz = 30.0;
   OutputChoice output;
@@ -68,7 +68,7 @@ class Display : private FrameSink {
 
   const DisplayOptions options_;
   const Clock& clock_;
-  Panorama wanted_;
+  PictureShape wanted_;
   InspectionService inspection_{"display"};
   RefreshReporter reporter_{&inspection_};
   PresentMailbox mailbox_;

@@ -33,7 +33,7 @@ void add_options(CLI::App* app, Options* options) {
       ->capture_default_str();
   app->add_option("--run-dir", display.output.run_dir,
                   "Publish what each head shows as head-NAME.picture in this folder");
-  app->add_option("--width", display.width_px, "Width in pixels of the panorama to ask for")
+  app->add_option("--width", display.width_px, "Width in pixels of the picture to ask for")
       ->check(CLI::Range(16, 16384))
       ->capture_default_str();
   app->add_option("--height", display.height_px, "Its height; 0 for square pixels")

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/base/clock.h"
-#include "common/geometry/panorama.h"
+#include "common/geometry/projection.h"
 #include "common/image/pixel_rect.h"
 #include "common/image/planar_picture.h"
 
@@ -19,7 +19,7 @@ struct Frame {
   std::uint64_t number = 0;  ///< The view's; 0 is a picture of the display's own.
   double heading_rad = 0.0;
   std::int64_t shutter_ns = 0;  ///< As wire::View; 0 when keys steered.
-  Panorama panorama;            ///< Of `picture`, with its guard band.
+  PictureShape shape;           ///< Of `picture`, with its guard band.
   std::shared_ptr<const PlanarPicture> picture;
   std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Of the picture that are valid; null: all of it.
   double reach_rad = 0.0;     ///< How far it may be turned either way, for the heads to see valid parts only.

@@ -10,6 +10,7 @@
 
 #include "common/base/picture_cut.h"
 #include "common/base/text.h"
+#include "common/geometry/picture_place.h"
 #include "common/wire/convert.h"
 
 namespace cyclorama {
@@ -83,7 +84,6 @@ class FrameAssembler::Assembly {
   }
 
   [[nodiscard]] std::uint64_t number() const { return frame_.number; }
-  [[nodiscard]] const Panorama& panorama() const { return frame_.panorama; }
   [[nodiscard]] bool has_failed() const { return has_failed_; }
 
   /// The first failure is the reason.
@@ -95,7 +95,7 @@ class FrameAssembler::Assembly {
 
   /// Takes note that this tile comes. kBadData  a place that it does not fill, or that another tile filled.
   Status claim(const wire::Tile& tile) {
-    TRY(validate(tile, frame_.panorama));
+    TRY(validate(tile, frame_.shape));
     const int x = static_cast<int>(tile.x_px());
     const int y = static_cast<int>(tile.y_px());
     const int right = x + static_cast<int>(tile.width_px());
@@ -158,8 +158,8 @@ class FrameAssembler::Assembly {
     return {static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()), static_cast<int>(tile.width_px()),
             static_cast<int>(tile.height_px())};
   }
-  [[nodiscard]] int width() const { return frame_.panorama.width_px; }
-  [[nodiscard]] int height() const { return frame_.panorama.height_px; }
+  [[nodiscard]] int width() const { return width_px(frame_.shape); }
+  [[nodiscard]] int height() const { return height_px(frame_.shape); }
   void make_room(bool has_half_chroma) { picture_ = pictures_->take(width(), height(), has_half_chroma); }
 
   Frame frame_;
@@ -214,11 +214,10 @@ void FrameAssembler::begin(const wire::View& view) {
   const auto drop = [&](const std::string& reason) { sink_.frame_dropped(view.number(), reason); };
   if (const Status valid = validate(view); !valid) return drop(valid.error().message());
   const PictureShape shape = *from_wire(view.panorama());
-  if (!std::holds_alternative<Panorama>(shape)) return drop("a picture of another kind than this wall's");
-  const Panorama panorama = std::get<Panorama>(shape);
-  if (static_cast<std::size_t>(panorama.width_px) * static_cast<std::size_t>(panorama.height_px) > kLargestFramePx) {
-    return drop(fmt::format("a picture of {}x{} pixels; at most {} pixels are shown", panorama.width_px,
-                            panorama.height_px, kLargestFramePx));
+  if (!has_same_places(shape, shown_.wall)) return drop("a picture of another kind than this wall's");
+  if (static_cast<std::size_t>(width_px(shape)) * static_cast<std::size_t>(height_px(shape)) > kLargestFramePx) {
+    return drop(fmt::format("a picture of {}x{} pixels; at most {} pixels are shown", width_px(shape), height_px(shape),
+                            kLargestFramePx));
   }
   if (*in_flight_ >= kMostFramesInFlight) return drop("frames come faster than this display decodes them");
   refused_number_ = 0;
@@ -227,18 +226,17 @@ void FrameAssembler::begin(const wire::View& view) {
   frame.number = view.number();
   frame.heading_rad = view.heading_rad();
   frame.shutter_ns = view.shutter_ns();
-  frame.panorama = panorama;
+  frame.shape = shape;
   frame.begun_at = clock_.now();
-  current_ = std::make_shared<Assembly>(std::move(frame), parts_of(panorama), pictures_, &sink_, &clock_, in_flight_);
+  current_ = std::make_shared<Assembly>(std::move(frame), parts_of(shape), pictures_, &sink_, &clock_, in_flight_);
 }
 
-std::shared_ptr<const ShownParts> FrameAssembler::parts_of(const Panorama& panorama) {
+std::shared_ptr<const ShownParts> FrameAssembler::parts_of(const PictureShape& shape) {
   for (const auto& [known, parts] : known_parts_) {
-    if (known == panorama) return parts;
+    if (known == shape) return parts;
   }
   if (known_parts_.size() >= kMostKnownParts) known_parts_.erase(known_parts_.begin());
-  known_parts_.emplace_back(panorama,
-                            std::make_shared<const ShownParts>(shown_parts(shown_.heads, panorama, shown_.span_rad)));
+  known_parts_.emplace_back(shape, std::make_shared<const ShownParts>(shown_parts(shown_.heads, shape, shown_.wall)));
   return known_parts_.back().second;
 }
 

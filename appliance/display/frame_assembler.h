@@ -39,7 +39,7 @@ inline constexpr int kMostFramesInFlight = 3;
 /// What the heads show of any picture.
 struct ShownByHeads {
   std::vector<HeadFootprint> heads;
-  double span_rad = 0.0;  ///< Of the whole wall.
+  PictureShape wall;  ///< What the whole wall shows; a picture of another kind or tilt is refused.
 };
 
 /// Messages come from one thread at a time. Borrows the pool, the sink and the clock, which outlive it and its frames.
@@ -62,14 +62,14 @@ class FrameAssembler {
   void begin(const wire::View& view);
   void tile(wire::Tile tile);
   void end(const wire::FrameEnd& end);
-  std::shared_ptr<const ShownParts> parts_of(const Panorama& panorama);
+  std::shared_ptr<const ShownParts> parts_of(const PictureShape& shape);
 
   DecodePool& pool_;
   FrameSink& sink_;
   const Clock& clock_;
   const ShownByHeads shown_;
-  // Of the newest few panoramas: a farm that keeps its pace changes between some sizes.
-  std::vector<std::pair<Panorama, std::shared_ptr<const ShownParts>>> known_parts_;
+  // Of the newest few shapes: a farm that keeps its pace changes between some sizes.
+  std::vector<std::pair<PictureShape, std::shared_ptr<const ShownParts>>> known_parts_;
   JpegDecoder headers_;
   std::shared_ptr<PictureStore> pictures_;
   std::shared_ptr<std::atomic<int>> in_flight_;

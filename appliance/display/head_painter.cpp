@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/display/head_painter.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numbers>
 
 #include "appliance/display/lit_triangles.h"
-#include "appliance/display/yaw_shift.h"
+#include "common/geometry/picture_place.h"
 
 namespace cyclorama {
 namespace {
@@ -77,12 +78,33 @@ std::vector<float> upside_down(int width, int height, const auto& values) {
   return rows;
 }
 
+Turning turning_of(const PictureShape& shape) {
+  if (std::holds_alternative<Perspective>(shape)) return Turning::kFlat;
+  if (std::holds_alternative<Fisheye>(shape)) return Turning::kFisheye;
+  CHECK(std::holds_alternative<Panorama>(shape));
+  return Turning::kShift;
+}
+
+/// HeadProgram::Picture::turned: what turned() does with a place's direction in the picture's axes; for a perspective
+/// with what comes before and after.
+Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen::Vector2d& per_place,
+                        const Eigen::Vector2d& at_origin) {
+  const Eigen::Matrix3d R = R_eye_picture(shape);
+  const Eigen::Matrix3d turn =
+      R.transpose() * Eigen::AngleAxisd(-turn_rad, Eigen::Vector3d::UnitY()).toRotationMatrix() * R;
+  if (std::holds_alternative<Fisheye>(shape)) return turn;
+  Eigen::Matrix3d to_texture;  // Of a direction (x, y, z): x / -z and y / -z are its place.
+  to_texture << per_place.x(), 0.0, -at_origin.x(), 0.0, per_place.y(), -at_origin.y(), 0.0, 0.0, -1.0;
+  return to_texture * turn * Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal();
+}
+
 }  // namespace
 
 HeadPainter::HeadPainter(const Gl& gl, const HeadPlan& plan)
     : gl_(&gl),
       width_px_(width_px(plan.warp)),
       height_px_(height_px(plan.warp)),
+      picture_(plan.picture),
       colour_{plan.colour.matrix, plan.colour.black, {}, {}},
       code_step_(1.0f / static_cast<float>((1 << plan.depth_bits) - 1)),
       mesh_(gl),
@@ -113,6 +135,7 @@ Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, cons
     painter.upload_triangles(corners_of(lit, plan.mask.width(), plan.mask.height()), triangles.masked);
   }
   HeadFeatures features;
+  features.turning = turning_of(plan.picture);
   features.pixel_map = std::holds_alternative<PixelMap>(plan.warp);
   features.lift = plan.colour.lift.has_value();
   features.matrix = plan.colour.matrix.has_value();
@@ -192,31 +215,38 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
                       double fade) const {
   gl_->UseProgram(program.id());
   const auto picture = [&](const HeadProgram::Picture& uniforms, const TurnedPicture& turned, GLenum unit) {
-    const Panorama& panorama = turned.picture->panorama();
-    const double px_per_rad = 1.0 / panorama.radians_per_px();
-    const double px_per_tan = panorama.height_px / (panorama.tan_elevation_bottom - panorama.tan_elevation_top);
-    const double left_px = 0.5 * panorama.width_px + turned.yaw_shift_rad * px_per_rad;
-    const double turn_px = 2.0 * std::numbers::pi * px_per_rad;
+    const PictureShape& shape = turned.picture->shape();
+    CHECK(has_same_places(shape, picture_));
+    const PixelScale scale = pixel_scale(shape);
+    const auto* const panorama = std::get_if<Panorama>(&shape);
+    const bool wraps = panorama != nullptr && is_whole_turn(*panorama);
+    const double shift_px = panorama != nullptr ? turned.yaw_shift_rad * scale.u_per_across : 0.0;
+    const double turn_px = 2.0 * std::numbers::pi * scale.u_per_across;
     const double width = turned.picture->texture_width();
     const double height = turned.picture->texture_height();
-    const bool wraps = is_whole_turn(panorama);
+    constexpr double kFirst = PanoramaTexture::kFirstColumn;
+    // Into the texture: across and up times these, and more by those.
+    Eigen::Vector2d per_place(scale.u_per_across / width, scale.v_per_up / height);
+    Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst) / width, scale.v_offset / height);
+    if (wraps) {
+      per_place.x() = scale.u_per_across / turn_px;
+      at_origin.x() = (scale.u_offset + shift_px) / turn_px;
+      gl_->Uniform3f(uniforms.turn, 1.0f, static_cast<float>(turn_px / width), static_cast<float>(kFirst / width));
+    } else {
+      gl_->Uniform3f(uniforms.turn, 0.0f, 1.0f, 0.0f);
+    }
     const auto set = [&](GLint uniform, double x, double y, double z, double w) {
       gl_->Uniform4f(uniform, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z),
                      static_cast<float>(w));
     };
-    constexpr double kFirst = PanoramaTexture::kFirstColumn;
-    const double y = px_per_tan / height;
-    const double top = -panorama.tan_elevation_top * y;
-    if (wraps) {
-      set(uniforms.to_texture, px_per_rad / turn_px, y, left_px / turn_px, top);
-      gl_->Uniform3f(uniforms.turn, 1.0f, static_cast<float>(turn_px / width), static_cast<float>(kFirst / width));
-    } else {
-      set(uniforms.to_texture, px_per_rad / width, y, (left_px + kFirst) / width, top);
-      gl_->Uniform3f(uniforms.turn, 0.0f, 1.0f, 0.0f);
+    set(uniforms.to_texture, per_place.x(), per_place.y(), at_origin.x(), at_origin.y());
+    if (panorama == nullptr) {
+      const Eigen::Matrix3f matrix = turning(shape, turned.yaw_shift_rad, per_place, at_origin).cast<float>();
+      gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as GL's.
     }
     const double beyond = wraps ? 0.5 : -0.5;  // A whole turn's outer columns are the other side's.
-    set(uniforms.edges, (kFirst - beyond) / width, 0.5 / height, (kFirst + panorama.width_px + beyond) / width,
-        (panorama.height_px - 0.5) / height);
+    set(uniforms.edges, (kFirst - beyond) / width, 0.5 / height, (kFirst + width_px(shape) + beyond) / width,
+        (height_px(shape) - 0.5) / height);
     gl_->ActiveTexture(GL_TEXTURE0 + unit);
     gl_->BindTexture(GL_TEXTURE_2D, turned.picture->id());
   };
@@ -229,7 +259,7 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
   const Eigen::Vector3f black = colour_.black.cast<float>();
   gl_->Uniform3f(program.black, black.x(), black.y(), black.z());
   if (colour_.matrix) {
-    const Eigen::Matrix3f matrix = colour_.matrix->cast<float>();  // Column by column, as GL's.
+    const Eigen::Matrix3f matrix = colour_.matrix->cast<float>();
     gl_->UniformMatrix3fv(program.matrix, 1, GL_FALSE, matrix.data());
   }
 }

@@ -18,22 +18,25 @@ struct HeadPlan {
   HeadColour colour{};  ///< A lift has the head's size.
   int depth_bits = 8;   ///< Of the output's code values, each channel.
   bool is_dithered = true;
+  PictureShape picture = Panorama{};  ///< Which places the warp tells: only its kind and tilt count.
 };
 
-/// A picture, and how far the visitor has turned to the right since it was asked for: it moves to the left by as much.
+/// A picture, and how far the visitor has turned to the right since it was asked for: a panorama moves to the left by
+/// as much, and in the others each place moves as turned() in common/geometry/picture_place.h says.
 struct TurnedPicture {
   const PanoramaTexture* picture = nullptr;
   double yaw_shift_rad = 0.0;
 };
 
-/// Draws the panorama for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
+/// Draws the picture for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
 class HeadPainter {
  public:
-  /// Precondition: the plan's pictures have one size, its response is valid. kSystem  the graphics card refused them.
+  /// Precondition: the plan's pictures have one size, its response is valid, its picture is not equirectangular.
+  /// kSystem  the graphics card refused them.
   static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan);
 
   /// Into the bound framebuffer. What the warp leaves out becomes black. Places beyond the picture show its edge; in a
-  /// panorama of a whole turn there is no beyond.
+  /// panorama of a whole turn there is no beyond. Precondition: the pictures have the plan's places.
   void draw(const TurnedPicture& shown) const;
   /// The same of two pictures, mixed in linear light: `fade` in [0, 1] is how much of `other` is seen.
   void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade) const;
@@ -55,6 +58,7 @@ class HeadPainter {
   const Gl* gl_;
   int width_px_;
   int height_px_;
+  PictureShape picture_;
   HeadColour colour_;
   float code_step_;
   GlVertexArray mesh_;

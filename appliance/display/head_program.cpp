@@ -6,20 +6,57 @@
 namespace cyclorama {
 namespace {
 
-constexpr const char* kVertexShader = R"(
+// What is even in places is found at the corners of triangles, seen_of(); the rest at each pixel, at_of().
+//
+// A fisheye's place p = (a / sin a) * (x, y) of a direction (x, y, z), a its angle from the axis. With t the square of
+// sin(a / 2): the direction is (s sqrt(1 - t) p, 2 t - 1), t = (s a / 2)^2, s = sin(a / 2) / (a / 2) a polynomial in
+// (a / 2)^2 up to a half turn (off by 6e-9). Back, t = (1 + z) / 2, and a / 2 = asin(sqrt t), where asin(sqrt t) / sqrt
+// t is a polynomial in t up to 1/2 (off by 2e-8); beyond, it is a quarter turn less the same of 1 - t. Both interpolate
+// at Chebyshev's nodes. GLSL's own sine and arc tangent may be off by many pixels on some cards.
+constexpr const char* kPlaces = R"(
 precision highp float;
-layout(location = 0) in vec2 place;      // In GL's clip space.
-layout(location = 1) in vec2 direction;  // Azimuth, tangent of elevation.
+#ifdef FLAT
+#define SEEN vec3
+vec3 seen_of(vec2 place, vec4 to_texture, mat3 turned) { return turned * vec3(place, 1.0); }
+vec2 at_of(vec3 seen, vec4 to_texture, mat3 turned) { return seen.xy / seen.z; }
+#else
+#define SEEN vec2
+#ifdef FISHEYE
+vec2 seen_of(vec2 place, vec4 to_texture, mat3 turned) { return place; }
+vec2 at_of(vec2 seen, vec4 to_texture, mat3 turned) {
+  float x = 0.25 * dot(seen, seen);
+  float s = (((2.60510764e-06 * x - 0.000198090174) * x + 0.00833305017) * x - 0.166666579) * x + 0.999999996;
+  float t = min(x * s * s, 1.0);
+  vec3 direction = turned * vec3(seen * (s * sqrt(1.0 - t)), 2.0 * t - 1.0);
+  float u = clamp(0.5 + 0.5 * direction.z, 0.0, 0.9999999);
+  float w = min(u, 1.0 - u);
+  float p = ((((((0.109673983 * w - 0.0900862168) * w + 0.0755397539) * w + 0.0167313889) * w + 0.0464808495) * w
+              + 0.0748811444) * w + 0.166669547) * w + 0.999999989;
+  float root = inversesqrt(1.0 - u);
+  float stretch = u <= 0.5 ? p * root : (1.57079633 * root - p) * inversesqrt(u);
+  return direction.xy * stretch * to_texture.xy + to_texture.zw;
+}
+#else
+vec2 seen_of(vec2 place, vec4 to_texture, mat3 turned) { return place * to_texture.xy + to_texture.zw; }
+vec2 at_of(vec2 seen, vec4 to_texture, mat3 turned) { return seen; }
+#endif
+#endif
 uniform vec4 to_texture;
 uniform vec4 other_to_texture;
-out highp vec2 seen;
-out highp vec2 other_seen;
+uniform mat3 turned;
+uniform mat3 other_turned;
+)";
+constexpr const char* kVertexShader = R"(
+layout(location = 0) in vec2 place;      // In GL's clip space.
+layout(location = 1) in vec2 direction;  // Azimuth, tangent of elevation; or other places.
+out SEEN seen;
+out SEEN other_seen;
 void main() {
   gl_Position = vec4(place, 0.0, 1.0);
 #ifndef PIXEL_MAP
-  seen = direction * to_texture.xy + to_texture.zw;
+  seen = seen_of(direction, to_texture, turned);
 #ifdef FADE
-  other_seen = direction * other_to_texture.xy + other_to_texture.zw;
+  other_seen = seen_of(direction, other_to_texture, other_turned);
 #endif
 #endif
 }
@@ -29,14 +66,11 @@ void main() {
 // Dithering: the multiples of two irrational numbers spread evenly over [0, 1) in every neighbourhood (M. Roberts, "The
 // Unreasonable Effectiveness of Quasirandom Sequences", 2018: powers of the plastic number), so their mean is 1/2.
 constexpr const char* kFragmentShader = R"(
-precision highp float;
 uniform highp sampler2D picture;
 uniform highp sampler2D other_picture;
 uniform highp sampler2D mask;       // Rows as in the framebuffer.
 uniform highp sampler2D pixel_map;  // The same.
 uniform highp sampler2D responses;  // A row for each of red, green, blue.
-uniform vec4 to_texture;
-uniform vec4 other_to_texture;
 uniform vec3 turn;
 uniform vec3 other_turn;
 uniform vec4 edges;
@@ -47,8 +81,8 @@ uniform mat3 matrix;
 uniform vec3 black;
 uniform vec2 response;
 uniform float code_step;
-in highp vec2 seen;
-in highp vec2 other_seen;
+in SEEN seen;
+in SEEN other_seen;
 out vec4 colour;
 
 vec3 light_at(highp sampler2D light, vec2 at, vec3 whole, vec4 least_and_most) {
@@ -59,16 +93,16 @@ vec3 light_at(highp sampler2D light, vec2 at, vec3 whole, vec4 least_and_most) {
 void main() {
 #ifdef PIXEL_MAP
   vec2 direction = texture(pixel_map, gl_FragCoord.xy * per_px).rg;
-  vec2 at = direction * to_texture.xy + to_texture.zw;
+  vec2 at = at_of(seen_of(direction, to_texture, turned), to_texture, turned);
 #else
-  vec2 at = seen;
+  vec2 at = at_of(seen, to_texture, turned);
 #endif
   vec3 light = light_at(picture, at, turn, edges);
 #ifdef FADE
 #ifdef PIXEL_MAP
-  vec2 other_at = direction * other_to_texture.xy + other_to_texture.zw;
+  vec2 other_at = at_of(seen_of(direction, other_to_texture, other_turned), other_to_texture, other_turned);
 #else
-  vec2 other_at = other_seen;
+  vec2 other_at = at_of(other_seen, other_to_texture, other_turned);
 #endif
   light = mix(light, light_at(other_picture, other_at, other_turn, other_edges), fade);
 #endif
@@ -110,6 +144,8 @@ std::string with_features(const HeadFeatures& features, const char* shader) {
   const auto define = [&](bool is_wanted, const char* name) {
     if (is_wanted) source += std::string("#define ") + name + "\n";
   };
+  define(features.turning == Turning::kFlat, "FLAT");
+  define(features.turning == Turning::kFisheye, "FISHEYE");
   define(features.pixel_map, "PIXEL_MAP");
   define(features.mask, "MASK");
   define(features.lift, "LIFT");
@@ -117,7 +153,7 @@ std::string with_features(const HeadFeatures& features, const char* shader) {
   define(features.response, "RESPONSE");
   define(features.dither, "DITHER");
   define(features.fade, "FADE");
-  return source + shader;
+  return source + kPlaces + shader;
 }
 
 }  // namespace
@@ -128,8 +164,8 @@ Result<HeadProgram> HeadProgram::make(const Gl& gl, const HeadFeatures& features
                                                with_features(features, kFragmentShader).c_str()));
   HeadProgram program(std::move(linked), features);
   const auto uniform = [&](const char* name) { return program.program_.uniform(name); };
-  program.picture = {uniform("to_texture"), uniform("turn"), uniform("edges")};
-  program.other = {uniform("other_to_texture"), uniform("other_turn"), uniform("other_edges")};
+  program.picture = {uniform("to_texture"), uniform("turned"), uniform("turn"), uniform("edges")};
+  program.other = {uniform("other_to_texture"), uniform("other_turned"), uniform("other_turn"), uniform("other_edges")};
   program.fade = uniform("fade");
   program.per_px = uniform("per_px");
   program.matrix = uniform("matrix");

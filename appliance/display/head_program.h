@@ -8,8 +8,16 @@
 
 namespace cyclorama {
 
+/// How a turn moves the places of a picture (common/geometry/picture_place.h).
+enum class Turning {
+  kShift,    ///< Of a panorama: all alike.
+  kFlat,     ///< Of a perspective: lines stay straight.
+  kFisheye,  ///< Of a fisheye: each on a curve.
+};
+
 /// What pass 2 must do for some triangles of a head. What it need not do is not compiled in.
 struct HeadFeatures {
+  Turning turning = Turning::kShift;
   bool pixel_map = false;  ///< Places come from a texture, not from the mesh.
   bool mask = false;
   bool lift = false;  ///< Black is added; needs `mask`, whose second channel it is.
@@ -21,7 +29,7 @@ struct HeadFeatures {
   friend auto operator<=>(const HeadFeatures&, const HeadFeatures&) = default;
 };
 
-/// Pass 2's shader with some features. For each pixel: where in the panorama it lies; the light there, filtered by the
+/// Pass 2's shader with some features. For each pixel: where in the picture it lies; the light there, filtered by the
 /// card (in linear light; its weights may have as few as 8 bits, a 256th of a pixel); mask, matrix, black, response,
 /// dithering. Thread-bound to the GL context.
 class HeadProgram {
@@ -31,7 +39,7 @@ class HeadProgram {
 
   enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
   static constexpr GLuint kPlace = 0;      ///< Attribute: in clip space.
-  static constexpr GLuint kDirection = 1;  ///< Attribute: azimuth, tangent of elevation.
+  static constexpr GLuint kDirection = 1;  ///< Attribute: azimuth, tangent of elevation; or other places.
 
   [[nodiscard]] const HeadFeatures& features() const { return features_; }
   [[nodiscard]] GLuint id() const { return program_.id(); }
@@ -39,6 +47,7 @@ class HeadProgram {
   /// Uniforms of one of the two pictures.
   struct Picture {
     GLint to_texture = -1;  ///< Places in the texture = direction * xy + zw; x in turns, where it is a whole turn.
+    GLint turned = -1;      ///< kFlat: from (place, 1) to the texture, times the third; kFisheye: turns directions.
     GLint turn = -1;        ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
     GLint edges = -1;       ///< Least x, y, most x, y.
   };

@@ -132,7 +132,7 @@ void PanoramaTexture::draw(const PixelRect& part, int moved_px, int chroma_step)
 
 Status PanoramaTexture::upload(const Frame& frame) {
   const PlanarPicture& picture = *frame.picture;
-  CHECK(picture.width() == frame.panorama.width_px && picture.height() == frame.panorama.height_px);
+  CHECK(picture.width() == width_px(frame.shape) && picture.height() == height_px(frame.shape));
   TRY(grow(picture.width() + 2 * kFirstColumn, picture.height()));
   const int step = picture.has_half_chroma() ? 2 : 1;
   const auto chroma_part = [&](const PixelRect& p) {
@@ -170,7 +170,7 @@ Status PanoramaTexture::upload(const Frame& frame) {
       draw({picture.width() - 1, part.y, 1, part.height}, -picture.width(), step);
     }
   }
-  panorama_ = frame.panorama;
+  shape_ = frame.shape;
   return gl_->check("uploading a frame");
 }
 

@@ -32,12 +32,12 @@ class PanoramaTexture {
  public:
   PanoramaTexture(const Gl& gl, const PictureProgram& program);
 
-  /// Binds a framebuffer of its own. Precondition: frame.picture is set and has the size of frame.panorama.
+  /// Binds a framebuffer of its own. Precondition: frame.picture is set and has the size of frame.shape.
   /// kSystem  the graphics card refused it (too large); the old picture may be lost.
   Status upload(const Frame& frame);
 
   [[nodiscard]] GLuint id() const { return light_.id(); }
-  [[nodiscard]] const Panorama& panorama() const { return panorama_; }
+  [[nodiscard]] const PictureShape& shape() const { return shape_; }
   /// Of the texture, in pixels; the picture's first column is column 1 of it.
   [[nodiscard]] int texture_width() const { return width_; }
   [[nodiscard]] int texture_height() const { return height_; }
@@ -62,7 +62,7 @@ class PanoramaTexture {
   GlFramebuffer target_;
   int width_ = 0;
   int height_ = 0;
-  Panorama panorama_;
+  PictureShape shape_;
 };
 
 }  // namespace cyclorama

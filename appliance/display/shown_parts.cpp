@@ -2,11 +2,13 @@
 #include "appliance/display/shown_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "appliance/display/yaw_shift.h"
+#include "common/geometry/guard_band.h"
+#include "common/geometry/picture_place.h"
 
 namespace cyclorama {
 namespace {
@@ -15,31 +17,68 @@ constexpr int kSlices = 256;
 constexpr int kCellPx = 16;
 // A pixel for each of the two filters (chroma, then light), whose chroma pixels have twice the size.
 constexpr double kAround_px = 3.0;
-constexpr double kWholeTurnReach_rad = 0.5;
+constexpr double kEndlessReach_rad = 0.5;
+constexpr double kHardlyMore = 1.1;
+// In how many pieces a footprint that turns on curves is followed, and at how many turns at most.
+constexpr int kStrips = 32;
+constexpr int kPieces = 32;
+constexpr int kMostTurns = 64;
 
 int cells(int px) { return (px + kCellPx - 1) / kCellPx; }
+
+struct Box {
+  double left_px = std::numeric_limits<double>::infinity();
+  double right_px = -std::numeric_limits<double>::infinity();
+  double top_px = std::numeric_limits<double>::infinity();
+  double bottom_px = -std::numeric_limits<double>::infinity();
+
+  void add(const PanoramaPixel& p) {
+    left_px = std::min(left_px, p.u);
+    right_px = std::max(right_px, p.u);
+    top_px = std::min(top_px, p.v);
+    bottom_px = std::max(bottom_px, p.v);
+  }
+  void add(const Box& other) {
+    left_px = std::min(left_px, other.left_px);
+    right_px = std::max(right_px, other.right_px);
+    top_px = std::min(top_px, other.top_px);
+    bottom_px = std::max(bottom_px, other.bottom_px);
+  }
+  [[nodiscard]] Box grown(double across_px, double down_px) const {
+    return {left_px - across_px, right_px + across_px, top_px - down_px, bottom_px + down_px};
+  }
+};
 
 /// Every cell of a picture, wanted or not.
 class CellMap {
  public:
-  explicit CellMap(const Panorama& picture)
-      : picture_(picture), columns_(cells(picture.width_px)), wraps_(is_whole_turn(picture)) {
-    wanted_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(cells(picture.height_px)), false);
+  explicit CellMap(const PictureShape& picture)
+      : width_px_(width_px(picture)), height_px_(height_px(picture)), columns_(cells(width_px_)) {
+    const auto* const panorama = std::get_if<Panorama>(&picture);
+    wraps_ = panorama != nullptr && is_whole_turn(*panorama);
+    wanted_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows()), false);
   }
+  [[nodiscard]] int rows() const { return cells(height_px_); }
   /// From one place to another in pixels, either of which may lie outside.
   void want(int row, double left_px, double right_px) {
-    const double width = picture_.width_px;
+    const double width = width_px_;
     if (wraps_ && right_px - left_px >= width) return mark(row, 0.0, width);
     if (!wraps_) return mark(row, left_px, right_px);
     const double turns = std::floor(left_px / width) * width;
     mark(row, left_px - turns, right_px - turns);
     if (right_px - turns > width) mark(row, 0.0, right_px - turns - width);
   }
+  /// What lies in the rectangle, and beyond an edge what is nearest to it.
+  void want(const Box& box) {
+    const int first = static_cast<int>(std::clamp(box.top_px, 0.0, height_px_ - 1.0)) / kCellPx;
+    const int last = static_cast<int>(std::clamp(box.bottom_px, 0.0, height_px_ - 1.0)) / kCellPx;
+    for (int row = first; row <= last; ++row) want(row, box.left_px, box.right_px);
+  }
   /// Rows that want the same columns are one part.
   [[nodiscard]] std::vector<PixelRect> parts() const {
     std::vector<PixelRect> parts;
     std::size_t above = 0;  // Where the parts that end at this row's upper edge begin.
-    for (int row = 0; row < cells(picture_.height_px); ++row) {
+    for (int row = 0; row < rows(); ++row) {
       const std::vector<PixelRect> runs = runs_of(row);
       const bool same =
           parts.size() - above == runs.size() &&
@@ -57,18 +96,18 @@ class CellMap {
 
  private:
   void mark(int row, double left_px, double right_px) {
-    const int first = static_cast<int>(std::clamp(left_px, 0.0, picture_.width_px - 1.0)) / kCellPx;
-    const int last = static_cast<int>(std::clamp(right_px, 0.0, picture_.width_px - 1.0)) / kCellPx;
+    const int first = static_cast<int>(std::clamp(left_px, 0.0, width_px_ - 1.0)) / kCellPx;
+    const int last = static_cast<int>(std::clamp(right_px, 0.0, width_px_ - 1.0)) / kCellPx;
     for (int column = first; column <= last; ++column) wanted_[index(row, column)] = true;
   }
   [[nodiscard]] std::vector<PixelRect> runs_of(int row) const {
     const int y = row * kCellPx;
-    const int height = std::min(kCellPx, picture_.height_px - y);
+    const int height = std::min(kCellPx, height_px_ - y);
     std::vector<PixelRect> runs;
     for (int column = 0; column < columns_; ++column) {
       if (!wanted_[index(row, column)]) continue;
       const int x = column * kCellPx;
-      const int width = std::min(kCellPx, picture_.width_px - x);
+      const int width = std::min(kCellPx, width_px_ - x);
       const bool goes_on = !runs.empty() && runs.back().x + runs.back().width == x;
       if (goes_on) {
         runs.back().width += width;
@@ -81,49 +120,113 @@ class CellMap {
   [[nodiscard]] std::size_t index(int row, int column) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
   }
-  Panorama picture_;
+  int width_px_;
+  int height_px_;
   int columns_;
-  bool wraps_;
+  bool wraps_ = false;
   std::vector<bool> wanted_;
 };
+
+/// In a panorama a turn is a shift.
+void want_shifted(const HeadFootprint& head, const Panorama& picture, double reach_rad, CellMap* ret_cells) {
+  for (int row = 0; row < ret_cells->rows(); ++row) {
+    // The picture's edge stands for what lies beyond it.
+    constexpr double kEndless = std::numeric_limits<double>::infinity();
+    const bool is_first = row == 0;
+    const bool is_last = row + 1 == ret_cells->rows();
+    const double top = is_first ? kEndless : picture.tan_elevation_at(row * kCellPx - kAround_px);
+    const double bottom = is_last ? -kEndless : picture.tan_elevation_at((row + 1) * kCellPx + kAround_px);
+    const auto span = head.across_between(bottom, top);
+    if (!span) continue;
+    const auto column = [&](double azimuth) { return (azimuth / picture.azimuth_span_rad + 0.5) * picture.width_px; };
+    ret_cells->want(row, column(span->least - reach_rad) - kAround_px, column(span->most + reach_rad) + kAround_px);
+  }
+}
+
+/// In the others every place moves along a curve of its own: those between the corners of a small piece, and between
+/// one turn and the next, lie within a box around them that is an eighth larger.
+void want_turned(const HeadFootprint& head, const PictureShape& picture, double reach_rad, CellMap* ret_cells) {
+  const auto all = head.up();
+  if (!all) return;
+  const PixelScale scale = pixel_scale(picture);
+  const double moves_px = 2.0 * reach_rad * std::abs(scale.u_per_across);
+  const int turns = static_cast<int>(std::clamp(std::ceil(moves_px / kCellPx), 1.0, double{kMostTurns}));
+  for (int strip = 0; strip < kStrips; ++strip) {
+    const double low = all->least + (all->most - all->least) * strip / kStrips;
+    const double high = all->least + (all->most - all->least) * (strip + 1) / kStrips;
+    const auto span = head.across_between(low, high);
+    if (!span) continue;
+    std::array<Box, kPieces> before;  // At the turn before this one.
+    for (int turn = 0; turn <= turns; ++turn) {
+      std::array<Box, kPieces> now;
+      for (int end = 0; end <= kPieces; ++end) {
+        const double across = span->least + (span->most - span->least) * end / kPieces;
+        for (const double up : {low, high}) {
+          const auto place = turned(picture, {across, up}, reach_rad * (2.0 * turn / turns - 1.0));
+          if (!place) continue;  // Exactly against a fisheye's axis.
+          if (end < kPieces) now[static_cast<std::size_t>(end)].add(scale.pixel_at(*place));
+          if (end > 0) now[static_cast<std::size_t>(end - 1)].add(scale.pixel_at(*place));
+        }
+      }
+      for (std::size_t piece = 0; piece < kPieces; ++piece) {
+        Box box = now[piece];
+        if (turn > 0) box.add(before[piece]);
+        ret_cells->want(box.grown(kAround_px + (box.right_px - box.left_px) / 8.0,
+                                  kAround_px + (box.bottom_px - box.top_px) / 8.0));
+      }
+      before = now;
+    }
+  }
+}
+
+std::int64_t area(const ShownParts& shown) {
+  std::int64_t sum = 0;
+  for (const PixelRect& part : shown.parts) sum += part.area();
+  return sum;
+}
 
 }  // namespace
 
 HeadFootprint::HeadFootprint(const Warp& warp, const MaskImage& mask) {
   CHECK(mask.width() == width_px(warp) && mask.height() == height_px(warp));
-  std::vector<PanoramaDirection> lit;
-  double most_tan = -std::numeric_limits<double>::infinity();
-  least_tan_ = std::numeric_limits<double>::infinity();
+  std::vector<PicturePlace> lit;
+  double most_up = -std::numeric_limits<double>::infinity();
+  least_up_ = std::numeric_limits<double>::infinity();
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
       if (!(*mask.at(x, y) > 0.0f)) continue;
       const auto direction = direction_at(warp, x, y);
       if (!direction) continue;
-      lit.push_back(*direction);
-      least_tan_ = std::min(least_tan_, direction->tan_elevation);
-      most_tan = std::max(most_tan, direction->tan_elevation);
+      lit.push_back({direction->azimuth_rad, direction->tan_elevation});
+      least_up_ = std::min(least_up_, direction->tan_elevation);
+      most_up = std::max(most_up, direction->tan_elevation);
     }
   }
   if (lit.empty()) return;
-  tan_per_slice_ = std::max((most_tan - least_tan_) / kSlices, std::numeric_limits<double>::min());
+  up_per_slice_ = std::max((most_up - least_up_) / kSlices, std::numeric_limits<double>::min());
   slices_.resize(kSlices);
-  for (const PanoramaDirection& direction : lit) {
-    const double at = (direction.tan_elevation - least_tan_) / tan_per_slice_;
+  for (const PicturePlace& place : lit) {
+    const double at = (place.up - least_up_) / up_per_slice_;
     std::optional<Span>& slice = slices_[static_cast<std::size_t>(std::clamp(at, 0.0, kSlices - 1.0))];
-    if (!slice) slice = Span{direction.azimuth_rad, direction.azimuth_rad};
-    slice->least_rad = std::min(slice->least_rad, direction.azimuth_rad);
-    slice->most_rad = std::max(slice->most_rad, direction.azimuth_rad);
+    if (!slice) slice = Span{place.across, place.across};
+    slice->least = std::min(slice->least, place.across);
+    slice->most = std::max(slice->most, place.across);
   }
 }
 
-std::optional<HeadFootprint::Span> HeadFootprint::azimuths_between(double least_tan, double most_tan) const {
+std::optional<HeadFootprint::Span> HeadFootprint::up() const {
+  if (slices_.empty()) return std::nullopt;
+  return Span{least_up_, least_up_ + kSlices * up_per_slice_};
+}
+
+std::optional<HeadFootprint::Span> HeadFootprint::across_between(double least_up, double most_up) const {
   std::optional<Span> all;
   for (std::size_t i = 0; i < slices_.size(); ++i) {
-    const double lower = least_tan_ + tan_per_slice_ * static_cast<double>(i);
-    if (!slices_[i] || lower > most_tan || lower + tan_per_slice_ < least_tan) continue;
+    const double lower = least_up_ + up_per_slice_ * static_cast<double>(i);
+    if (!slices_[i] || lower > most_up || lower + up_per_slice_ < least_up) continue;
     if (!all) all = slices_[i];
-    all->least_rad = std::min(all->least_rad, slices_[i]->least_rad);
-    all->most_rad = std::max(all->most_rad, slices_[i]->most_rad);
+    all->least = std::min(all->least, slices_[i]->least);
+    all->most = std::max(all->most, slices_[i]->most);
   }
   return all;
 }
@@ -135,37 +238,23 @@ bool ShownParts::meets(const PixelRect& rect) const {
   });
 }
 
-double turn_reach(const Panorama& picture, double shown_span_rad) {
-  if (is_whole_turn(picture)) return kWholeTurnReach_rad;
-  return std::max(0.0, 0.5 * (picture.azimuth_span_rad - shown_span_rad));
-}
-
-ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const Panorama& picture, double shown_span_rad) {
-  ShownParts shown{turn_reach(picture, shown_span_rad), {}};
-  CellMap cells_of(picture);
-  for (const HeadFootprint& head : heads) {
-    for (int row = 0; row < cells(picture.height_px); ++row) {
-      // The picture's edge stands for what lies beyond it.
-      constexpr double kEndless = std::numeric_limits<double>::infinity();
-      const bool is_first = row == 0;
-      const bool is_last = row + 1 == cells(picture.height_px);
-      const double top = is_first ? kEndless : picture.tan_elevation_at(row * kCellPx - kAround_px);
-      const double bottom = is_last ? -kEndless : picture.tan_elevation_at((row + 1) * kCellPx + kAround_px);
-      const auto span = head.azimuths_between(bottom, top);
-      if (!span) continue;
-      const auto column = [&](double azimuth) { return (azimuth / picture.azimuth_span_rad + 0.5) * picture.width_px; };
-      cells_of.want(row, column(span->least_rad - shown.reach_rad) - kAround_px,
-                    column(span->most_rad + shown.reach_rad) + kAround_px);
+ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture, const PictureShape& wall) {
+  const auto parts_within = [&](double reach_rad) {
+    CellMap wanted(picture);
+    for (const HeadFootprint& head : heads) {
+      if (const auto* const panorama = std::get_if<Panorama>(&picture)) {
+        want_shifted(head, *panorama, reach_rad, &wanted);
+      } else {
+        want_turned(head, picture, reach_rad, &wanted);
+      }
     }
-  }
-  shown.parts = cells_of.parts();
-  std::int64_t area = 0;
-  for (const PixelRect& part : shown.parts) area += part.area();
-  // Where every part is seen anyway, a whole turn may be turned without end.
-  if (is_whole_turn(picture) && area == std::int64_t{picture.width_px} * picture.height_px) {
-    shown.reach_rad = std::numbers::pi;
-  }
-  return shown;
+    return ShownParts{reach_rad, wanted.parts()};
+  };
+  const double reach_rad = turn_reach(picture, wall);
+  if (std::isfinite(reach_rad)) return parts_within(reach_rad);
+  ShownParts some = parts_within(kEndlessReach_rad);
+  ShownParts all = parts_within(std::numbers::pi);
+  return static_cast<double>(area(all)) <= kHardlyMore * static_cast<double>(area(some)) ? all : some;
 }
 
 }  // namespace cyclorama

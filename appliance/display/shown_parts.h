@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which parts of a panorama the heads show, so that the others need not be decoded.
+/// Which parts of a picture the heads show, so that the others need not be decoded.
 #pragma once
 
 #include <memory>
@@ -11,23 +11,25 @@
 
 namespace cyclorama {
 
-/// The directions that a head lights: for each of some slices of the tangent of elevation, the least and the most
-/// azimuth. A value; reentrant.
+/// The places that a head lights, as its warp names them (common/geometry/picture_place.h): for each of some slices of
+/// `up`, the least and the most `across`. A value; reentrant.
 class HeadFootprint {
  public:
   /// Of all pixels that the mask does not blacken. Precondition: warp and mask have one size.
   HeadFootprint(const Warp& warp, const MaskImage& mask);
 
   struct Span {
-    double least_rad = 0.0;
-    double most_rad = 0.0;
+    double least = 0.0;
+    double most = 0.0;
   };
-  /// Of azimuths anywhere between two tangents of elevation; nothing where the head lights none.
-  [[nodiscard]] std::optional<Span> azimuths_between(double least_tan, double most_tan) const;
+  /// Of `up`, from the lowest to the highest; nothing when the head lights nothing.
+  [[nodiscard]] std::optional<Span> up() const;
+  /// Of `across` anywhere between two values of `up`; nothing where the head lights none.
+  [[nodiscard]] std::optional<Span> across_between(double least_up, double most_up) const;
 
  private:
-  double least_tan_ = 0.0;
-  double tan_per_slice_ = 1.0;
+  double least_up_ = 0.0;
+  double up_per_slice_ = 1.0;
   std::vector<std::optional<Span>> slices_;
 };
 
@@ -40,12 +42,10 @@ struct ShownParts {
   [[nodiscard]] bool meets(const PixelRect& rect) const;
 };
 
-/// How far a picture can be turned before a wall that shows `shown_span_rad` of it sees its edge. A picture of a whole
-/// turn has none; there it is half a radian, for which a visitor takes longer than a farm.
-[[nodiscard]] double turn_reach(const Panorama& picture, double shown_span_rad);
-
-/// What some head shows of a picture while the visitor turns within turn_reach(), with what filters need around it.
-[[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const Panorama& picture,
-                                     double shown_span_rad);
+/// What some head shows of a picture while the visitor turns either way before a wall that shows `wall` of it sees its
+/// edge (turn_reach() in common/geometry/guard_band.h), with what filters need around it. Where it has no edge, it is
+/// half a radian, for which a visitor takes longer than a farm; or without end, where hardly more is seen by that.
+[[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture,
+                                     const PictureShape& wall);
 
 }  // namespace cyclorama

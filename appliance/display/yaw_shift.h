@@ -10,8 +10,8 @@ struct YawShift {
   bool is_past_guard = false;  ///< The visitor turned farther than the picture reaches; `angle_rad` stops there.
 };
 
-/// Yaw is a shift: what a picture that was made for one heading must be moved by to be right for another one, limited
-/// to `reach_rad` either way (shown_parts.h), so that the wall never looks beyond what there is.
+/// What a picture that was made for one heading must be turned by to be right for another one (a panorama is shifted),
+/// limited to `reach_rad` either way (shown_parts.h), so that the wall never looks beyond what there is.
 [[nodiscard]] YawShift yaw_shift(double picture_heading_rad, double heading_now_rad, double reach_rad);
 
 }  // namespace cyclorama

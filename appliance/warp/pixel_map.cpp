@@ -9,15 +9,15 @@ namespace {
 constexpr int kLeastCellPx = 12;
 }  // namespace
 
-PixelMap make_pixel_map(const ProjectorMap& map) {
+PixelMap make_pixel_map(const ProjectorMap& map, const PictureShape& picture) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   PixelMap directions(map.lens().width_px, map.lens().height_px, kNone);
   for (int y = 0; y < directions.height(); ++y) {
     for (int x = 0; x < directions.width(); ++x) {
-      const auto direction = map.direction_of({x + 0.5, y + 0.5});
-      if (!direction) continue;
-      directions.at(x, y)[0] = static_cast<float>(direction->azimuth_rad);
-      directions.at(x, y)[1] = static_cast<float>(direction->tan_elevation);
+      const auto place = map.place_of({x + 0.5, y + 0.5}, picture);
+      if (!place) continue;
+      directions.at(x, y)[0] = static_cast<float>(place->across);
+      directions.at(x, y)[1] = static_cast<float>(place->up);
     }
   }
   return directions;
@@ -27,12 +27,15 @@ bool is_quicker_than_a_map(const WarpMesh& mesh) {
   return mesh.cells_x * kLeastCellPx <= mesh.width_px && mesh.cells_y * kLeastCellPx <= mesh.height_px;
 }
 
-Result<Warp> make_warp(const ProjectorMap& map, const Panorama& picture, double tolerance_px) {
-  TRY(picture.validate());
+Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, double tolerance_px) {
+  TRY(validate(picture));
   const int most = std::max(1, map.lens().width_px * map.lens().height_px / (kLeastCellPx * kLeastCellPx));
+  // So many lines cut one another into pieces of that size already.
+  const std::size_t creases = map.creases().size();
+  if (creases * creases / 2 > static_cast<std::size_t>(most)) return Warp(make_pixel_map(map, picture));
   auto mesh = make_warp_mesh(map, picture, tolerance_px, most);
   if (mesh && is_quicker_than_a_map(*mesh)) return Warp(*std::move(mesh));
-  return Warp(make_pixel_map(map));
+  return Warp(make_pixel_map(map, picture));
 }
 
 int width_px(const Warp& warp) {

@@ -9,21 +9,22 @@
 
 namespace cyclorama {
 
-/// Where in the panorama the centre of each projector pixel lies: azimuth_rad, tan_elevation; NaNs where it lies
-/// nowhere. For what no mesh follows: walls with corners, measured maps.
+/// Where in the picture the centre of each projector pixel lies: in a panorama azimuth_rad, tan_elevation; in others
+/// PicturePlace's across, up; NaNs where it lies nowhere. For what no mesh follows: free-form walls, measured maps.
 using PixelMap = Image<float, 2>;
 
 /// Where a projector's pixels lie, by the lesser model that is exact enough.
 using Warp = std::variant<WarpMesh, PixelMap>;
 
-[[nodiscard]] PixelMap make_pixel_map(const ProjectorMap& map);
+[[nodiscard]] PixelMap make_pixel_map(const ProjectorMap& map, const PictureShape& picture);
 
-/// Whether a mesh's cells are large enough to be drawn quicker than a map of each pixel is read.
+/// Whether a mesh's cells, cut along the wall's creases, are large enough to be drawn quicker than a map of each pixel
+/// is read.
 [[nodiscard]] bool is_quicker_than_a_map(const WarpMesh& mesh);
 
-/// A mesh that keeps to `tolerance_px`, if it is_quicker_than_a_map(); else that map. kInvalidArgument  the panorama is
+/// A mesh that keeps to `tolerance_px`, if it is_quicker_than_a_map(); else that map. kInvalidArgument  the picture is
 /// none.
-Result<Warp> make_warp(const ProjectorMap& map, const Panorama& picture, double tolerance_px = 0.05);
+Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, double tolerance_px = 0.05);
 
 /// Across the whole head, in projector pixels.
 [[nodiscard]] int width_px(const Warp& warp);

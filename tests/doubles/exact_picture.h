@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "appliance/display/head_painter.h"
+#include "common/geometry/picture_place.h"
 #include "common/image/planar_picture.h"
 
 namespace cyclorama {
@@ -15,8 +16,8 @@ namespace cyclorama {
 /// What the two passes must draw, in double precision on the CPU and as plainly as can be written down.
 class ExactPicture {
  public:
-  ExactPicture(const PlanarPicture& picture, const Panorama& panorama, double yaw_shift_rad)
-      : panorama_(panorama), yaw_shift_rad_(yaw_shift_rad), light_(picture.width(), picture.height()) {
+  ExactPicture(const PlanarPicture& picture, const PictureShape& shape, double yaw_shift_rad)
+      : shape_(shape), yaw_shift_rad_(yaw_shift_rad), light_(picture.width(), picture.height()) {
     for (int y = 0; y < picture.height(); ++y) {
       for (int x = 0; x < picture.width(); ++x) {
         const double luma = *picture.luma().at(x, y);
@@ -29,18 +30,18 @@ class ExactPicture {
     }
   }
 
-  /// Linear light at the head's pixel before the mask; nothing in what is left out. The place in the panorama is moved
+  /// Linear light at the head's pixel before the mask; nothing in what is left out. The place in the picture is moved
   /// by `off_u`, `off_v` pixels.
   [[nodiscard]] std::optional<Eigen::Vector3d> light_at(const Warp& warp, int x, int y, double off_u = 0.0,
                                                         double off_v = 0.0) const {
     const auto seen = direction_at(warp, x, y);
     if (!seen) return std::nullopt;
-    double azimuth = seen->azimuth_rad + yaw_shift_rad_;
-    if (wraps()) azimuth -= 2.0 * std::numbers::pi * std::floor(azimuth / (2.0 * std::numbers::pi) + 0.5);
-    const double u = (azimuth / panorama_.azimuth_span_rad + 0.5) * panorama_.width_px + off_u - 0.5;
-    const double v = (seen->tan_elevation - panorama_.tan_elevation_top) /
-                         (panorama_.tan_elevation_bottom - panorama_.tan_elevation_top) * panorama_.height_px +
-                     off_v - 0.5;
+    auto place = turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, yaw_shift_rad_);
+    if (!place) return std::nullopt;
+    if (wraps()) place->across -= 2.0 * std::numbers::pi * std::floor(place->across / (2.0 * std::numbers::pi) + 0.5);
+    const PanoramaPixel pixel = std::visit([&](const auto& shape) { return pixel_at(shape, *place); }, shape_);
+    const double u = pixel.u + off_u - 0.5;
+    const double v = pixel.v + off_v - 0.5;
     return Eigen::Vector3d(light(u, v, 0), light(u, v, 1), light(u, v, 2));
   }
   /// Code values in [0, 1], not rounded; black in what is left out. Every light that goes into the head's colours is
@@ -59,6 +60,19 @@ class ExactPicture {
   }
 
  private:
+  static PanoramaPixel pixel_at(const Panorama& p, const PicturePlace& at) {
+    return {(at.across / p.azimuth_span_rad + 0.5) * p.width_px,
+            (at.up - p.tan_elevation_top) / (p.tan_elevation_bottom - p.tan_elevation_top) * p.height_px};
+  }
+  static PanoramaPixel pixel_at(const Perspective& p, const PicturePlace& at) {
+    return {(at.across - p.tan_left) / (p.tan_right - p.tan_left) * p.width_px,
+            (at.up - p.tan_top) / (p.tan_bottom - p.tan_top) * p.height_px};
+  }
+  static PanoramaPixel pixel_at(const Fisheye& p, const PicturePlace& at) {
+    const double px_per_rad = std::min(p.width_px, p.height_px) / p.field_rad;
+    return {0.5 * p.width_px + px_per_rad * at.across, 0.5 * p.height_px - px_per_rad * at.up};
+  }
+  static PanoramaPixel pixel_at(const Equirectangular&, const PicturePlace&) { return {}; }  // Never on a wall.
   static double linear(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
   static double chroma(const PlanarPicture& picture, const GreyImage& plane, int x, int y) {
     const double step = picture.has_half_chroma() ? 2.0 : 1.0;
@@ -78,7 +92,10 @@ class ExactPicture {
     return (1 - fy) * ((1 - fx) * at(x, y) + fx * at(x + 1, y)) +
            fy * ((1 - fx) * at(x, y + 1) + fx * at(x + 1, y + 1));
   }
-  [[nodiscard]] bool wraps() const { return panorama_.azimuth_span_rad > 6.28; }
+  [[nodiscard]] bool wraps() const {
+    const auto* panorama = std::get_if<Panorama>(&shape_);
+    return panorama != nullptr && panorama->azimuth_span_rad > 6.28;
+  }
   [[nodiscard]] double light(double u, double v, int channel) const {
     return bilinear(u, v, [&](double x, double y) {
       const double w = light_.width();
@@ -88,7 +105,7 @@ class ExactPicture {
     });
   }
 
-  Panorama panorama_;
+  PictureShape shape_;
   double yaw_shift_rad_;
   Image<double, 3> light_;
 };

@@ -7,7 +7,7 @@
 
 namespace cyclorama {
 
-/// Heads that show all of any picture: every tile is decoded.
+/// Heads that show all of any panorama: every tile is decoded.
 inline ShownByHeads heads_that_see_all() {
   constexpr int kRows = 1024;
   PixelMap map(2, kRows);
@@ -17,7 +17,7 @@ inline ShownByHeads heads_that_see_all() {
     map.at(1, y)[0] = std::numbers::pi_v<float>;
     for (const int x : {0, 1}) map.at(x, y)[1] = tan_elevation;
   }
-  return {{HeadFootprint(map, MaskImage(2, kRows, 1.0f))}, 2.0 * std::numbers::pi};
+  return {{HeadFootprint(map, MaskImage(2, kRows, 1.0f))}, Panorama{16, 16, 2.0 * std::numbers::pi, 2.0, -2.0}};
 }
 
 }  // namespace cyclorama

@@ -17,29 +17,29 @@ class PaintedHead {
   explicit PaintedHead(HeadlessOptions::Renderer renderer) : renderer_(renderer) {}
 
   /// From the upper row downwards.
-  RgbImage drawn(const HeadPlan& plan, const PlanarPicture& picture, const Panorama& panorama, double shift,
+  RgbImage drawn(const HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape, double shift,
                  const std::vector<PixelRect>* parts = nullptr) {
     return drawn(plan, [&](const Gl& gl, const PictureProgram& program, const HeadPainter& painter, Output* output) {
       PanoramaTexture texture(gl, program);
-      CHECK(texture.upload(frame(picture, panorama, parts)));
+      CHECK(texture.upload(frame(picture, shape, parts)));
       CHECK(output->draw_to(0));
       painter.draw({&texture, shift});
     });
   }
-  RgbImage faded(const HeadPlan& plan, const PlanarPicture& a, const PlanarPicture& b, const Panorama& panorama,
+  RgbImage faded(const HeadPlan& plan, const PlanarPicture& a, const PlanarPicture& b, const PictureShape& shape,
                  double share) {
     return drawn(plan, [&](const Gl& gl, const PictureProgram& program, const HeadPainter& painter, Output* output) {
       PanoramaTexture first(gl, program);
       PanoramaTexture second(gl, program);
-      CHECK(first.upload(frame(a, panorama, nullptr)) && second.upload(frame(b, panorama, nullptr)));
+      CHECK(first.upload(frame(a, shape, nullptr)) && second.upload(frame(b, shape, nullptr)));
       CHECK(output->draw_to(0));
       painter.draw({&first, 0.0}, {&second, 0.0}, share);
     });
   }
 
-  static Frame frame(const PlanarPicture& picture, const Panorama& panorama, const std::vector<PixelRect>* parts) {
+  static Frame frame(const PlanarPicture& picture, const PictureShape& shape, const std::vector<PixelRect>* parts) {
     Frame frame;
-    frame.panorama = panorama;
+    frame.shape = shape;
     frame.picture = std::make_shared<const PlanarPicture>(picture);
     if (parts != nullptr) frame.parts = std::make_shared<const std::vector<PixelRect>>(*parts);
     return frame;
@@ -157,6 +157,13 @@ class RandomHeads {
       }
     }
     return map;
+  }
+  /// Of a flat wall or a dome, with places around its axis that a wall may have.
+  PictureShape other_shape(int width, int height) {
+    const double tilt = between(-1.5, 1.5);
+    if (one_in(2)) return Fisheye{width, height, between(1.0, 6.0), tilt};
+    return Perspective{width, height, between(-1.2, -0.3), between(0.3, 1.2), between(0.3, 1.2), between(-1.2, -0.3),
+                       tilt};
   }
   /// Noise with many zeros and ones, and one large part that is 1.
   MaskImage mask(int width, int height) {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "appliance/warp/blend_mask.h"
-#include "appliance/warp/warp_mesh.h"
+#include "appliance/warp/pixel_map.h"
 
 namespace cyclorama {
 
@@ -18,11 +18,11 @@ class WarpedPicture {
   WarpedPicture(const RgbImage& picture, const PictureShape& shape, double turn_rad)
       : picture_(picture), shape_(shape), scale_(pixel_scale(shape)), turn_rad_(turn_rad) {}
 
-  /// Code values in [0, 255], not rounded, of the head's pixel; black in a triangle that is left out. The place in the
+  /// Code values in [0, 255], not rounded, of the head's pixel; black in what is left out. The place in the
   /// picture is moved by `off_u`, `off_v` pixels.
-  [[nodiscard]] std::array<double, 3> at(const WarpMesh& mesh, const MaskImage& mask, int x, int y, double off_u = 0.0,
+  [[nodiscard]] std::array<double, 3> at(const Warp& warp, const MaskImage& mask, int x, int y, double off_u = 0.0,
                                          double off_v = 0.0) const {
-    const auto seen = mesh.interpolate({x + 0.5, y + 0.5});
+    const auto seen = direction_at(warp, x, y);
     const auto place = seen ? turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, turn_rad_) : std::nullopt;
     if (!place) return {0.0, 0.0, 0.0};
     const double weight = static_cast<double>(*mask.at(x, y));

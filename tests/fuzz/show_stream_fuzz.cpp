@@ -2,8 +2,10 @@
 // The Show stream's messages into the frame assembler. The input is a program: each step sends one message, either any
 // bytes as a message, or a begin, tile, end or lost stream with numbers from the input, so that whole frames come
 // about.
+#include <array>
 #include <future>
 #include <map>
+#include <utility>
 
 #include "appliance/display/frame_assembler.h"
 #include "tests/doubles/heads_that_see_all.h"
@@ -17,8 +19,8 @@ namespace {
 class CheckingSink final : public FrameSink {
  public:
   void frame_ready(Frame frame) override {
-    CHECK(frame.picture != nullptr && frame.panorama.validate());
-    CHECK(frame.picture->width() == frame.panorama.width_px && frame.picture->height() == frame.panorama.height_px);
+    CHECK(frame.picture != nullptr && validate(frame.shape));
+    CHECK(frame.picture->width() == width_px(frame.shape) && frame.picture->height() == height_px(frame.shape));
     CHECK(frame.order > 0 && frame.number > 0);
   }
   void frame_dropped(std::uint64_t, const std::string& reason) override { CHECK(!reason.empty()); }
@@ -59,9 +61,13 @@ wire::ShowMessage message_from(FuzzInput* input) {
       return message;
     }
     case 1: {
-      const Panorama panorama{static_cast<int>(input->byte() % 90), static_cast<int>(input->byte() % 90), 1.0, 0.5,
-                              -0.5};
-      *message.mutable_begin() = view_of(input->byte() % 4, panorama);
+      const int width = static_cast<int>(input->byte() % 90);
+      const int height = static_cast<int>(input->byte() % 90);
+      const std::array<PictureShape, 3> shapes{Panorama{width, height, 1.0, 0.5, -0.5},
+                                               Fisheye{width, height, 1.5, 0.5},
+                                               Perspective{width, height, -1.0, 1.0, 0.5, -0.5, 0.5}};
+      const std::uint32_t number = input->byte() % 4;
+      *message.mutable_begin() = view_of(number, shapes[input->byte() % 3]);
       return message;
     }
     case 2:
@@ -86,7 +92,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   SteadyClock clock;
   CheckingSink sink;
   DecodePool pool(1);
-  FrameAssembler assembler(&pool, &sink, &clock, heads_that_see_all());
+  ShownByHeads shown = heads_that_see_all();
+  if (input.byte() % 2 != 0) shown.wall = Fisheye{64, 64, 1.0, 0.5};
+  FrameAssembler assembler(&pool, &sink, &clock, std::move(shown));
   while (!input.is_empty()) {
     wire::ShowMessage message = message_from(&input);
     const auto kind = message.message_case();

@@ -60,9 +60,7 @@ TEST(AttractPicture, of_a_museum_spans_the_wall) {
   const Panorama wall{1024, 400, 2.2, 0.4, -0.3};
   const auto frame = attract_frame(wall, path);
   ASSERT_TRUE(frame) << frame.error().message();
-  EXPECT_EQ(frame->panorama.width_px, 320);
-  EXPECT_EQ(frame->panorama.azimuth_span_rad, 2.2);
-  EXPECT_EQ(frame->panorama.tan_elevation_bottom, -0.3);
+  EXPECT_EQ(frame->shape, PictureShape(Panorama{320, 100, 2.2, 0.4, -0.3}));
   EXPECT_NEAR(*frame->picture->luma().at(100, 50), 90, 1);
   EXPECT_EQ(attract_frame(wall, path.parent_path() / "none.jpg").error().code(), ErrorCode::kNotFound);
   std::filesystem::remove(path);

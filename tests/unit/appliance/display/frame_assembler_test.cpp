@@ -105,7 +105,7 @@ TEST_F(FrameAssembling, gives_a_whole_frame_as_it_was_sent) {
   EXPECT_EQ(frame.order, 1U);
   EXPECT_EQ(frame.heading_rad, 0.25);
   EXPECT_EQ(frame.shutter_ns, 123456);
-  EXPECT_EQ(frame.panorama, kPanorama);
+  EXPECT_EQ(frame.shape, PictureShape(kPanorama));
   EXPECT_LE(largest_difference(*frame.picture, gradient()), 12);
   EXPECT_GT(frame.bytes, 1000U);
   EXPECT_GE(frame.decoded_at, frame.begun_at);
@@ -298,6 +298,11 @@ TEST_F(FrameAssembling, drops_views_that_cannot_be) {
   refused([](wire::View* v) { v->mutable_panorama()->set_azimuth_span_rad(7.0); }, "azimuth_span_rad");
   refused([](wire::View* v) { v->mutable_panorama()->set_tan_elevation_top(-1.0); }, "tan_elevation_top");
   refused([](wire::View* v) { v->clear_panorama(); }, "width_px");
+  refused(
+      [](wire::View* v) {
+        to_wire(Fisheye{kPanorama.width_px, kPanorama.height_px}, v->mutable_panorama());
+      },
+      "another kind than this wall's");
   refused(
       [](wire::View* v) {
         v->mutable_panorama()->set_width_px(16384);

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "common/geometry/guard_band.h"
+#include "common/geometry/picture_place.h"
 #include "tests/doubles/demo_room.h"
 
 namespace cyclorama {
@@ -20,7 +22,7 @@ struct Heads {
   std::vector<HeadFootprint> footprints;
 };
 
-Heads heads_of(const Installation& room, const Panorama& picture) {
+Heads heads_of(const Installation& room, const PictureShape& picture) {
   Heads heads;
   const std::vector<ProjectorMap> maps = projector_maps(room);
   heads.masks = make_blend_masks(maps);
@@ -36,8 +38,12 @@ bool has(const ShownParts& shown, double u, double v) {
 }
 
 /// Every texel that any lit pixel of any head reads, at any turn within reach, lies in a part.
-void expect_all_that_is_read(const Heads& heads, const Panorama& picture, const ShownParts& shown) {
+void expect_all_that_is_read(const Heads& heads, const PictureShape& picture, const ShownParts& shown) {
   std::mt19937 random(4);
+  const PixelScale scale = pixel_scale(picture);
+  const double width = width_px(picture);
+  const double height = height_px(picture);
+  const auto* const panorama = std::get_if<Panorama>(&picture);
   for (std::size_t i = 0; i < heads.warps.size(); ++i) {
     const MaskImage& mask = heads.masks[i];
     for (int n = 0; n < 20000; ++n) {
@@ -45,14 +51,15 @@ void expect_all_that_is_read(const Heads& heads, const Panorama& picture, const 
       const int y = static_cast<int>(random() % static_cast<unsigned>(mask.height()));
       const auto direction = direction_at(heads.warps[i], x, y);
       if (!(*mask.at(x, y) > 0.0f) || !direction) continue;
-      const double turn = shown.reach_rad * std::uniform_int_distribution(-1, 1)(random);
-      double u = ((direction->azimuth_rad + turn) / picture.azimuth_span_rad + 0.5) * picture.width_px;
-      if (picture.azimuth_span_rad > 6.28) u -= picture.width_px * std::floor(u / picture.width_px);
-      const double v = (direction->tan_elevation - picture.tan_elevation_top) /
-                       (picture.tan_elevation_bottom - picture.tan_elevation_top) * picture.height_px;
+      const double share =
+          n % 2 == 0 ? std::uniform_int_distribution(-1, 1)(random) : std::uniform_real_distribution(-1.0, 1.0)(random);
+      const auto place = turned(picture, {direction->azimuth_rad, direction->tan_elevation}, share * shown.reach_rad);
+      ASSERT_TRUE(place);
+      auto [u, v] = scale.pixel_at(*place);
+      if (panorama != nullptr && panorama->azimuth_span_rad > 6.28) u -= width * std::floor(u / width);
       for (const double off : {-2.0, 0.0, 2.0}) {
-        const double column = std::clamp(u + off, 0.0, picture.width_px - 0.5);
-        const double row = std::clamp(v + off, 0.0, picture.height_px - 0.5);
+        const double column = std::clamp(u + off, 0.0, width - 0.5);
+        const double row = std::clamp(v + off, 0.0, height - 0.5);
         ASSERT_TRUE(has(shown, column, row)) << i << " " << x << " " << y << " " << u << " " << v;
       }
     }
@@ -71,7 +78,7 @@ TEST(ShownParts, hold_all_that_the_demo_reads_and_do_not_overlap) {
     const Panorama wall = room.panorama(width);
     const Heads heads = heads_of(room, wall);
     const Panorama guarded = wall.with_guard_band(0.2);
-    const ShownParts shown = shown_parts(heads.footprints, guarded, wall.azimuth_span_rad);
+    const ShownParts shown = shown_parts(heads.footprints, guarded, wall);
     EXPECT_NEAR(shown.reach_rad, 0.2, 0.02);
     expect_all_that_is_read(heads, guarded, shown);
     for (std::size_t i = 0; i < shown.parts.size(); ++i) {
@@ -84,6 +91,58 @@ TEST(ShownParts, hold_all_that_the_demo_reads_and_do_not_overlap) {
   }
 }
 
+TEST(ShownParts, hold_all_that_walls_of_every_shape_read) {
+  for (const char* const name : {"plane", "corner", "dome", "mesh"}) {
+    const auto room = read_installation(demo_installation_path().parent_path() / (std::string(name) + ".toml"));
+    ASSERT_TRUE(room) << room.error().message();
+    for (const int width : {200, 1500}) {
+      const PictureShape wall = room->picture(width);
+      Heads heads = heads_of(*room, wall);
+      const PictureShape guarded = with_guard_band(wall, 0.2);
+      const ShownParts all = shown_parts(heads.footprints, guarded, wall);
+      EXPECT_GE(all.reach_rad, 0.2 - 1e-9) << name;
+      EXPECT_LE(all.reach_rad, 0.3) << name;  // Widths are rounded up to 16 pixels.
+      expect_all_that_is_read(heads, guarded, all);
+      for (const PixelRect& part : all.parts) {
+        EXPECT_TRUE(part.x % 16 == 0 && part.y % 16 == 0 && !part.empty());
+        EXPECT_LE(part.x + part.width, width_px(guarded));
+        EXPECT_LE(part.y + part.height, height_px(guarded));
+      }
+      // One head does not want what the others show.
+      heads.footprints.erase(heads.footprints.begin() + 1, heads.footprints.end());
+      heads.warps.resize(1);
+      heads.masks.resize(1);
+      const ShownParts one = shown_parts(heads.footprints, guarded, wall);
+      expect_all_that_is_read(heads, guarded, one);
+      EXPECT_LT(area(one), 0.85 * static_cast<double>(area(all))) << name;
+    }
+  }
+}
+
+TEST(ShownParts, of_a_dome_about_the_zenith_turn_without_end_where_all_of_it_is_lit) {
+  const Fisheye dome{512, 512, 3.0, 0.5 * std::numbers::pi};
+  PixelMap all(200, 200);
+  PixelMap quarter(200, 200);
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      // A disc of 1.45 rad, and of it a sector.
+      const double away = 1.45 * (y + 0.5) / 200.0;
+      const double around = kTurn * x / 199.0;
+      for (PixelMap* map : {&all, &quarter}) {
+        const double angle = map == &all ? around : 0.25 * around;
+        map->at(x, y)[0] = static_cast<float>(away * std::cos(angle));
+        map->at(x, y)[1] = static_cast<float>(away * std::sin(angle));
+      }
+    }
+  }
+  const MaskImage lit(200, 200, 1.0f);
+  EXPECT_NEAR(shown_parts({HeadFootprint(all, lit)}, dome, dome).reach_rad, std::numbers::pi, 1e-12);
+  const ShownParts part = shown_parts({HeadFootprint(quarter, lit)}, dome, dome);
+  EXPECT_EQ(part.reach_rad, 0.5);
+  expect_all_that_is_read({{quarter}, {lit}, {}}, dome, part);
+  EXPECT_LT(area(part), 512 * 512 * 6 / 10);
+}
+
 TEST(ShownParts, of_one_projector_are_a_part_of_a_whole_turn_whichever_way_it_looks) {
   Installation room = demo_room();
   const Panorama circle{2048, 400, kTurn, 0.6, -0.6};
@@ -94,7 +153,7 @@ TEST(ShownParts, of_one_projector_are_a_part_of_a_whole_turn_whichever_way_it_lo
                                                Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()),
                                            Eigen::Vector3d(0.0, 1.6, 0.0)};
     const Heads heads = heads_of(room, circle);
-    const ShownParts shown = shown_parts(heads.footprints, circle, 2.0);
+    const ShownParts shown = shown_parts(heads.footprints, circle, Panorama{1000, 400, 2.0, 0.6, -0.6});
     EXPECT_EQ(shown.reach_rad, 0.5);
     expect_all_that_is_read(heads, circle, shown);
     EXPECT_LT(area(shown), 2048 * 400 / 2);  // 60 degrees, and half a radian on either side.
@@ -110,16 +169,20 @@ TEST(ShownParts, let_a_wall_all_around_turn_without_end) {
     }
   }
   const HeadFootprint footprint(map, MaskImage(256, 100, 1.0f));
-  const ShownParts shown = shown_parts({footprint}, {512, 90, kTurn, 0.5, -0.5}, kTurn);
+  const Panorama wall{512, 90, kTurn, 0.5, -0.5};
+  const ShownParts shown = shown_parts({footprint}, wall, wall);
   EXPECT_EQ(area(shown), 512 * 90);
   EXPECT_NEAR(shown.reach_rad, std::numbers::pi, 1e-12);
 }
 
 TEST(ShownParts, are_none_of_a_head_that_lights_nothing) {
   const PixelMap map(8, 8, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_TRUE(shown_parts({HeadFootprint(map, MaskImage(8, 8, 1.0f))}, {64, 64, 1.0, 0.5, -0.5}, 1.0).parts.empty());
   const PixelMap dark(8, 8, 0.0f);
-  EXPECT_TRUE(shown_parts({HeadFootprint(dark, MaskImage(8, 8, 0.0f))}, {64, 64, 1.0, 0.5, -0.5}, 1.0).parts.empty());
+  for (const PictureShape& wall :
+       {PictureShape(Panorama{64, 64, 1.0, 0.5, -0.5}), PictureShape(Fisheye{64, 64, 1.0})}) {
+    EXPECT_TRUE(shown_parts({HeadFootprint(map, MaskImage(8, 8, 1.0f))}, wall, wall).parts.empty());
+    EXPECT_TRUE(shown_parts({HeadFootprint(dark, MaskImage(8, 8, 0.0f))}, wall, wall).parts.empty());
+  }
 }
 
 }  // namespace

@@ -33,16 +33,17 @@ TEST(YawShift, stops_at_the_end_of_what_there_is_and_says_so) {
 
 TEST(YawShift, reaches_as_far_as_the_guard_band) {
   const Panorama picture{2200, 400, 2.2, 0.4, -0.4};
-  EXPECT_NEAR(turn_reach(picture, 2.0), 0.1, 1e-12);
+  const auto reach_of = [&](double shown_span_rad) {
+    return shown_parts({}, picture, Panorama{2000, 400, shown_span_rad, 0.4, -0.4}).reach_rad;
+  };
+  EXPECT_NEAR(reach_of(2.0), 0.1, 1e-12);
   // A picture without any guard band, and one that is narrower than the wall, do not move.
-  EXPECT_EQ(turn_reach(picture, 2.2), 0.0);
-  EXPECT_EQ(turn_reach(picture, 3.0), 0.0);
+  EXPECT_EQ(reach_of(2.2), 0.0);
+  EXPECT_EQ(reach_of(3.0), 0.0);
 }
 
 TEST(YawShift, knows_a_whole_turn) {
-  const Panorama circle{6283, 400, 2.0 * kPi, 0.4, -0.4};
-  EXPECT_TRUE(is_whole_turn(circle));
-  EXPECT_NEAR(turn_reach(circle, 2.0), 0.5, 1e-12);
+  EXPECT_TRUE(is_whole_turn({6283, 400, 2.0 * kPi, 0.4, -0.4}));
   const Panorama guarded = Panorama{1000, 100, 2.2, 0.2, -0.2}.with_guard_band(10.0);
   EXPECT_TRUE(is_whole_turn(guarded));
   EXPECT_FALSE(is_whole_turn({1000, 100, 6.2, 0.2, -0.2}));

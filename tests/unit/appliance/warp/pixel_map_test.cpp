@@ -11,7 +11,7 @@ namespace {
 
 TEST(PixelMap, is_the_exact_map_at_every_pixel) {
   const ProjectorMap map(demo_room(), 0);
-  const Warp warp = make_pixel_map(map);
+  const Warp warp = make_pixel_map(map, Panorama{});
   ASSERT_EQ(width_px(warp), 640);
   ASSERT_EQ(height_px(warp), 480);
   for (int y = 0; y < 480; y += 7) {
@@ -36,6 +36,25 @@ TEST(Warp, is_a_mesh_where_a_mesh_is_enough_and_else_a_map) {
   const auto hard = make_warp(map, room.panorama(8192), 0.0001);
   ASSERT_TRUE(hard);
   EXPECT_TRUE(std::holds_alternative<PixelMap>(*hard));
+}
+
+TEST(Warp, of_a_dome_or_a_plane_is_a_mesh_and_of_a_wall_of_many_folds_a_map) {
+  const auto first_of = [](const char* name) {
+    const auto room = read_installation(demo_installation_path().parent_path() / name);
+    CHECK(room.has_value());
+    const ProjectorMap map(*room, 0);
+    const PictureShape picture = room->picture(768);
+    auto warp = make_warp(map, picture);
+    CHECK(warp.has_value());
+    const auto exact = map.place_of({200.5, 300.5}, picture);
+    const auto warped = direction_at(*warp, 200, 300);
+    CHECK(exact.has_value() && warped.has_value());
+    EXPECT_LE(pixel_scale(picture).distance_px(*exact, {warped->azimuth_rad, warped->tan_elevation}), 0.05);
+    return *std::move(warp);
+  };
+  EXPECT_TRUE(std::holds_alternative<WarpMesh>(first_of("dome.toml")));
+  EXPECT_TRUE(std::holds_alternative<WarpMesh>(first_of("plane.toml")));
+  EXPECT_TRUE(std::holds_alternative<PixelMap>(first_of("mesh.toml")));
 }
 
 TEST(Warp, of_a_panorama_that_is_none_is_refused) {

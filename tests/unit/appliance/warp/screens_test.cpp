@@ -122,12 +122,12 @@ TEST_P(ScreenWarp, the_wall_shows_what_the_eye_is_to_see_when_the_visitor_has_tu
     const WarpedPicture warped(picture, shape, turn);
     std::vector<RgbImage> heads;
     for (std::size_t i = 0; i < maps.size(); ++i) {
-      const auto mesh = make_warp_mesh(maps[i], wanted);
-      ASSERT_TRUE(mesh);
-      RgbImage& head = heads.emplace_back(mesh->width_px, mesh->height_px);
+      const auto warp = make_warp(maps[i], wanted);
+      ASSERT_TRUE(warp);
+      RgbImage& head = heads.emplace_back(cyclorama::width_px(*warp), height_px(*warp));
       for (int y = 0; y < head.height(); ++y) {
         for (int x = 0; x < head.width(); ++x) {
-          const auto codes = warped.at(*mesh, masks[i], x, y);
+          const auto codes = warped.at(*warp, masks[i], x, y);
           for (std::size_t c = 0; c < 3; ++c) head.at(x, y)[c] = static_cast<std::uint8_t>(codes[c] + 0.5);
         }
       }

@@ -9,7 +9,8 @@
 #   --triangles N     of the generated grotto (1000000)
 #   --seed S          of the generated grotto (1)
 #   --nodes N         render nodes (2)
-#   --size WxH        the panorama on the wall, in pixels (768x288)
+#   --installation F  the room: wall, sweet spot and projectors (demo/installation.toml; demo/ has rooms of every kind)
+#   --size WxH        the picture on the wall, in pixels (768x288; in another room 768 wide with square pixels)
 #   --budget-ms N     per frame: the farm chooses the quality that fits, and refines at rest (50)
 #   --samples N       rays per pixel, always as many, instead of a budget
 #   --camera SPEC     the tag camera: simulated (default), file:PHOTO, file:VIDEO
@@ -19,8 +20,8 @@ called_from=$PWD
 cd "$(dirname "$(readlink -f "$0")")"
 started=$(date +%s.%N)
 
-headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 size=768x288 budget_ms="" samples="" camera="" page_port=8080
-usage() { sed -n '3,16s/^# \{0,1\}//p' "$0"; }
+headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 installation="" size="" budget_ms="" samples="" camera="" page_port=8080
+usage() { sed -n '3,17s/^# \{0,1\}//p' "$0"; }
 here() { [[ $1 = /* ]] && echo "$1" || echo "$called_from/$1"; }  # A path as the caller meant it.
 need() { [ $# -ge 2 ] || { echo "demo.sh: $1 needs a value; see --help" >&2; exit 2; }; }
 while [ $# -gt 0 ]; do
@@ -32,6 +33,7 @@ while [ $# -gt 0 ]; do
     --triangles) need "$@"; triangles=$2; shift 2 ;;
     --seed) need "$@"; seed=$2; shift 2 ;;
     --nodes) need "$@"; nodes=$2; shift 2 ;;
+    --installation) need "$@"; installation=$(here "$2"); shift 2 ;;
     --size) need "$@"; size=$2; shift 2 ;;
     --budget-ms) need "$@"; budget_ms=$2; shift 2 ;;
     --samples) need "$@"; samples=$2; shift 2 ;;
@@ -54,6 +56,9 @@ picture=(--budget-ms "${budget_ms:-50}")
 [ -z "$samples" ] || picture=(--samples "$samples")
 whole "${picture[@]}" 1 4096
 whole --port "$page_port" 1 65535
+[ -z "$installation" ] || [ -e "$installation" ] || { echo "demo.sh: no such installation: $installation" >&2; exit 2; }
+[ -n "$size" ] || { [ -n "$installation" ] && size=768x0 || size=768x288; }
+[ -n "$installation" ] || installation=demo/installation.toml
 [[ $size =~ ^[0-9]+x[0-9]+$ ]] || { echo "demo.sh: --size must be WIDTHxHEIGHT, not '$size'" >&2; exit 2; }
 [ "$headless" = 0 ] || [ -n "$out" ] || { echo "demo.sh: --headless needs --out DIR" >&2; exit 2; }
 [ -z "$scene" ] || [ -e "$scene" ] || { echo "demo.sh: no such scene: $scene" >&2; exit 2; }
@@ -130,8 +135,8 @@ watch=(--watch "tour=$(at 2)" --watch "display=$(at 3)" --watch "tracker=$(at 4)
 start head cyclorama-farm --scene "visit=$scene" --museums "$(at 0)" --nodes "$(at 1)" --inspect "$(at 6)"
 for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --head "$(at 1)" --threads 1 --name "node-$i"; done
 start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" "${picture[@]}"
-start display cyclorama-display --installation demo/installation.toml --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --width "${size%x*}" --height "${size#*x}" --refresh-hz 20
-start simulated-room cyclorama-simulated-room --installation demo/installation.toml --run-dir "$run_dir" --listen "$(at 5)" --rate-hz 6
+start display cyclorama-display --installation "$installation" --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --width "${size%x*}" --height "${size#*x}" --refresh-hz 20
+start simulated-room cyclorama-simulated-room --installation "$installation" --run-dir "$run_dir" --listen "$(at 5)" --rate-hz 6
 start tracker cyclorama-tracker --camera "${camera:-simulated}" --decimate 2 --tour "$(at 2)" --listen "$(at 4)"
 [ "$headless" = 1 ] || start operator cyclorama-operator --listen "[::1]:$page_port" "${watch[@]}"
 

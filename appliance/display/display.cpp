@@ -19,6 +19,7 @@ namespace {
 constexpr auto kRedialAfter = std::chrono::milliseconds(250);
 constexpr auto kLongestRefresh = std::chrono::seconds(2);
 constexpr std::size_t kMostDropsWaiting = 256;
+constexpr char kPassedOver[] = "a newer frame was ready before it could be shown";
 
 Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const PictureShape& picture) {
   const std::vector<ProjectorMap> maps = projector_maps(installation);
@@ -69,7 +70,10 @@ Result<std::unique_ptr<Display>> Display::start(DisplayOptions options, const Cl
 }
 
 Display::Display(DisplayOptions options, const Clock& clock)
-    : options_(std::move(options)), clock_(clock), mailbox_(options_.installation.projectors.size()) {}
+    : options_(std::move(options)),
+      clock_(clock),
+      mailbox_(options_.installation.projectors.size()),
+      tour_clock_(options_.system_clock) {}
 
 Display::~Display() = default;
 
@@ -126,11 +130,18 @@ void Display::describe(const std::vector<HeadPlan>& heads) {
 
 void Display::on_message(wire::ShowMessage message) {
   if (message.message_case() == wire::ShowMessage::MESSAGE_NOT_SET) return;  // Of a newer tour; ignoring.
+  const TimePoint now = clock_.now();
+  if (message.has_clock()) {
+    if (tour_clock_.take(message.clock(), now)) mailbox_.clock.put(tour_clock_.reading(now));
+    return;
+  }
   if (!message.has_heading()) return assembler_->take(std::move(message));
   const wire::Heading& heading = message.heading();
   if (!std::isfinite(heading.heading_rad())) return;
+  const ShowAt at = show_at_of(message);
+  tour_clock_.heading_ready(at, now);
   // Heading::shown is not needed: the warps know what the wall shows, and a frame says what it is.
-  mailbox_.heading.put({heading.heading_rad(), heading.shutter_ns()});
+  mailbox_.headings.put({heading.heading_rad(), heading.shutter_ns(), at});
 }
 
 void Display::frame_ready(Frame frame) {
@@ -138,32 +149,40 @@ void Display::frame_ready(Frame frame) {
   if (width_px(frame.shape) > largest || height_px(frame.shape) > largest) {
     return frame_dropped(frame.number, fmt::format("larger than {} px, the graphics card's most", largest));
   }
+  tour_clock_.frame_ready(frame.show_at, frame.decoded_at);
   std::unique_ptr<Frame> unseen;
   {
-    // Two decode threads may finish two frames at once; the later frame must stay.
+    // Decode threads may finish two frames at once.
     const std::lock_guard lock(mutex_);
-    auto handed = std::make_unique<Frame>(std::move(frame));
-    if (handed->order > newest_ready_) {
-      newest_ready_ = handed->order;
-      mailbox_.is_failing = false;
-      unseen = mailbox_.frame.put(std::move(handed));
-    } else {
-      unseen = std::move(handed);
-    }
+    newest_ready_ = std::max(newest_ready_, frame.order);
+    mailbox_.is_failing = false;
+    unseen = mailbox_.frames.put(std::make_unique<Frame>(std::move(frame)));
+    if (unseen != nullptr) add_drop(unseen->number, kPassedOver);
   }
-  if (unseen != nullptr) frame_dropped(unseen->number, "a newer frame was ready before it could be shown");
 }
 
 void Display::frame_dropped(std::uint64_t number, const std::string& reason) {
   mailbox_.is_failing = true;
   const std::lock_guard lock(mutex_);
+  add_drop(number, reason);
+}
+
+void Display::add_drop(std::uint64_t number, const std::string& reason) {
   if (drops_.size() < kMostDropsWaiting) drops_.push_back({number, reason});
+}
+
+void Display::free_shown() {
+  mailbox_.retired.clear([this](const Frame& unseen) {
+    const std::lock_guard lock(mutex_);
+    if (unseen.order > reported_after_) add_drop(unseen.number, kPassedOver);
+  });
 }
 
 Status Display::serve(TimePoint deadline) {
   do {
-    mailbox_.retired.clear();
+    free_shown();
     keep_dialling();
+    ask_for_time();
     report_refreshes();
     report_drops();
     serve_watchers();
@@ -186,6 +205,8 @@ void Display::keep_dialling() {
     mailbox_.is_failing = true;
     stream_.reset();
     assembler_->stream_lost();
+    tour_clock_.reset();
+    mailbox_.clock.put({});
     dial_at_ = clock_.now() + kRedialAfter;
   }
   if (clock_.now() < dial_at_) return;
@@ -197,8 +218,20 @@ void Display::keep_dialling() {
   stream_ = std::make_unique<ShowStream>(channel_, hello_, [this](wire::ShowMessage m) { on_message(std::move(m)); });
 }
 
+void Display::ask_for_time() {
+  if (stream_ == nullptr || !stream_->is_up()) return;
+  auto question = tour_clock_.question(clock_.now());
+  if (!question) return;
+  if (const auto share = reporter_.in_step(clock_.now())) question->set_in_step(*share);
+  wire::DisplayReport report;
+  *report.mutable_clock() = *std::move(question);
+  stream_->report(std::move(report));
+}
+
 void Display::report_refreshes() {
   while (const auto event = mailbox_.refreshes.pop()) {
+    if (options_.on_refresh) options_.on_refresh(*event);
+    if (event->shared_refresh) tour_clock_.drawn_ahead(event->drawn_ahead);
     auto presented = reporter_.take(*event);
     if (!presented || stream_ == nullptr || event->frame_order <= reported_after_) continue;
     wire::DisplayReport report;
@@ -253,10 +286,19 @@ void Display::tell_state() {
   } else if (stream_ == nullptr || !stream_->is_up()) {
     inspection_.set_state(fmt::format("Dials the tour at {}.", options_.tour), false);
   } else {
-    inspection_.set_state(
-        fmt::format("Shows the tour at {}: {:.1f} frames per second.", options_.tour, reporter_.frames_per_second()),
-        true);
+    inspection_.set_state(fmt::format("Shows the tour at {}: {:.1f} frames per second{}.", options_.tour,
+                                      reporter_.frames_per_second(), step_sentence()),
+                          true);
   }
+  const auto skew = tour_clock_.skew();
+  if (!skew) return;
+  inspection_.set_gauge("clock_skew_ms", to_milliseconds(skew->ahead));
+  inspection_.set_gauge("clock_error_ms", to_milliseconds(skew->error));
+}
+
+std::string Display::step_sentence() const {
+  const auto share = reporter_.in_step(clock_.now());
+  return share ? fmt::format(", in step with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
 }
 
 bool Display::is_presenting() const {

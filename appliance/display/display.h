@@ -12,6 +12,7 @@
 #include "appliance/display/present_thread.h"
 #include "appliance/display/refresh_reporter.h"
 #include "appliance/display/show_stream.h"
+#include "appliance/display/tour_clock.h"
 #include "common/room/installation.h"
 #include "common/wire/channel.h"
 #include "common/wire/inspection_service.h"
@@ -29,6 +30,8 @@ struct DisplayOptions {
   int decode_threads = 2;
   std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: an evening sky.
   AttractTimes attract_times;
+  SystemClock system_clock = std::chrono::system_clock::now;
+  std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: told of every refresh, on main; may be null.
 };
 
 /// One projection computer's picture, from the tour's tiles to the heads.
@@ -60,11 +63,15 @@ class Display : private FrameSink {
   void on_message(wire::ShowMessage message);
   void frame_ready(Frame frame) override;
   void frame_dropped(std::uint64_t number, const std::string& reason) override;
+  void add_drop(std::uint64_t number, const std::string& reason);  // Precondition: mutex_ is held.
+  void free_shown();
   void keep_dialling();
+  void ask_for_time();
   void report_refreshes();
   void report_drops();
   void serve_watchers();
   void tell_state();
+  [[nodiscard]] std::string step_sentence() const;
 
   const DisplayOptions options_;
   const Clock& clock_;
@@ -72,6 +79,7 @@ class Display : private FrameSink {
   InspectionService inspection_{"display"};
   RefreshReporter reporter_{&inspection_};
   PresentMailbox mailbox_;
+  TourClock tour_clock_;
   std::shared_ptr<grpc::Channel> channel_;
   wire::DisplayHello hello_;
 

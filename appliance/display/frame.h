@@ -12,6 +12,16 @@
 
 namespace cyclorama {
 
+inline constexpr std::int64_t kLatestShowAt_ns = std::int64_t{1} << 62;
+
+/// When something is to be seen first: wire::ShowAt, checked. Without one (period 0) at once.
+/// Its refresh is within kLatestShowAt_ns of the clock's zero: 146 years, so that nothing overflows.
+struct ShowAt {
+  std::int64_t refresh = 0;  ///< The shared refresh's number.
+  std::int64_t period_ns = 0;
+  std::int64_t told_ns = 0;  ///< On the tour's clock.
+};
+
 /// A whole picture, ready to be shown: every tile came, and those that the heads show were decoded. A value; its pixels
 /// are shared and never change.
 struct Frame {
@@ -28,12 +38,16 @@ struct Frame {
   std::uint32_t decoded = 0;  ///< and that a head shows.
   TimePoint begun_at{};
   TimePoint decoded_at{};
+  ShowAt show_at;
+  bool was_shown = false;
 };
 
-/// The visitor's newest heading.
+/// A heading of the visitor's.
 struct HeadingNow {
   double heading_rad = 0.0;
   std::int64_t shutter_ns = 0;
+  ShowAt show_at{};
+  std::uint64_t order = 0;  ///< A greater one is newer.
 };
 
 }  // namespace cyclorama

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <utility>
 
+#include "appliance/display/tour_clock.h"
 #include "common/base/picture_cut.h"
 #include "common/base/text.h"
 #include "common/geometry/picture_place.h"
@@ -141,8 +142,9 @@ class FrameAssembler::Assembly {
   }
 
   /// The end of the frame came.
-  void close(const wire::FrameEnd& end) {
+  void close(const wire::FrameEnd& end, const ShowAt& show_at) {
     is_complete_ = true;
+    frame_.show_at = show_at;
     const std::size_t empty = covered_.count() - covered_.covered();
     if (!end.complete()) {
       fail(end.reason().empty() ? "the farm gave the frame up"
@@ -194,8 +196,9 @@ void FrameAssembler::take(wire::ShowMessage message) {
     case wire::ShowMessage::kTile:
       return tile(std::move(*message.mutable_tile()));
     case wire::ShowMessage::kEnd:
-      return end(message.end());
+      return end(message.end(), show_at_of(message));
     case wire::ShowMessage::kHeading:
+    case wire::ShowMessage::kClock:
     case wire::ShowMessage::MESSAGE_NOT_SET:
       CHECK(false);
   }
@@ -260,7 +263,7 @@ void FrameAssembler::tile(wire::Tile tile) {
       [assembly = current_, moved = std::move(tile)](JpegDecoder& decoder) { assembly->decode(moved, &decoder); });
 }
 
-void FrameAssembler::end(const wire::FrameEnd& end) {
+void FrameAssembler::end(const wire::FrameEnd& end, const ShowAt& show_at) {
   if (current_ == nullptr) {
     if (end.view_number() != refused_number_) sink_.frame_dropped(end.view_number(), "its end came without its begin");
     refused_number_ = 0;
@@ -269,7 +272,7 @@ void FrameAssembler::end(const wire::FrameEnd& end) {
   if (end.view_number() != current_->number()) {
     current_->fail(fmt::format("the end of frame {} came before its own", end.view_number()));
   }
-  current_->close(end);
+  current_->close(end, show_at);
   current_.reset();
 }
 

@@ -61,7 +61,7 @@ class FrameAssembler {
 
   void begin(const wire::View& view);
   void tile(wire::Tile tile);
-  void end(const wire::FrameEnd& end);
+  void end(const wire::FrameEnd& end, const ShowAt& show_at);
   std::shared_ptr<const ShownParts> parts_of(const PictureShape& shape);
 
   DecodePool& pool_;

@@ -7,13 +7,17 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "appliance/display/atomic_slot.h"
+#include "appliance/display/clock_offset.h"
 #include "appliance/display/event_ring.h"
 #include "appliance/display/frame.h"
 #include "appliance/display/newest_value.h"
-#include "drivers/output/output.h"
+#include "appliance/display/recent_headings.h"
+#include "appliance/display/shared_refresh.h"
+#include "appliance/display/waiting_frames.h"
 
 namespace cyclorama {
 
@@ -34,6 +38,17 @@ struct RefreshEvent {
   std::int64_t heading_shutter_ns = 0;  ///< Of a heading that this refresh shows first; else 0.
   bool is_past_guard = false;
   double attract_share = 0.0;  ///< 1: nothing but the attract picture is seen.
+  double heading_rad = 0.0;    ///< That the picture was turned to.
+  // While several displays show the tour (shared_refresh.h):
+  std::optional<std::int64_t> shared_refresh;
+  ShowAt frame_due;        ///< When what is seen here first was to be seen: the frame, or one that it passed over,
+  ShowAt heading_due;      ///< the heading.
+  Duration drawn_ahead{};  ///< Of the shared refresh.
+
+  /// By how many refreshes; 0 when nothing was said, or nothing is seen first.
+  [[nodiscard]] std::int64_t late(const ShowAt& due) const {
+    return due.period_ns == 0 || !shared_refresh ? 0 : std::max<std::int64_t>(0, *shared_refresh - due.refresh);
+  }
 };
 
 /// A picture of what is shown, made only while somebody watches: the watcher lays an empty one out, the presenter fills
@@ -68,18 +83,22 @@ class WatchedPicture {
 /// Frames that the presenter is done with, until somebody frees them. Each side on one thread.
 class RetiredFrames {
  public:
-  /// The presenter's. Precondition: has_room().
+  /// The presenter's. Precondition: room() > 0.
   void put(std::unique_ptr<Frame> frame) {
     const auto slot = std::ranges::find_if(slots_, [](const auto& s) { return s.is_empty(); });
     CHECK(slot != slots_.end());
     slot->put(std::move(frame));
   }
-  [[nodiscard]] bool has_room() const {
-    return std::ranges::any_of(slots_, [](const auto& slot) { return slot.is_empty(); });
+  [[nodiscard]] std::size_t room() const {
+    return static_cast<std::size_t>(std::ranges::count_if(slots_, [](const auto& slot) { return slot.is_empty(); }));
   }
-  /// The others': frees all.
-  void clear() {
-    for (auto& slot : slots_) slot.take();
+  /// The others': frees all, and tells `on_unseen(const Frame&)` of those that were never shown.
+  template <typename OnUnseen>
+  void clear(const OnUnseen& on_unseen) {
+    for (auto& slot : slots_) {
+      const std::unique_ptr<Frame> frame = slot.take();
+      if (frame != nullptr && !frame->was_shown) on_unseen(*frame);
+    }
   }
 
  private:
@@ -89,8 +108,9 @@ class RetiredFrames {
 struct PresentMailbox {
   explicit PresentMailbox(std::size_t head_count) : heads(head_count) {}
 
-  AtomicSlot<Frame> frame;              ///< In: the newest whole frame.
-  NewestValue<HeadingNow> heading;      ///< In: the newest heading; from one thread at a time.
+  WaitingFrames frames;                 ///< In: whole frames; from one thread at a time, as all that comes in.
+  HeadingTrack headings;                ///< In.
+  NewestValue<ClockReading> clock;      ///< In: the tour's.
   std::atomic<bool> is_failing{false};  ///< In: the tour is gone, or its frames are given up.
   RetiredFrames retired;                ///< Out.
   EventRing<RefreshEvent, 1024> refreshes;

@@ -57,52 +57,97 @@ Status Presenter::refresh() {
   TRY(output_.wait_for_refresh());
   RefreshEvent event;
   event.drawing_at = clock_.now();
-  TRY(take_news(&event));
-  if (!is_drawn_ || is_any_head_watched()) TRY(draw_heads());
-  event.drawn_at = clock_.now();
-  TRY_ASSIGN(event.presented, output_.present());
-  event.is_past_guard = shift_.is_past_guard;
-  event.attract_share = drawn_share_;
-  mailbox_.refreshes.push(event);
-  return Done{};
-}
-
-Status Presenter::take_news(RefreshEvent* ret_event) {
-  // While nobody frees what was shown, the last picture stays.
-  std::unique_ptr<Frame> frame = mailbox_.retired.has_room() ? mailbox_.frame.take() : nullptr;
-  const bool is_new = frame != nullptr;
-  if (is_new) {
-    TRY(panorama_.upload(*frame));
-    std::swap(frame_, frame);
-    if (frame != nullptr) mailbox_.retired.put(std::move(frame));
-    is_drawn_ = false;
-    ret_event->is_first_of_frame = true;
-    ret_event->frame_order = frame_->order;
-    ret_event->frame_number = frame_->number;
-    ret_event->frame_shutter_ns = frame_->shutter_ns;
-    ret_event->frame_bytes = frame_->bytes;
-    ret_event->frame_tiles = frame_->tiles;
-    ret_event->frame_decoded = frame_->decoded;
-    ret_event->begun_at = frame_->begun_at;
-    ret_event->decoded_at = frame_->decoded_at;
-  }
-  if (mailbox_.heading.take(&heading_)) {
-    has_heading_ = true;
-    ret_event->heading_shutter_ns = heading_.shutter_ns;
-  }
-  const YawShift shift = has_heading_ && frame_ != nullptr
-                             ? yaw_shift(frame_->heading_rad, heading_.heading_rad, frame_->reach_rad)
-                             : YawShift{};
-  if (shift.angle_rad != shift_.angle_rad) is_drawn_ = false;
-  shift_ = shift;
-  const bool is_wrong = shift.is_past_guard || std::abs(shift.angle_rad) > kSameHeading_rad || mailbox_.is_failing;
-  fade_.step(ret_event->drawing_at, is_new, is_wrong);
+  take_in();
+  shared_.begin(event.drawing_at);
+  TRY(show_due_frame(&event));
+  turn_to_due_heading(&event);
+  const bool is_wrong = shift_.is_past_guard || std::abs(shift_.angle_rad) > kSameHeading_rad || mailbox_.is_failing;
+  fade_.step(event.drawing_at, event.is_first_of_frame, is_wrong);
   if (fade_.share() != drawn_share_) is_drawn_ = false;
   if (std::unique_ptr<Frame> watched = mailbox_.panorama.take_empty()) {
     *watched = frame_ != nullptr ? *frame_ : attract_frame_;
     mailbox_.panorama.give(std::move(watched));
   }
+  if (!is_drawn_ || is_any_head_watched()) TRY(draw_heads());
+  event.drawn_at = clock_.now();
+  TRY_ASSIGN(event.presented, output_.present());
+  shared_.shown(event.presented, output_.refresh_hz());
+  event.is_past_guard = shift_.is_past_guard;
+  event.attract_share = drawn_share_;
+  event.shared_refresh = shared_.number();
+  event.drawn_ahead = shared_.drawn_ahead();
+  mailbox_.refreshes.push(event);
   return Done{};
+}
+
+void Presenter::take_in() {
+  if (ClockReading clock; mailbox_.clock.take(&clock)) shared_.set_clock(clock);
+  if (mailbox_.headings.take(&headings_)) shared_.learn(headings_.headings.front().show_at);
+  for (std::unique_ptr<Frame>& place : waiting_) {
+    if (place == nullptr) place = mailbox_.frames.take();
+    if (place != nullptr && place->order > newest_taken_) {
+      newest_taken_ = place->order;
+      shared_.learn(place->show_at);
+    }
+  }
+}
+
+Status Presenter::show_due_frame(RefreshEvent* ret_event) {
+  const std::uint64_t shown = frame_ == nullptr ? 0 : frame_->order;
+  std::unique_ptr<Frame>* next = nullptr;
+  for (std::unique_ptr<Frame>& frame : waiting_) {
+    if (frame == nullptr || frame->order < shown || !shared_.is_due(frame->show_at)) continue;
+    if (next == nullptr || frame->order > (*next)->order) next = &frame;
+  }
+  const std::uint64_t newest = next == nullptr ? shown : (*next)->order;
+  const auto is_passed_over = [newest](const auto& frame) { return frame != nullptr && frame->order < newest; };
+  // While nobody frees what was shown, the last picture stays.
+  if (mailbox_.retired.room() <= static_cast<std::size_t>(std::ranges::count_if(waiting_, is_passed_over))) {
+    return Done{};
+  }
+  if (next != nullptr) ret_event->frame_due = (*next)->show_at;
+  for (std::unique_ptr<Frame>& frame : waiting_) {
+    if (!is_passed_over(frame)) continue;
+    // From its refresh on a frame was missing, whichever is seen now.
+    if (frame->order > shown && frame->show_at.period_ns == ret_event->frame_due.period_ns) {
+      ret_event->frame_due.refresh = std::min(ret_event->frame_due.refresh, frame->show_at.refresh);
+    }
+    mailbox_.retired.put(std::move(frame));
+  }
+  if (next == nullptr) return Done{};
+  TRY(panorama_.upload(**next));
+  std::unique_ptr<Frame> old = std::exchange(frame_, std::move(*next));
+  if (old != nullptr) mailbox_.retired.put(std::move(old));
+  frame_->was_shown = true;
+  is_drawn_ = false;
+  ret_event->is_first_of_frame = true;
+  ret_event->frame_order = frame_->order;
+  ret_event->frame_number = frame_->number;
+  ret_event->frame_shutter_ns = frame_->shutter_ns;
+  ret_event->frame_bytes = frame_->bytes;
+  ret_event->frame_tiles = frame_->tiles;
+  ret_event->frame_decoded = frame_->decoded;
+  ret_event->begun_at = frame_->begun_at;
+  ret_event->decoded_at = frame_->decoded_at;
+  return Done{};
+}
+
+void Presenter::turn_to_due_heading(RefreshEvent* ret_event) {
+  for (std::size_t i = 0; i < headings_.count; ++i) {
+    const HeadingNow& heading = headings_.headings[i];
+    if (heading.order <= heading_.order) break;
+    if (!shared_.is_due(heading.show_at)) continue;
+    heading_ = heading;
+    ret_event->heading_shutter_ns = heading.shutter_ns;
+    ret_event->heading_due = heading.show_at;
+    break;
+  }
+  ret_event->heading_rad = heading_.heading_rad;
+  const YawShift shift = heading_.order > 0 && frame_ != nullptr
+                             ? yaw_shift(frame_->heading_rad, heading_.heading_rad, frame_->reach_rad)
+                             : YawShift{};
+  if (shift.angle_rad != shift_.angle_rad) is_drawn_ = false;
+  shift_ = shift;
 }
 
 Status Presenter::draw_heads() {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "appliance/display/attract_fade.h"
 #include "appliance/display/head_painter.h"
 #include "appliance/display/present_mailbox.h"
+#include "appliance/display/shared_refresh.h"
 #include "appliance/display/yaw_shift.h"
 #include "drivers/output/output.h"
 
@@ -23,14 +25,17 @@ class Presenter {
                                                  const Frame& attract, const AttractTimes& times,
                                                  PresentMailbox* mailbox, const Clock* clock);
 
-  /// Waits for a refresh and shows the newest frame for the newest heading. Errors of Output: it is lost.
+  /// Waits for a refresh and shows the newest frame for the newest heading, of those that are due (shared_refresh.h).
+  /// Errors of Output: it is lost.
   Status refresh();
 
  private:
   Presenter(Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
             const Clock* clock);
   Status warm_up();
-  Status take_news(RefreshEvent* ret_event);
+  void take_in();
+  Status show_due_frame(RefreshEvent* ret_event);
+  void turn_to_due_heading(RefreshEvent* ret_event);
   Status draw_heads();
   void read_back(std::size_t head, RgbImage* ret_picture);
   [[nodiscard]] bool is_any_head_watched() const;
@@ -47,8 +52,13 @@ class Presenter {
   AttractFade fade_;
   Frame attract_frame_;
   std::unique_ptr<Frame> frame_;  // Null before the first.
-  HeadingNow heading_;
-  bool has_heading_ = false;
+  // Not due yet, in any order. Those that one refresh passes over and the one that it replaces find room among the
+  // retired.
+  std::array<std::unique_ptr<Frame>, 8> waiting_;
+  std::uint64_t newest_taken_ = 0;
+  HeadingNow heading_;  // Its order is 0 before the first.
+  RecentHeadings headings_;
+  SharedRefresh shared_;
   YawShift shift_;
   double drawn_share_ = -1.0;
   bool is_drawn_ = false;  // What the heads show is what they should.

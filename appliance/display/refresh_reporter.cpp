@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/display/refresh_reporter.h"
 
+#include <algorithm>
+
 namespace cyclorama {
 namespace {
 constexpr auto kRatePeriod = std::chrono::seconds(1);
@@ -9,7 +11,7 @@ constexpr auto kRatePeriod = std::chrono::seconds(1);
 RefreshReporter::RefreshReporter(InspectionService* inspection) : inspection_(*inspection) {
   for (const char* const gauge : {"refreshes_per_second", "frames_per_second", "frames_presented", "frames_dropped",
                                   "missed_refreshes", "bytes_per_frame", "tiles_per_frame", "tiles_decoded_per_frame",
-                                  "refreshes_past_guard_band", "attract_share"}) {
+                                  "refreshes_past_guard_band", "attract_share", "frames_late", "headings_late"}) {
     inspection_.set_gauge(gauge, 0.0);
   }
 }
@@ -27,6 +29,7 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
   if (event.heading_shutter_ns != 0) {
     inspection_.add_stage_time("heading_to_photon", shown_at - from_nanoseconds(event.heading_shutter_ns));
   }
+  take_step(event);
   if (!event.is_first_of_frame) return std::nullopt;
 
   ++frames_;
@@ -58,6 +61,16 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
   return report;
 }
 
+void RefreshReporter::take_step(const RefreshEvent& event) {
+  if (event.shared_refresh && last_shared_refresh_) {
+    const std::int64_t late = event.late(event.frame_due);
+    step_.add(event.presented.at, std::max<std::int64_t>(0, *event.shared_refresh - *last_shared_refresh_), late);
+    if (late > 0) inspection_.count("frames_late");
+    if (event.late(event.heading_due) > 0) inspection_.count("headings_late");
+  }
+  last_shared_refresh_ = event.shared_refresh;
+}
+
 void RefreshReporter::frame_dropped(const std::string& reason) {
   inspection_.count("frames_dropped");
   inspection_.set_fact("last_drop", reason);
@@ -70,6 +83,7 @@ void RefreshReporter::tick(TimePoint now) {
   frames_per_second_ = frames_ / to_seconds(counted);
   inspection_.set_gauge("refreshes_per_second", refreshes_ / to_seconds(counted));
   inspection_.set_gauge("frames_per_second", frames_per_second_);
+  if (const auto share = in_step(now)) inspection_.set_gauge("in_step_percent", 100.0 * *share);
   refreshes_ = 0;
   frames_ = 0;
   counted_since_ = now;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "appliance/display/presenter.h"
+#include "appliance/display/step_share.h"
 #include "common/wire/inspection_service.h"
 #include "common/wire/museum.pb.h"
 
@@ -22,9 +23,13 @@ class RefreshReporter {
   void tick(TimePoint now);
 
   [[nodiscard]] double frames_per_second() const { return frames_per_second_; }
+  /// Of the last minute's refreshes; nothing where no others show the tour.
+  [[nodiscard]] std::optional<double> in_step(TimePoint now) const { return step_.share(now); }
   [[nodiscard]] TimePoint last_refresh_at() const { return last_refresh_at_; }
 
  private:
+  void take_step(const RefreshEvent& event);
+
   InspectionService& inspection_;
   std::optional<std::uint64_t> last_refresh_;
   TimePoint last_refresh_at_{};
@@ -32,6 +37,8 @@ class RefreshReporter {
   int refreshes_ = 0;
   int frames_ = 0;
   double frames_per_second_ = 0.0;
+  StepShare step_;
+  std::optional<std::int64_t> last_shared_refresh_;
 };
 
 }  // namespace cyclorama

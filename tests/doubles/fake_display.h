@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -31,6 +32,7 @@ class FakeDisplay {
     std::size_t bytes = 0;
     bool ended = false;
     bool complete = false;
+    std::optional<wire::ShowAt> show_at;
   };
 
   explicit FakeDisplay(const std::string& tour, const Panorama& wanted = fake_wall(), bool reports = true)
@@ -56,6 +58,12 @@ class FakeDisplay {
     context_.TryCancel();
     if (reader_.joinable()) reader_.join();
   }
+  /// Asks for the time, and says so much of itself.
+  void ask(const wire::ClockQuestion& question) {
+    wire::DisplayReport report;
+    *report.mutable_clock() = question;
+    write(report);
+  }
   /// While not reading, it is a slow display.
   void set_reading(bool reading) {
     {
@@ -75,6 +83,9 @@ class FakeDisplay {
   // Inside wait_until(), or after leave().
   [[nodiscard]] const std::vector<Frame>& frames() const { return frames_; }
   [[nodiscard]] const std::vector<wire::Heading>& headings() const { return headings_; }
+  /// How many of the headings said when they are to be seen.
+  [[nodiscard]] int headings_with_show_at() const { return headings_with_show_at_; }
+  [[nodiscard]] const std::vector<wire::ClockAnswer>& answers() const { return answers_; }
   [[nodiscard]] std::size_t frames_complete() const {
     return static_cast<std::size_t>(
         std::count_if(frames_.begin(), frames_.end(), [](const Frame& f) { return f.complete; }));
@@ -114,6 +125,10 @@ class FakeDisplay {
       stage->set_name(name);
       stage->set_seconds(2e-3);
     }
+    write(report);
+  }
+  void write(const wire::DisplayReport& report) {
+    const std::lock_guard lock(writing_);
     stream_->Write(report);
   }
   void take(const wire::ShowMessage& message) {
@@ -121,6 +136,9 @@ class FakeDisplay {
     if (message.has_heading()) {
       if (headings_.empty() != message.heading().has_shown()) wrongs_.push_back("shown is for the first heading");
       headings_.push_back(message.heading());
+      headings_with_show_at_ += message.has_show_at() ? 1 : 0;
+    } else if (message.has_clock()) {
+      answers_.push_back(message.clock());
     } else if (headings_.empty()) {
       wrongs_.push_back("the first message is not a heading");
     } else if (message.has_begin()) {
@@ -128,7 +146,7 @@ class FakeDisplay {
       // A frame that was given up may be asked for again, and a whole one may be refined, under its number.
       if (!frames_.empty() && message.begin().number() < frames_.back().view.number())
         wrongs_.push_back("an older frame");
-      frames_.push_back({message.begin(), 0, 0, false, false});
+      frames_.push_back({message.begin(), 0, 0, false, false, {}});
     } else if (message.has_tile()) {
       if (!open || frames_.back().view.number() != message.tile().view_number()) {
         wrongs_.push_back("a tile of another frame");
@@ -143,6 +161,7 @@ class FakeDisplay {
       }
       frames_.back().ended = true;
       frames_.back().complete = message.end().complete();
+      if (message.has_show_at()) frames_.back().show_at = message.show_at();
       if (message.end().complete() && frames_.back().tiles != static_cast<int>(message.end().tiles())) {
         wrongs_.push_back("a complete frame lacks tiles");
       }
@@ -154,6 +173,7 @@ class FakeDisplay {
   std::unique_ptr<wire::Tour::Stub> stub_;
   std::unique_ptr<grpc::ClientReaderWriter<wire::DisplayReport, wire::ShowMessage>> stream_;
 
+  std::mutex writing_;
   mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
   bool reading_ = true;
@@ -161,6 +181,8 @@ class FakeDisplay {
   grpc::Status status_;
   std::vector<Frame> frames_;
   std::vector<wire::Heading> headings_;
+  int headings_with_show_at_ = 0;
+  std::vector<wire::ClockAnswer> answers_;
   std::vector<std::string> wrongs_;
 
   std::thread reader_;

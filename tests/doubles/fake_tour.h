@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/clock.h"
 #include "common/wire/channel.h"
 #include "common/wire/museum.grpc.pb.h"
 
@@ -59,11 +60,18 @@ class FakeTour final : private wire::Tour::Service {
     return wait_until([&] { return presented.size() >= frames_presented && dropped.size() >= frames_dropped; });
   }
 
+  bool wait_for_questions(std::size_t count) {
+    return wait_until([&] { return questions.size() >= count; });
+  }
+  /// Its clock is an hour ahead of the machine's.
+  static std::int64_t now_ns() { return to_nanoseconds(SteadyClock().now() + std::chrono::hours(1)); }
+
   // Read them after a wait that promises that nothing more comes.
   wire::DisplayHello hello;
   int displays = 0;
   std::vector<wire::FramePresented> presented;
   std::vector<wire::FrameDropped> dropped;
+  std::vector<wire::ClockQuestion> questions;  ///< Still coming: only while no display is there.
 
  private:
   using Stream = grpc::ServerReaderWriter<wire::ShowMessage, wire::DisplayReport>;
@@ -90,6 +98,16 @@ class FakeTour final : private wire::Tour::Service {
       }
       if (report.has_presented()) presented.push_back(report.presented());
       if (report.has_dropped()) dropped.push_back(report.dropped());
+      if (report.has_clock()) {
+        questions.push_back(report.clock());
+        wire::ShowMessage message;
+        wire::ClockAnswer* const answer = message.mutable_clock();
+        answer->set_asked_ns(report.clock().asked_ns());
+        answer->set_received_ns(now_ns());
+        answer->set_answered_ns(now_ns());
+        answer->set_system_ns(std::chrono::system_clock::now().time_since_epoch().count());
+        stream->Write(message);
+      }
       changed_.notify_all();
     }
     const std::lock_guard lock(mutex_);

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Show stream's messages into the frame assembler. The input is a program: each step sends one message, either any
-// bytes as a message, or a begin, tile, end or lost stream with numbers from the input, so that whole frames come
-// about.
+// The Show stream's messages into the frame assembler and the tour's clock. The input is a program: each step sends one
+// message, either any bytes as a message, or a begin, tile, end or lost stream with numbers from the input, so that
+// whole frames come about.
 #include <array>
+#include <cmath>
 #include <future>
 #include <map>
 #include <utility>
 
 #include "appliance/display/frame_assembler.h"
+#include "appliance/display/tour_clock.h"
 #include "tests/doubles/heads_that_see_all.h"
 #include "tests/doubles/jpeg_tiles.h"
 #include "tests/fuzz/fuzz_input.h"
@@ -22,6 +24,8 @@ class CheckingSink final : public FrameSink {
     CHECK(frame.picture != nullptr && validate(frame.shape));
     CHECK(frame.picture->width() == width_px(frame.shape) && frame.picture->height() == height_px(frame.shape));
     CHECK(frame.order > 0 && frame.number > 0);
+    CHECK(frame.show_at.period_ns == 0 || std::abs(static_cast<double>(frame.show_at.refresh) *
+                                                   static_cast<double>(frame.show_at.period_ns)) <= 0x1p62);
   }
   void frame_dropped(std::uint64_t, const std::string& reason) override { CHECK(!reason.empty()); }
 };
@@ -78,6 +82,8 @@ wire::ShowMessage message_from(FuzzInput* input) {
       const std::uint32_t number = input->byte() % 4;
       const std::uint32_t tiles = input->byte() % 30;
       *message.mutable_end() = end_of(number, tiles, input->byte() % 8 != 0);
+      message.mutable_show_at()->set_refresh(static_cast<std::int64_t>(number) << (input->byte() % 64));
+      message.mutable_show_at()->set_period_ns(std::int64_t{1} << (input->byte() % 64));
       return message;
     }
   }
@@ -91,6 +97,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   FuzzInput input(data, size);
   SteadyClock clock;
   CheckingSink sink;
+  TourClock tour_clock(std::chrono::system_clock::now);
   DecodePool pool(1);
   ShownByHeads shown = heads_that_see_all();
   if (input.byte() % 2 != 0) shown.wall = Fisheye{64, 64, 1.0, 0.5};
@@ -100,6 +107,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto kind = message.message_case();
     if (kind == wire::ShowMessage::MESSAGE_NOT_SET || kind == wire::ShowMessage::kHeading) {
       assembler.stream_lost();
+      tour_clock.reset();
+    } else if (kind == wire::ShowMessage::kClock) {
+      if (const auto question = tour_clock.question(clock.now()))
+        message.mutable_clock()->set_asked_ns(question->asked_ns());
+      tour_clock.take(message.clock(), clock.now());
+      tour_clock.heading_ready(show_at_of(message), clock.now());
     } else {
       assembler.take(std::move(message));
     }

@@ -22,7 +22,7 @@ Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string na
                              member.name));
   }
   members_.push_back({link, std::move(name), wanted});
-  link->send_heading(heading_rad_, shutter_ns_);
+  link->send_heading(heading_rad_, shutter_ns_, nullptr);  // The others show it already, or within a few refreshes.
   return Done{};
 }
 
@@ -36,11 +36,11 @@ void DisplayHub::leave(const DisplayLink* link) {
   members_.erase(first, members_.end());
 }
 
-void DisplayHub::send_heading(double heading_rad, std::int64_t shutter_ns) {
+void DisplayHub::send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) {
   const std::lock_guard lock(mutex_);
   heading_rad_ = heading_rad;
   shutter_ns_ = shutter_ns;
-  for (const Member& member : members_) member.link->send_heading(heading_rad, shutter_ns);
+  for (const Member& member : members_) member.link->send_heading(heading_rad, shutter_ns, show_at);
 }
 
 std::size_t DisplayHub::send(const SharedShowMessage& message) {

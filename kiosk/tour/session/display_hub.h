@@ -18,7 +18,8 @@ namespace cyclorama {
 class DisplayLink {
  public:
   virtual ~DisplayLink() = default;
-  virtual void send_heading(double heading_rad, std::int64_t shutter_ns) = 0;
+  /// `show_at`: null for at once.
+  virtual void send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) = 0;
   /// The number of the frame that this display loses by it, if it is too slow.
   virtual std::optional<std::uint64_t> send(const SharedShowMessage& message) = 0;
   virtual void close(const Error& reason) = 0;
@@ -41,7 +42,7 @@ class DisplayHub {
   /// Idempotent.
   void leave(const DisplayLink* link);
 
-  void send_heading(double heading_rad, std::int64_t shutter_ns);
+  void send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at);
   /// How many displays lost a whole frame by it, being slow.
   std::size_t send(const SharedShowMessage& message);
   /// What all displays want; nothing without displays.

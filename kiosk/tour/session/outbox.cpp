@@ -13,10 +13,11 @@ std::size_t bytes_of(const wire::ShowMessage& message) { return message.has_tile
 
 Outbox::Outbox(wire::Panorama shown, std::size_t most_bytes) : most_bytes_(most_bytes), shown_(std::move(shown)) {}
 
-void Outbox::put_heading(double heading_rad, std::int64_t shutter_ns) {
+void Outbox::put_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) {
   heading_.emplace();
-  heading_->set_heading_rad(heading_rad);
-  heading_->set_shutter_ns(shutter_ns);
+  heading_->mutable_heading()->set_heading_rad(heading_rad);
+  heading_->mutable_heading()->set_shutter_ns(shutter_ns);
+  if (show_at != nullptr) *heading_->mutable_show_at() = *show_at;
 }
 
 std::optional<std::uint64_t> Outbox::put(const SharedShowMessage& message) {
@@ -35,8 +36,7 @@ std::optional<std::uint64_t> Outbox::put(const SharedShowMessage& message) {
 
 SharedShowMessage Outbox::take() {
   if (heading_) {
-    auto message = std::make_shared<wire::ShowMessage>();
-    *message->mutable_heading() = *std::exchange(heading_, std::nullopt);
+    auto message = std::make_shared<wire::ShowMessage>(*std::exchange(heading_, std::nullopt));
     if (shown_) *message->mutable_heading()->mutable_shown() = *std::exchange(shown_, std::nullopt);
     return message;
   }

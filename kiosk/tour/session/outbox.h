@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "common/wire/museum.pb.h"
 
@@ -27,10 +28,15 @@ class Outbox {
   /// `shown` goes with the first heading. `most_bytes` of tiles may wait.
   explicit Outbox(wire::Panorama shown, std::size_t most_bytes = std::size_t{96} << 20);
 
-  void put_heading(double heading_rad, std::int64_t shutter_ns);
+  /// `show_at`: null for at once.
+  void put_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at = nullptr);
+  /// Goes before everything else; one that waits still is forgotten.
+  void put_answer(const wire::ClockAnswer& answer) { answer_ = answer; }
   /// One of begin, tile or end. Returns the number of the frame that this display loses by it, if it loses one.
   std::optional<std::uint64_t> put(const SharedShowMessage& message);
-  /// The next message to send, or null. Nothing before the first heading.
+  /// The answer that waits, to be sent now, so that its times are right.
+  std::optional<wire::ClockAnswer> take_answer() { return std::exchange(answer_, std::nullopt); }
+  /// The next message to send but for the answer, or null. Nothing before the first heading.
   SharedShowMessage take();
 
   [[nodiscard]] std::size_t waiting_bytes() const { return bytes_; }
@@ -43,7 +49,8 @@ class Outbox {
 
   const std::size_t most_bytes_;
   std::optional<wire::Panorama> shown_;  ///< Until the first heading is sent.
-  std::optional<wire::Heading> heading_;
+  std::optional<wire::ShowMessage> heading_;
+  std::optional<wire::ClockAnswer> answer_;
   std::deque<SharedShowMessage> frames_;
   std::size_t bytes_ = 0;
   std::optional<std::uint64_t> accepting_;  ///< The frame that the farm sends now, if it is wanted here.

@@ -66,7 +66,7 @@ void Tour::walk() {
     const TimePoint now = SteadyClock().now();
     wake_ = false;
     if (visit_) visit_->navigation = advanced(std::move(visit_->navigation), visit_->site, settings_.navigation, now);
-    send_heading();
+    send_heading(now);
     ask_farm(now);
     if (now - shown_at_ >= kRestingTick) show_state(now);
     ++rounds_;
@@ -76,13 +76,14 @@ void Tour::walk() {
   }
 }
 
-void Tour::send_heading() {
+void Tour::send_heading(TimePoint now) {
   if (!visit_) return;
   const double heading = visit_->navigation.walker.heading_rad;
   const std::int64_t shutter_ns = visit_->navigation.steerer == Steerer::kTag ? visit_->shutter_ns : 0;
   if (heading_sent_ == heading) return;
   heading_sent_ = heading;
-  hub_.send_heading(heading, shutter_ns);
+  const std::optional<wire::ShowAt> show_at = schedule_.heading_at(now);
+  hub_.send_heading(heading, shutter_ns, show_at ? &*show_at : nullptr);
 }
 
 std::optional<wire::View> Tour::next_view() const {
@@ -154,7 +155,24 @@ void Tour::on_keys(const SteeringWish& wish) {
   wake();
 }
 
-void Tour::on_displays_changed() {
+void Tour::on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) {
+  schedule_.joined(display, hello);
+  roster_.joined(display, hello);
+  ask_farm_again();
+}
+
+void Tour::on_display_left(std::uint64_t display) {
+  schedule_.left(display);
+  roster_.left(display);
+  ask_farm_again();
+}
+
+void Tour::on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) {
+  schedule_.measured(question, SteadyClock().now());
+  roster_.heard(display, question);
+}
+
+void Tour::ask_farm_again() {
   {
     const std::lock_guard lock(mutex_);
     pacer_.ask_again();
@@ -222,7 +240,8 @@ void Tour::on_tile(wire::Tile tile) {
 }
 
 void Tour::on_end(const wire::FrameEnd& end) {
-  log_.add_end(end, SteadyClock().now());
+  const TimePoint now = SteadyClock().now();
+  log_.add_end(end, now);
   {
     const std::lock_guard lock(mutex_);
     pacer_.ended(end.view_number());
@@ -230,6 +249,8 @@ void Tour::on_end(const wire::FrameEnd& end) {
   wake();
   wire::ShowMessage message;
   *message.mutable_end() = end;
+  const auto show_at = end.complete() ? schedule_.frame_at(now) : std::nullopt;
+  if (show_at) *message.mutable_show_at() = *show_at;
   broadcast(std::move(message));
 }
 

@@ -15,6 +15,8 @@
 #include "common/wire/inspection_service.h"
 #include "kiosk/tour/navigation/navigator.h"
 #include "kiosk/tour/session/display_hub.h"
+#include "kiosk/tour/session/display_roster.h"
+#include "kiosk/tour/session/show_schedule.h"
 #include "kiosk/tour/session/tour_events.h"
 #include "kiosk/tour/session/tour_settings.h"
 #include "kiosk/tour/session/tracker_choice.h"
@@ -50,7 +52,9 @@ class Tour final : public TourEvents, private FarmListener {
   void on_tracker_joined(std::uint64_t tracker) override;
   void on_tracker_left(std::uint64_t tracker) override;
   void on_keys(const SteeringWish& wish) override;
-  void on_displays_changed() override;
+  void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) override;
+  void on_display_left(std::uint64_t display) override;
+  void on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) override;
   void on_presented(const wire::FramePresented& presented) override;
   void on_dropped(const wire::FrameDropped& dropped) override;
 
@@ -80,17 +84,20 @@ class Tour final : public TourEvents, private FarmListener {
 
   void walk();
   void wake();
-  void send_heading();
+  void send_heading(TimePoint now);
   void ask_farm(TimePoint now);
   [[nodiscard]] std::optional<wire::View> next_view() const;
   void show_state(TimePoint now);
   [[nodiscard]] std::string state_sentence(TimePoint now, bool* ret_healthy);
+  void ask_farm_again();
   void broadcast(wire::ShowMessage message);
 
   const TourSettings settings_;
   InspectionService& inspection_;
   VisitLog log_;
   DisplayHub hub_;
+  ShowSchedule schedule_;
+  DisplayRoster roster_;
   std::atomic<std::uint64_t> rounds_{0};
 
   std::mutex mutex_;  ///< Guards the following.

@@ -18,8 +18,11 @@ class TourEvents {
   virtual void on_tracker_joined(std::uint64_t tracker) = 0;
   virtual void on_tracker_left(std::uint64_t tracker) = 0;
   virtual void on_keys(const SteeringWish& wish) = 0;
-  /// Displays came, went, or want another panorama.
-  virtual void on_displays_changed() = 0;
+  /// `display` names the stream; a display that dials again is a new one.
+  virtual void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) = 0;
+  virtual void on_display_left(std::uint64_t display) = 0;
+  /// The time is answered already; this is about what else it says.
+  virtual void on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) = 0;
   virtual void on_presented(const wire::FramePresented& presented) = 0;
   virtual void on_dropped(const wire::FrameDropped& dropped) = 0;
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "common/base/clock.h"
 #include "common/base/text.h"
 #include "common/wire/channel.h"
 #include "common/wire/convert.h"
@@ -14,6 +15,14 @@ namespace {
 
 grpc::Status invalid(const std::string& message) { return {grpc::StatusCode::INVALID_ARGUMENT, message}; }
 
+SharedShowMessage stamped(const wire::ClockAnswer& answer) {
+  auto message = std::make_shared<wire::ShowMessage>();
+  *message->mutable_clock() = answer;
+  message->mutable_clock()->set_system_ns(std::chrono::system_clock::now().time_since_epoch().count());
+  message->mutable_clock()->set_answered_ns(to_nanoseconds(SteadyClock().now()));
+  return message;
+}
+
 /// A Show stream. Owns itself until gRPC is done with it; the hub shares it while the display is a member.
 ///
 ///   created ──hello──► member of the hub ──(cancelled, half-closed, wrong message, closed)──► finished ──OnDone──►
@@ -22,18 +31,19 @@ grpc::Status invalid(const std::string& message) { return {grpc::StatusCode::INV
 /// Lock order: the hub's, then this one's; so nothing here calls the hub while it holds its own.
 class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>, public DisplayLink {
  public:
-  static ShowCall* start(DisplayHub* displays, TourEvents* events) {
-    const auto call = std::make_shared<ShowCall>(displays, events);
+  static ShowCall* start(std::uint64_t number, DisplayHub* displays, TourEvents* events) {
+    const auto call = std::make_shared<ShowCall>(number, displays, events);
     call->self_ = call;
     call->StartRead(&call->report_);
     return call.get();
   }
-  ShowCall(DisplayHub* displays, TourEvents* events) : displays_(*displays), events_(*events) {}
+  ShowCall(std::uint64_t number, DisplayHub* displays, TourEvents* events)
+      : number_(number), displays_(*displays), events_(*events) {}
 
-  void send_heading(double heading_rad, std::int64_t shutter_ns) override {
+  void send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) override {
     const std::lock_guard lock(mutex_);
     if (!outbox_) return;
-    outbox_->put_heading(heading_rad, shutter_ns);
+    outbox_->put_heading(heading_rad, shutter_ns, show_at);
     write_next();
   }
   std::optional<std::uint64_t> send(const SharedShowMessage& message) override {
@@ -47,8 +57,9 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
 
  private:
   void OnReadDone(bool ok) override {
+    const TimePoint now = SteadyClock().now();
     if (!ok) return finish(grpc::Status::OK);
-    if (const grpc::Status status = handle_report(); !status.ok()) return finish(status);
+    if (const grpc::Status status = handle_report(now); !status.ok()) return finish(status);
     const std::lock_guard lock(mutex_);
     if (!finished_) StartRead(&report_);
   }
@@ -61,11 +72,11 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
   void OnCancel() override { finish({grpc::StatusCode::CANCELLED, "cancelled"}); }
   void OnDone() override {
     displays_.leave(this);
-    if (member_) events_.on_displays_changed();
+    if (member_) events_.on_display_left(number_);
     self_.reset();  // The last line: it may destroy this.
   }
 
-  grpc::Status handle_report() {
+  grpc::Status handle_report(TimePoint now) {
     if (report_.has_hello() == member_) return invalid("hello must come first, and once");
     switch (report_.message_case()) {
       case wire::DisplayReport::kHello:
@@ -76,10 +87,23 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
       case wire::DisplayReport::kDropped:
         events_.on_dropped(report_.dropped());
         break;
+      case wire::DisplayReport::kClock:
+        answer(report_.clock(), now);
+        events_.on_clock_question(number_, report_.clock());
+        break;
       case wire::DisplayReport::MESSAGE_NOT_SET:
         return invalid("a report without a message");
     }
     return grpc::Status::OK;
+  }
+  void answer(const wire::ClockQuestion& question, TimePoint now) {
+    wire::ClockAnswer times;
+    times.set_asked_ns(question.asked_ns());
+    times.set_received_ns(to_nanoseconds(now));
+    const std::lock_guard lock(mutex_);
+    if (!outbox_) return;
+    outbox_->put_answer(times);
+    write_next();
   }
   grpc::Status handle_hello(const wire::DisplayHello& hello) {
     const auto wanted = from_wire(hello.wanted());
@@ -93,13 +117,14 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
       return to_grpc(joined.error());
     }
     member_ = true;
-    events_.on_displays_changed();
+    events_.on_display_joined(number_, hello);
     return grpc::Status::OK;
   }
   /// Holds the lock.
   void write_next() {
     if (finished_ || writing_ != nullptr) return;
-    writing_ = outbox_->take();
+    const auto times = outbox_->take_answer();
+    writing_ = times ? stamped(*times) : outbox_->take();
     if (writing_ != nullptr) StartWrite(writing_.get());
   }
   void finish(const grpc::Status& status) {
@@ -109,6 +134,7 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
     Finish(status);
   }
 
+  const std::uint64_t number_;
   DisplayHub& displays_;
   TourEvents& events_;
   wire::DisplayReport report_;
@@ -155,7 +181,7 @@ Result<SteeringWish> wish_of(const wire::SteerRequest& request) {
 }  // namespace
 
 grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>* TourService::Show(grpc::CallbackServerContext*) {
-  return ShowCall::start(&displays_, &events_);
+  return ShowCall::start(++shows_, &displays_, &events_);
 }
 
 grpc::ServerReadReactor<wire::TrackedPose>* TourService::Track(grpc::CallbackServerContext*, wire::TrackReply*) {

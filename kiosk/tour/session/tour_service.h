@@ -25,6 +25,7 @@ class TourService final : public wire::Tour::CallbackService {
                                   wire::SteerReply* reply) override;
   DisplayHub& displays_;
   TourEvents& events_;
+  std::atomic<std::uint64_t> shows_{0};
   std::atomic<std::uint64_t> trackers_{0};
 };
 

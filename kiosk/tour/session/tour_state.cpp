@@ -38,8 +38,10 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
   const char* const hint = trackers_.empty() ? " No tracker has dialled in, so only keys steer." : "";
   const std::string picture =
       log_.refinement().value_or(fmt::format("{:.1f} frames a second", log_.frames_per_second(now)));
-  return fmt::format("Visiting '{}', {}, {} display{}, steered by {}.{}", printable(visit_->scene.title()), picture,
-                     displays, displays == 1 ? "" : "s", to_text(visit_->navigation.steerer), hint);
+  const auto in_step = displays > 1 ? roster_.in_step() : std::nullopt;
+  const std::string step = in_step ? fmt::format(" in step ({:.2f} %)", 100.0 * *in_step) : "";
+  return fmt::format("Visiting '{}', {}, {} display{}{}, steered by {}.{}", printable(visit_->scene.title()), picture,
+                     displays, displays == 1 ? "" : "s", step, to_text(visit_->navigation.steerer), hint);
 }
 
 void Tour::show_state(TimePoint now) {
@@ -49,6 +51,10 @@ void Tour::show_state(TimePoint now) {
   inspection_.set_state(std::move(sentence), healthy);
   log_.refresh(now);
   inspection_.set_gauge("displays", static_cast<double>(hub_.count()));
+  inspection_.set_gauge("frame_lead_ms", to_milliseconds(schedule_.frame_lead(now)));
+  inspection_.set_gauge("heading_lead_ms", to_milliseconds(schedule_.heading_lead(now)));
+  if (const auto in_step = roster_.in_step()) inspection_.set_gauge("in_step_percent", 100.0 * *in_step);
+  inspection_.set_table(roster_.table());
   inspection_.set_gauge("trackers", static_cast<double>(trackers_.size()));
   inspection_.set_gauge("frames_in_flight", static_cast<double>(pacer_.in_flight()));
   if (!visit_) return;

@@ -38,6 +38,7 @@ class Displaying : public ::testing::Test {
     options.output.run_dir = run_dir_;
     options.width_px = 512;
     options.refresh_hz = 60.0;
+    options.system_clock = [this] { return std::chrono::system_clock::now() + system_ahead_; };
     auto display = Display::start(std::move(options), clock_);
     ASSERT_TRUE(display) << display.error().message();
     display_ = *std::move(display);
@@ -92,6 +93,7 @@ class Displaying : public ::testing::Test {
   }
 
   SteadyClock clock_;
+  std::chrono::milliseconds system_ahead_{};
   std::filesystem::path run_dir_;
   Panorama wanted_;
   std::unique_ptr<Display> display_;
@@ -251,6 +253,39 @@ TEST_F(Displaying, turns_the_held_frame_with_the_newest_heading) {
     has_heading_time = has_heading_time || (stage.name() == "heading_to_photon" && stage.count() == 1);
   }
   EXPECT_TRUE(has_heading_time);
+}
+
+TEST_F(Displaying, measures_the_tours_clock_and_shows_at_the_refresh_that_it_is_told) {
+  const auto tour = FakeTour::start();
+  system_ahead_ = std::chrono::milliseconds(250);
+  start(tour->address());
+  ASSERT_TRUE(tour->wait_for_display());
+  ASSERT_TRUE(tour->wait_for_questions(16));
+  EXPECT_TRUE(wait_until([&] { return std::abs(gauge("clock_skew_ms") - 250.0) <= gauge("clock_error_ms") + 5.0; }));
+  constexpr std::int64_t kPeriod_ns = 16'666'667;
+  const auto send_in = [&](std::uint64_t number, std::chrono::milliseconds lead) {
+    const std::int64_t now_ns = FakeTour::now_ns();
+    auto messages = frame_messages(number, plain(wanted_, {static_cast<std::uint8_t>(50 * number), 9, 9}), wanted_);
+    wire::ShowAt* const at = messages.back().mutable_show_at();
+    at->set_period_ns(kPeriod_ns);
+    at->set_told_ns(now_ns);
+    at->set_refresh((now_ns + std::chrono::nanoseconds(lead).count()) / kPeriod_ns);
+    tour->send_all(messages);
+    return at->refresh();
+  };
+  const std::int64_t due = send_in(1, std::chrono::milliseconds(400));
+  ASSERT_TRUE(tour->wait_for_reports(1, 0));
+  // Neither before its refresh, nor, on a machine that keeps up, after it.
+  const std::int64_t shown_ns = tour->presented[0].presented_ns() + (FakeTour::now_ns() - to_nanoseconds(clock_.now()));
+  EXPECT_GE(static_cast<double>(shown_ns) / kPeriod_ns, static_cast<double>(due) - 1.0);
+  send_in(2, std::chrono::milliseconds(-200));
+  ASSERT_TRUE(tour->wait_for_reports(2, 0));
+  EXPECT_TRUE(wait_until([&] { return gauge("frames_late") >= 1.0; })) << "told when it was too late";
+  EXPECT_TRUE(wait_until([&] { return gauge("in_step_percent") < 100.0; }));
+  EXPECT_THAT(display_->inspection().status().state(), HasSubstr("in step with the other displays"));
+  tour->hang_up();
+  const auto& questions = tour->questions;
+  EXPECT_TRUE(std::ranges::any_of(questions, [](const auto& q) { return q.frame_need_s() > 0.0; }));
 }
 
 TEST_F(Displaying, makes_pictures_for_watchers) {

@@ -9,6 +9,8 @@
 #include "appliance/display/decode_pool.h"
 #include "appliance/display/event_ring.h"
 #include "appliance/display/newest_value.h"
+#include "appliance/display/recent_headings.h"
+#include "appliance/display/waiting_frames.h"
 
 namespace cyclorama {
 namespace {
@@ -99,6 +101,50 @@ TEST(EventRing, passes_events_between_two_threads) {
     ++popped;
   }
   EXPECT_EQ(popped + ring.lost(), static_cast<std::uint64_t>(kEvents));
+}
+
+TEST(WaitingFrames, gives_every_frame_to_the_taker_or_back_to_the_putter_once) {
+  WaitingFrames waiting;
+  constexpr std::size_t kFrames = 20000;
+  std::vector<int> outcomes(kFrames + 1, 0);
+  std::atomic<bool> done{false};
+  std::vector<std::uint64_t> taken;
+  std::jthread taker([&] {
+    for (;;) {
+      const bool was_done = done;
+      const auto frame = waiting.take();
+      if (frame == nullptr && was_done) break;
+      if (frame != nullptr) taken.push_back(frame->order);
+    }
+  });
+  for (std::size_t n = 1; n <= kFrames; ++n) {
+    auto frame = std::make_unique<Frame>();
+    frame->order = n;
+    if (const auto old = waiting.put(std::move(frame))) ++outcomes[old->order];
+  }
+  done = true;
+  taker.join();
+  for (const std::uint64_t order : taken) ++outcomes[order];
+  for (std::size_t n = 1; n <= kFrames; ++n) ASSERT_EQ(outcomes[n], 1) << n;
+}
+
+TEST(HeadingTrack, keeps_the_newest_and_those_before_it) {
+  HeadingTrack track;
+  RecentHeadings recent;
+  EXPECT_FALSE(track.take(&recent));
+  for (int n = 1; n <= 3; ++n) track.put({0.1 * n, n});
+  ASSERT_TRUE(track.take(&recent));
+  EXPECT_FALSE(track.take(&recent));
+  ASSERT_EQ(recent.count, 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(recent.headings[i].order, 3 - i);
+    EXPECT_EQ(recent.headings[i].shutter_ns, static_cast<std::int64_t>(3 - i));
+  }
+  for (int n = 4; n <= 40; ++n) track.put({0.1 * n, n});
+  ASSERT_TRUE(track.take(&recent));
+  EXPECT_EQ(recent.count, recent.headings.size());
+  EXPECT_EQ(recent.headings.front().order, 40U);
+  EXPECT_EQ(recent.headings.back().order, 40 - recent.headings.size() + 1);
 }
 
 TEST(DecodePool, runs_every_job_on_threads_of_its_own) {

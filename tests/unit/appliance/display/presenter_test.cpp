@@ -72,8 +72,10 @@ class Presenting : public ::testing::Test {
     const Status status = presenter_->refresh();
     is_counting = false;
     EXPECT_TRUE(status);
-    mailbox_.retired.clear();
-    return mailbox_.refreshes.pop().value_or(RefreshEvent{});
+    mailbox_.retired.clear([](const Frame&) {});
+    const RefreshEvent event = mailbox_.refreshes.pop().value_or(RefreshEvent{});
+    presented_ += event.is_first_of_frame ? 1 : 0;
+    return event;
   }
   /// What the next refresh shows on a head.
   RgbImage shown(std::size_t head = 0) {
@@ -91,6 +93,7 @@ class Presenting : public ::testing::Test {
   PresentMailbox mailbox_{2};
   std::unique_ptr<Output> output_;
   std::unique_ptr<Presenter> presenter_;
+  int presented_ = 0;
 };
 
 TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_changing_sizes_and_headings) {
@@ -102,13 +105,22 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
     if (n % 5 == 0) frame->parts = std::make_shared<const std::vector<PixelRect>>(1, PixelRect{16, 0, 16, 16});
     frames.push_back(std::move(frame));
   }
+  // Half of them are to be seen at once, the others two to five refreshes later, together with other displays.
+  std::uint64_t order = 0;
+  const auto soon = [&](int n) {
+    const std::int64_t now = to_nanoseconds(clock_.now()) / 10'000'000;
+    return n / 8 % 2 == 0 ? ShowAt{} : ShowAt{now + 2 + n % 4, 10'000'000, 0};
+  };
   const auto run = [&](int refreshes) {
     for (int n = 0; n < refreshes; ++n) {
       if (n % 4 == 0 && !frames.empty()) {
-        mailbox_.frame.put(std::move(frames.back()));
+        frames.back()->order = ++order;
+        frames.back()->show_at = soon(n);
+        mailbox_.frames.put(std::move(frames.back()));
         frames.pop_back();
       }
-      mailbox_.heading.put({heads.between(-0.5, 0.5), n});
+      mailbox_.clock.put({true, 0, {}});
+      mailbox_.headings.put({heads.between(-0.5, 0.5), n, soon(n)});
       if (n % 50 == 0) mailbox_.panorama.want([] { return std::make_unique<Frame>(); });
       if (n % 50 == 25) mailbox_.heads[1].want([] { return std::make_unique<RgbImage>(kWidth, kHeight); });
       refresh();
@@ -120,6 +132,7 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
   allocations = 0;
   run(1000);
   EXPECT_EQ(allocations, 0);
+  EXPECT_GT(presented_, 200);
   frames.clear();
   is_counting = true;
   int* volatile counted = new int;  // The counter counts.
@@ -129,11 +142,11 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
 }
 
 TEST_F(Presenting, shows_each_frame_whole_and_never_two_at_once) {
-  mailbox_.frame.put(frame_of(1, plain(80, 40, 50)));
+  mailbox_.frames.put(frame_of(1, plain(80, 40, 50)));
   refresh_for(std::chrono::milliseconds(400));
   for (std::uint64_t n = 2; n < 40; ++n) {
     const auto code = static_cast<std::uint8_t>(50 + 5 * n);
-    mailbox_.frame.put(frame_of(n, plain(80 + static_cast<int>(n % 3), 40, code, n % 2 == 0)));
+    mailbox_.frames.put(frame_of(n, plain(80 + static_cast<int>(n % 3), 40, code, n % 2 == 0)));
     const RgbImage picture = shown(n % 2);
     ASSERT_THAT(picture.data(), ::testing::Each(::testing::AllOf(::testing::Ge(code - 1), ::testing::Le(code + 1))))
         << n;
@@ -143,8 +156,8 @@ TEST_F(Presenting, shows_each_frame_whole_and_never_two_at_once) {
 TEST_F(Presenting, repeats_the_last_frame_turned_to_the_newest_heading) {
   PlanarPicture halves(140, 20, false);
   for (int y = 0; y < 20; ++y) std::fill_n(halves.luma().at(70, y), 70, std::uint8_t{255});
-  mailbox_.frame.put(frame_of(1, halves, 1.0));
-  mailbox_.heading.put({1.0, 0});
+  mailbox_.frames.put(frame_of(1, halves, 1.0));
+  mailbox_.headings.put({1.0, 0});
   refresh_for(std::chrono::milliseconds(300));
   const auto edge = [&] {  // Where white begins.
     const RgbImage picture = shown();
@@ -153,24 +166,24 @@ TEST_F(Presenting, repeats_the_last_frame_turned_to_the_newest_heading) {
     return x;
   };
   EXPECT_NEAR(edge(), 32, 1);
-  mailbox_.heading.put({1.1, 0});  // To the right by a tenth of the head's radian.
+  mailbox_.headings.put({1.1, 0});  // To the right by a tenth of the head's radian.
   EXPECT_NEAR(edge(), 32 - 6, 1);
-  mailbox_.heading.put({0.9, 0});
+  mailbox_.headings.put({0.9, 0});
   EXPECT_NEAR(edge(), 32 + 6, 1);
-  mailbox_.heading.put({-1.0, 0});  // Farther than the picture reaches.
+  mailbox_.headings.put({-1.0, 0});  // Farther than the picture reaches.
   EXPECT_NEAR(edge(), 32 + 13, 1);
 }
 
 TEST_F(Presenting, keeps_its_picture_while_nobody_frees_the_old_ones) {
   for (std::uint64_t n = 1; n <= 12; ++n) {
-    mailbox_.frame.put(frame_of(n, plain(40, 20, 100)));
+    mailbox_.frames.put(frame_of(n, plain(40, 20, 100)));
     clock_.advance(std::chrono::milliseconds(10));
     ASSERT_TRUE(presenter_->refresh());
   }
   int firsts = 0;
   while (const auto event = mailbox_.refreshes.pop()) firsts += event->is_first_of_frame ? 1 : 0;
   EXPECT_EQ(firsts, 9);  // 8 wait to be freed, the ninth is shown.
-  mailbox_.retired.clear();
+  mailbox_.retired.clear([](const Frame&) {});
   EXPECT_TRUE(refresh().is_first_of_frame);
 }
 
@@ -194,19 +207,19 @@ class Fading : public Presenting {
 TEST_F(Fading, goes_to_the_attract_picture_when_no_frame_follows_the_visitor_and_back_without_a_jump) {
   EXPECT_EQ(step(), 1.0);
   EXPECT_THAT(shown().data(), ::testing::Each(0));
-  mailbox_.frame.put(frame_of(1, plain(40, 20, 200)));
-  mailbox_.heading.put({0.0, 0});
+  mailbox_.frames.put(frame_of(1, plain(40, 20, 200)));
+  mailbox_.headings.put({0.0, 0});
   EXPECT_NEAR(steps_until([](double share) { return share == 0.0; }), 20, 2);
   EXPECT_EQ(steps_until([](double share) { return share > 0.0; }), 200);  // Nobody moves: the picture is right.
-  mailbox_.heading.put({0.05, 0});
+  mailbox_.headings.put({0.05, 0});
   EXPECT_NEAR(steps_until([](double share) { return share > 0.0; }), 10, 2);
   EXPECT_NEAR(steps_until([](double share) { return share > 0.5; }), 10, 2);
-  mailbox_.frame.put(frame_of(2, plain(40, 20, 200), 0.05));  // Half way, the farm is back.
+  mailbox_.frames.put(frame_of(2, plain(40, 20, 200), 0.05));  // Half way, the farm is back.
   EXPECT_NEAR(steps_until([](double share) { return share == 0.0; }), 10, 3);
 }
 
 TEST_F(Fading, begins_when_the_tour_is_gone_even_if_nobody_moves) {
-  mailbox_.frame.put(frame_of(1, plain(40, 20, 200)));
+  mailbox_.frames.put(frame_of(1, plain(40, 20, 200)));
   steps_until([](double share) { return share == 0.0; });
   mailbox_.is_failing = true;
   EXPECT_NEAR(steps_until([](double share) { return share == 1.0; }), 30, 3);
@@ -214,7 +227,7 @@ TEST_F(Fading, begins_when_the_tour_is_gone_even_if_nobody_moves) {
 }
 
 TEST_F(Fading, does_not_jump_when_refreshes_are_late) {
-  mailbox_.frame.put(frame_of(1, plain(40, 20, 200)));
+  mailbox_.frames.put(frame_of(1, plain(40, 20, 200)));
   for (int n = 0; n < 10; ++n) {
     clock_.advance(std::chrono::seconds(5));
     const double share = refresh().attract_share;

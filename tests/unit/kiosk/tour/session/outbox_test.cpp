@@ -58,6 +58,30 @@ TEST(Outbox, lets_a_heading_overtake_tiles) {
   EXPECT_TRUE(outbox.take()->has_tile());
 }
 
+TEST(Outbox, says_when_a_heading_is_to_be_seen) {
+  Outbox outbox = introduced();
+  wire::ShowAt at;
+  at.set_refresh(77);
+  outbox.put_heading(0.1, 0, &at);
+  EXPECT_EQ(outbox.take()->show_at().refresh(), 77);
+  outbox.put_heading(0.2, 0);
+  EXPECT_FALSE(outbox.take()->has_show_at());
+}
+
+TEST(Outbox, holds_the_newest_answer_until_it_can_be_sent) {
+  Outbox outbox = introduced();
+  EXPECT_FALSE(outbox.take_answer());
+  wire::ClockAnswer answer;
+  answer.set_asked_ns(1);
+  outbox.put_answer(answer);
+  answer.set_asked_ns(2);
+  outbox.put_answer(answer);
+  outbox.put(begin(1));
+  EXPECT_TRUE(outbox.take()->has_begin()) << "it is taken by itself";
+  EXPECT_EQ(outbox.take_answer()->asked_ns(), 2);
+  EXPECT_FALSE(outbox.take_answer());
+}
+
 TEST(Outbox, gives_up_a_frame_that_waits_for_the_next_one) {
   Outbox outbox = introduced();
   for (const auto& message : {begin(1), tile(1), end(1)}) EXPECT_FALSE(outbox.put(message));

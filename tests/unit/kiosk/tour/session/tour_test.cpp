@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -257,6 +258,69 @@ TEST(Tour, feeds_displays_that_come_and_go) {
   EXPECT_TRUE(second.wait_for_frames(before + 1));
   second.leave();
   EXPECT_THAT(second.wrongs(), IsEmpty());
+}
+
+TEST(Tour, tells_a_display_alone_nothing_of_when_and_several_the_same) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  auto first = std::make_unique<FakeDisplay>(tour.address());
+  const auto turn = [&](FakeDisplay& display, const std::function<bool(const FakeDisplay&)>& until) {
+    for (int i = 0; i < 200; ++i) {
+      EXPECT_TRUE(tour.steer(0, 0, 1).ok());
+      if (display.wait_until(until, 50ms)) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(turn(*first, [](const auto& d) { return d.frames_complete() > 5 && d.headings().size() > 5; }));
+  ASSERT_TRUE(first->wait_until([](const auto& d) {
+    return d.headings_with_show_at() == 0 &&
+           std::ranges::none_of(d.frames(), [](const auto& frame) { return frame.show_at.has_value(); });
+  }));
+  EXPECT_EQ(tour.gauge("frame_lead_ms"), 0.0);
+
+  FakeDisplay second(tour.address());
+  wire::ClockQuestion question;
+  question.set_frame_need_s(0.030);
+  question.set_in_step(0.75);
+  second.ask(question);
+  first->ask(question);
+  ASSERT_TRUE(turn(second, [](const auto& d) { return d.frames_complete() > 5 && d.headings_with_show_at() > 5; }));
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("frame_lead_ms") == 32.0; }));
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("in_step_percent") == 75.0; }));
+  EXPECT_THAT(tour.status().state(), HasSubstr("2 displays in step (75.00 %)"));
+  EXPECT_EQ(tour.status().tables(0).rows_size(), 2);
+  first->leave();
+  second.leave();
+  int compared = 0;
+  for (const FakeDisplay::Frame& frame : second.frames()) {
+    const auto same = std::ranges::find_if(
+        first->frames(), [&](const auto& other) { return other.view.number() == frame.view.number(); });
+    if (!frame.complete || same == first->frames().end() || !same->complete) continue;
+    ASSERT_TRUE(frame.show_at && same->show_at);
+    EXPECT_EQ(frame.show_at->refresh(), same->show_at->refresh());
+    EXPECT_GT(frame.show_at->refresh() * frame.show_at->period_ns(), frame.show_at->told_ns());
+    ++compared;
+  }
+  EXPECT_GT(compared, 3);
+}
+
+TEST(Tour, answers_what_time_it_is) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  wire::ClockQuestion question;
+  question.set_asked_ns(-4);
+  const TimePoint before = SteadyClock().now();
+  display.ask(question);
+  ASSERT_TRUE(display.wait_until([](const auto& d) { return !d.answers().empty(); }));
+  display.leave();
+  const wire::ClockAnswer& answer = display.answers()[0];
+  EXPECT_EQ(answer.asked_ns(), -4);
+  EXPECT_GE(answer.received_ns(), to_nanoseconds(before));
+  EXPECT_GE(answer.answered_ns(), answer.received_ns());
+  EXPECT_LE(answer.answered_ns(), to_nanoseconds(SteadyClock().now()));
+  EXPECT_NEAR(static_cast<double>(answer.system_ns()),
+              static_cast<double>(std::chrono::system_clock::now().time_since_epoch().count()), 60e9);
 }
 
 TEST(Tour, never_lets_a_slow_display_hold_up_the_others) {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "appliance/display/atomic_slot.h"
+#include "appliance/display/frame.h"
+
+namespace cyclorama {
+
+/// Whole frames on their way to the presenter, in no order: Frame::order tells. Neither side ever waits. Each side on
+/// one thread at a time.
+class WaitingFrames {
+ public:
+  /// Returns the oldest when there is no room for all, else null.
+  std::unique_ptr<Frame> put(std::unique_ptr<Frame> frame) {
+    std::unique_ptr<Frame> untaken = slots_[next_].put(std::move(frame));
+    next_ = (next_ + 1) % slots_.size();
+    return untaken;
+  }
+  /// The presenter's: any of them; null when there is none.
+  std::unique_ptr<Frame> take() {
+    for (auto& slot : slots_) {
+      if (!slot.is_empty()) return slot.take();
+    }
+    return nullptr;
+  }
+
+ private:
+  std::array<AtomicSlot<Frame>, 4> slots_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "common/wire/inspection.pb.h"
+#include "common/wire/museum.pb.h"
+
+namespace cyclorama {
+
+/// Who shows the tour, and how well they keep in step, as the displays say. Thread-safe.
+class DisplayRoster {
+ public:
+  void joined(std::uint64_t display, const wire::DisplayHello& hello);
+  void left(std::uint64_t display);
+  void heard(std::uint64_t display, const wire::ClockQuestion& question);
+
+  /// The least of all displays' shares; nothing while fewer than two know theirs.
+  [[nodiscard]] std::optional<double> in_step() const;
+  /// "displays": name, heads, refresh_hz, in_step_percent, clock_skew_ms, clock_error_ms, frame_need_ms.
+  [[nodiscard]] wire::Table table() const;
+
+ private:
+  struct Member {
+    wire::DisplayHello hello;
+    wire::ClockQuestion newest;
+    double frame_need_s = 0.0;  ///< The newest that was measured.
+  };
+  mutable std::mutex mutex_;  ///< Guards the following.
+  std::map<std::uint64_t, Member> members_;
+};
+
+}  // namespace cyclorama

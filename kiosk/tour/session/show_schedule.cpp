@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/session/show_schedule.h"
+
+#include <algorithm>
+
+namespace cyclorama {
+namespace {
+
+constexpr double kSlowestHz = 0.1;
+constexpr double kFastestHz = 1000.0;
+// Of what was needed, some more: the last minute's longest is met again, but not to the microsecond.
+constexpr Duration kExtra = std::chrono::milliseconds(2);
+
+std::int64_t second_of(TimePoint t) {
+  return std::chrono::duration_cast<std::chrono::seconds>(t.time_since_epoch()).count();
+}
+
+}  // namespace
+
+void LongestLately::add(Duration value, TimePoint now) {
+  const std::int64_t number = second_of(now);
+  Second& second = seconds_[static_cast<std::size_t>(number % kSeconds)];
+  if (second.number != number) second = {number, value};
+  second.longest = std::max(second.longest, value);
+}
+
+Duration LongestLately::at(TimePoint now) const {
+  std::optional<Duration> longest;
+  for (const Second& second : seconds_) {
+    if (second.number < 0 || second_of(now) - second.number >= kSeconds) continue;
+    longest = std::max(second.longest, longest.value_or(second.longest));
+  }
+  return longest.value_or(at_first_);
+}
+
+void ShowSchedule::joined(std::uint64_t display, const wire::DisplayHello& hello) {
+  const std::lock_guard lock(mutex_);
+  const double hz = hello.refresh_hz();
+  rates_hz_[display] = hz >= kSlowestHz && hz <= kFastestHz ? hz : kFastestHz;
+  choose_period();
+}
+
+void ShowSchedule::left(std::uint64_t display) {
+  const std::lock_guard lock(mutex_);
+  rates_hz_.erase(display);
+  choose_period();
+}
+
+void ShowSchedule::choose_period() {
+  double slowest_hz = kFastestHz;
+  for (const auto& [display, hz] : rates_hz_) slowest_hz = std::min(slowest_hz, hz);
+  const auto period = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / slowest_hz));
+  if (period == period_) return;
+  period_ = period;
+  last_frame_ = last_heading_ = 0;  // They were counted otherwise.
+}
+
+void ShowSchedule::measured(const wire::ClockQuestion& question, TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  const auto add = [now](double need_s, LongestLately* longest) {
+    // Nonsense is not waited for, either.
+    if (!(need_s > 0.0 && need_s <= to_seconds(kLongestLead))) return;
+    longest->add(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(need_s)), now);
+  };
+  add(question.frame_need_s(), &frame_need_);
+  add(question.heading_need_s(), &heading_need_);
+}
+
+std::int64_t ShowSchedule::first_refresh(TimePoint now, Duration lead) const {
+  return (now.time_since_epoch() + lead + kExtra + period_ - Duration(1)) / period_;
+}
+
+wire::ShowAt ShowSchedule::show_at(std::int64_t refresh, TimePoint now) const {
+  wire::ShowAt at;
+  at.set_refresh(refresh);
+  at.set_period_ns(period_.count());
+  at.set_told_ns(to_nanoseconds(now));
+  return at;
+}
+
+std::optional<wire::ShowAt> ShowSchedule::frame_at(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  if (!is_shared()) return std::nullopt;
+  const std::int64_t first = first_refresh(now, frame_need_.at(now));
+  // The next after the last frame's, be it one later than needed; and not before the last frame's when displays have
+  // become quicker.
+  last_frame_ = std::max(first, std::max(last_frame_, std::min(last_frame_ + 1, first + 1)));
+  return show_at(last_frame_, now);
+}
+
+std::optional<wire::ShowAt> ShowSchedule::heading_at(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  if (!is_shared()) return std::nullopt;
+  last_heading_ = std::max(last_heading_, first_refresh(now, heading_need_.at(now)));
+  return show_at(last_heading_, now);
+}
+
+Duration ShowSchedule::frame_lead(TimePoint now) const {
+  const std::lock_guard lock(mutex_);
+  return is_shared() ? frame_need_.at(now) + kExtra : Duration::zero();
+}
+
+Duration ShowSchedule::heading_lead(TimePoint now) const {
+  const std::lock_guard lock(mutex_);
+  return is_shared() ? heading_need_.at(now) + kExtra : Duration::zero();
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// The presenter beside others: what it is told to show at which shared refresh, it shows there, or late and says so.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "appliance/display/presenter.h"
+#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/painted_head.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kSide = 16;
+constexpr Duration kPeriod = 10ms;
+constexpr std::int64_t kPeriod_ns = 10'000'000;
+
+/// Memory's heads with a raster that the test's clock paces: pictures are begun 4 ms before their refresh.
+class RasterOutput final : public Output {
+ public:
+  RasterOutput(std::unique_ptr<Output> memory, ManualClock* clock) : memory_(std::move(memory)), clock_(*clock) {}
+  [[nodiscard]] const std::vector<HeadMode>& heads() const override { return memory_->heads(); }
+  [[nodiscard]] double refresh_hz() const override { return 100.0; }
+  [[nodiscard]] std::string kind() const override { return "raster"; }
+  [[nodiscard]] const Gl& gl() const override { return memory_->gl(); }
+  Status wait_for_refresh() override {
+    clock_.set(start_ + static_cast<std::int64_t>(refresh_ + 1) * kPeriod - 4ms);
+    return Done{};
+  }
+  Status draw_to(std::size_t head) override { return memory_->draw_to(head); }
+  Result<Presented> present() override {
+    TRY(memory_->present());
+    refresh_ += 1 + std::exchange(missed, 0);
+    clock_.set(start_ + static_cast<std::int64_t>(refresh_) * kPeriod);
+    return Presented{refresh_, clock_.now()};
+  }
+  std::uint64_t missed = 0;  ///< By the next picture.
+
+ private:
+  std::unique_ptr<Output> memory_;
+  ManualClock& clock_;
+  const TimePoint start_ = clock_.now();
+  std::uint64_t refresh_ = 0;
+};
+
+/// The tour's clock is an hour behind; refresh 0 of the output is the tour's 0.
+class PresentingInStep : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto memory = *open_headless_output({{{"a", kSide, kSide}}, 1000.0, {}, {}}, clock_);
+    auto output = std::make_unique<RasterOutput>(std::move(memory), &clock_);
+    output_ = std::move(output);
+    WarpMesh mesh{kSide, kSide, 1, 1, {}, 0.0};
+    mesh.vertices = {
+        {0, 0, -0.5f, 0.5f}, {kSide, 0, 0.5f, 0.5f}, {0, kSide, -0.5f, -0.5f}, {kSide, kSide, 0.5f, -0.5f}};
+    const std::vector<HeadPlan> plans(1, {mesh, MaskImage(kSide, kSide, 1.0f)});
+    const AttractTimes no_fade{std::chrono::hours(1), 1ms};
+    auto presenter = Presenter::make(output_.get(), plans, *frame(0, 0), no_fade, &mailbox_, &clock_);
+    ASSERT_TRUE(presenter) << presenter.error().message();
+    presenter_ = *std::move(presenter);
+    mailbox_.clock.put({true, static_cast<std::uint64_t>(-to_nanoseconds(clock_.now())), 0ns});
+    refresh();
+  }
+  void TearDown() override { presenter_.reset(); }
+
+  /// Its picture is plain; the code value is its order.
+  static std::unique_ptr<Frame> frame(std::uint64_t order, std::int64_t refresh) {
+    PlanarPicture picture(32, 16, false);
+    std::ranges::fill(picture.luma().data(), static_cast<std::uint8_t>(5 * order));
+    auto frame = std::make_unique<Frame>(PaintedHead::frame(picture, {32, 16, 1.4, 0.5, -0.5}, nullptr));
+    frame->order = frame->number = order;
+    frame->reach_rad = 0.2;
+    if (refresh != 0) frame->show_at = {refresh, kPeriod_ns, 0};
+    return frame;
+  }
+  RefreshEvent refresh() {
+    EXPECT_TRUE(presenter_->refresh());
+    mailbox_.retired.clear([this](const Frame& unseen) { unseen_.push_back(unseen.number); });
+    return mailbox_.refreshes.pop().value_or(RefreshEvent{});
+  }
+  /// The frames first shown at the next refreshes, 0 where none is, and how late.
+  std::vector<std::uint64_t> firsts(int refreshes, std::vector<std::int64_t>* ret_late = nullptr) {
+    std::vector<std::uint64_t> numbers;
+    for (int n = 0; n < refreshes; ++n) {
+      const RefreshEvent event = refresh();
+      numbers.push_back(event.is_first_of_frame ? event.frame_number : 0);
+      if (ret_late != nullptr) ret_late->push_back(event.late(event.frame_due));
+    }
+    return numbers;
+  }
+
+  ManualClock clock_;
+  PresentMailbox mailbox_{1};
+  std::unique_ptr<RasterOutput> output_;
+  std::unique_ptr<Presenter> presenter_;
+  std::vector<std::uint64_t> unseen_;
+};
+
+TEST_F(PresentingInStep, shows_each_frame_at_its_refresh) {
+  mailbox_.frames.put(frame(1, 4));
+  mailbox_.frames.put(frame(2, 6));
+  std::vector<std::int64_t> late;
+  EXPECT_THAT(firsts(6, &late), ::testing::ElementsAre(0, 0, 1, 0, 2, 0)) << "from refresh 2 on";
+  EXPECT_THAT(late, ::testing::Each(0));
+  EXPECT_THAT(unseen_, ::testing::IsEmpty());
+}
+
+TEST_F(PresentingInStep, tells_every_refresh_its_shared_number_and_shows_the_frame_itself) {
+  mailbox_.frames.put(frame(30, 3));
+  mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
+  EXPECT_EQ(refresh().shared_refresh, 2);
+  EXPECT_LT(mailbox_.heads[0].take()->at(8, 8)[1], 10) << "not before";
+  mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
+  const RefreshEvent event = refresh();
+  EXPECT_EQ(event.shared_refresh, 3);
+  EXPECT_EQ(event.drawn_ahead, 4ms);
+  refresh();
+  mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
+  refresh();
+  EXPECT_NEAR(mailbox_.heads[0].take()->at(8, 8)[1], 150, 2);
+}
+
+TEST_F(PresentingInStep, shows_a_frame_that_was_not_ready_late_and_says_by_how_much) {
+  firsts(5);  // Up to 6.
+  mailbox_.frames.put(frame(1, 4));
+  const RefreshEvent event = refresh();
+  EXPECT_TRUE(event.is_first_of_frame);
+  EXPECT_EQ(event.late(event.frame_due), 3);
+}
+
+TEST_F(PresentingInStep, says_when_a_refresh_that_was_missed_made_a_frame_late) {
+  mailbox_.frames.put(frame(1, 2));
+  output_->missed = 2;
+  const RefreshEvent event = refresh();
+  EXPECT_EQ(event.shared_refresh, 4);
+  EXPECT_EQ(event.late(event.frame_due), 2);
+}
+
+TEST_F(PresentingInStep, passes_over_what_a_newer_frame_takes_the_place_of_and_counts_from_when_it_was_missing) {
+  firsts(5);
+  mailbox_.frames.put(frame(2, 7));  // Decoded in another order than they came.
+  mailbox_.frames.put(frame(1, 5));
+  const RefreshEvent event = refresh();
+  EXPECT_EQ(event.frame_number, 2U);
+  EXPECT_EQ(event.late(event.frame_due), 2);
+  EXPECT_THAT(unseen_, ::testing::ElementsAre(1));
+  mailbox_.frames.put(frame(1, 5));
+  EXPECT_FALSE(refresh().is_first_of_frame) << "older than what is shown";
+  EXPECT_THAT(unseen_, ::testing::ElementsAre(1, 1));
+}
+
+TEST_F(PresentingInStep, shows_at_once_what_nothing_is_said_of) {
+  mailbox_.frames.put(frame(1, 50));
+  EXPECT_THAT(firsts(2), ::testing::Each(0));
+  mailbox_.frames.put(frame(2, 0));  // The others have left.
+  EXPECT_THAT(firsts(2), ::testing::ElementsAre(2, 0));
+  EXPECT_THAT(unseen_, ::testing::ElementsAre(1));
+}
+
+TEST_F(PresentingInStep, shows_at_once_what_was_meant_by_another_clock) {
+  mailbox_.frames.put(frame(1, 1'000'000));
+  EXPECT_THAT(firsts(1), ::testing::ElementsAre(1));
+  mailbox_.frames.put(frame(2, 20));
+  EXPECT_THAT(firsts(1), ::testing::ElementsAre(0));
+  mailbox_.clock.put({});  // The connection is gone.
+  EXPECT_THAT(firsts(1), ::testing::ElementsAre(2));
+}
+
+TEST_F(PresentingInStep, turns_to_each_heading_at_its_refresh_and_never_back) {
+  mailbox_.frames.put(frame(1, 0));
+  refresh();
+  const auto told = [&](double heading_rad, std::int64_t refresh) {
+    mailbox_.headings.put({heading_rad, 7, {refresh, kPeriod_ns, 0}});
+  };
+  told(0.01, 4);
+  told(0.02, 5);
+  told(0.03, 5);
+  told(0.04, 7);
+  std::vector<double> seen;
+  std::vector<std::int64_t> shutters;
+  for (int n = 0; n < 6; ++n) {
+    const RefreshEvent event = refresh();
+    seen.push_back(event.heading_rad);
+    shutters.push_back(event.heading_shutter_ns);
+    EXPECT_EQ(event.late(event.heading_due), 0);
+  }
+  EXPECT_THAT(seen, ::testing::ElementsAre(0.0, 0.01, 0.03, 0.03, 0.04, 0.04));
+  EXPECT_THAT(shutters, ::testing::ElementsAre(0, 7, 7, 0, 7, 0)) << "each once";
+  told(0.05, 6);
+  const RefreshEvent late = refresh();
+  EXPECT_EQ(late.heading_rad, 0.05);
+  EXPECT_EQ(late.late(late.heading_due), 3);
+  for (int n = 0; n < 40; ++n) told(0.001 * n, 10);  // More than are kept: the newest is there.
+  EXPECT_EQ(refresh().heading_rad, 0.039);
+}
+
+TEST_F(PresentingInStep, keeps_frames_that_wait_within_bounds) {
+  std::size_t untaken = 0;
+  for (std::uint64_t n = 1; n <= 40; ++n) {
+    untaken += mailbox_.frames.put(frame(n, 60)) != nullptr ? 1 : 0;
+    refresh();
+  }
+  EXPECT_EQ(untaken, 40U - 8 - 4) << "8 wait with the presenter, 4 before it";
+  firsts(30);
+  EXPECT_EQ(unseen_.size() + untaken + 2, 40U) << "each has one outcome";
+}
+
+}  // namespace
+}  // namespace cyclorama

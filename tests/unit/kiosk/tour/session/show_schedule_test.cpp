@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// When several displays are told to show what, and what the tour knows of them.
+#include "kiosk/tour/session/show_schedule.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "kiosk/tour/session/display_roster.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+
+const TimePoint kNow{1000s};
+
+wire::DisplayHello hello(double refresh_hz, const std::string& name = "hall") {
+  wire::DisplayHello hello;
+  hello.set_name(name);
+  hello.set_heads(3);
+  hello.set_refresh_hz(refresh_hz);
+  return hello;
+}
+wire::ClockQuestion needing(double frame_s, double heading_s = 0.0) {
+  wire::ClockQuestion question;
+  question.set_frame_need_s(frame_s);
+  question.set_heading_need_s(heading_s);
+  return question;
+}
+/// From now to the shared refresh.
+Duration ahead(const wire::ShowAt& at, TimePoint now) {
+  return TimePoint(std::chrono::nanoseconds(at.refresh() * at.period_ns())) - now;
+}
+
+class Scheduling : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    schedule_.joined(1, hello(100.0));
+    schedule_.joined(2, hello(100.0));
+  }
+  ShowSchedule schedule_;
+};
+
+TEST_F(Scheduling, tells_a_display_alone_nothing_so_that_it_shows_everything_at_once) {
+  schedule_.left(1);
+  EXPECT_FALSE(schedule_.frame_at(kNow));
+  EXPECT_FALSE(schedule_.heading_at(kNow));
+  EXPECT_EQ(schedule_.frame_lead(kNow), 0ms);
+  schedule_.joined(3, hello(100.0));
+  EXPECT_TRUE(schedule_.frame_at(kNow));
+  EXPECT_TRUE(schedule_.heading_at(kNow));
+  schedule_.left(2);
+  schedule_.left(3);
+  EXPECT_FALSE(schedule_.frame_at(kNow)) << "nobody is here";
+}
+
+TEST_F(Scheduling, tells_the_next_refresh_that_the_slowest_display_can_make) {
+  schedule_.measured(needing(0.023, 0.004), kNow);
+  schedule_.measured(needing(0.011, 0.001), kNow);
+  const auto frame = schedule_.frame_at(kNow + 1ms);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->period_ns(), 10'000'000);
+  EXPECT_EQ(frame->told_ns(), to_nanoseconds(kNow + 1ms));
+  EXPECT_EQ(ahead(*frame, kNow), 30ms);
+  EXPECT_EQ(ahead(*schedule_.heading_at(kNow + 1ms), kNow), 10ms);
+  EXPECT_EQ(ahead(*schedule_.heading_at(kNow + 5ms), kNow), 20ms);
+}
+
+TEST_F(Scheduling, remembers_the_longest_need_for_a_minute) {
+  schedule_.measured(needing(0.080), kNow);
+  for (int s = 0; s < 59; ++s) schedule_.measured(needing(0.010), kNow + s * 1s);
+  EXPECT_EQ(schedule_.frame_lead(kNow + 59s), 82ms);
+  EXPECT_EQ(schedule_.frame_lead(kNow + 60s), 12ms);
+}
+
+TEST_F(Scheduling, waits_for_no_display_that_is_too_slow_and_for_no_nonsense) {
+  schedule_.measured(needing(0.010, 0.010), kNow);
+  for (const double need : {0.251, 1e300, -5.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    schedule_.measured(needing(need, need), kNow);
+    EXPECT_EQ(schedule_.frame_lead(kNow), 12ms) << need;
+    EXPECT_EQ(schedule_.heading_lead(kNow), 12ms) << need;
+  }
+  schedule_.measured(needing(0.249), kNow);
+  EXPECT_EQ(schedule_.frame_lead(kNow), 251ms);
+}
+
+TEST_F(Scheduling, gives_frames_refreshes_of_their_own_while_they_come_no_faster) {
+  schedule_.measured(needing(0.010), kNow);
+  const std::int64_t first = schedule_.frame_at(kNow)->refresh();
+  EXPECT_EQ(schedule_.frame_at(kNow + 1ms)->refresh(), first + 1) << "in the same period";
+  EXPECT_EQ(schedule_.frame_at(kNow + 11ms)->refresh(), first + 2);
+  // Faster than they can be shown: no queue grows.
+  std::int64_t last = 0;
+  for (int n = 0; n < 1000; ++n) last = schedule_.frame_at(kNow + 12ms + n * 1ms)->refresh();
+  EXPECT_LE(last, schedule_.heading_at(kNow + 1012ms)->refresh() + 1);
+}
+
+TEST_F(Scheduling, never_goes_back_when_displays_become_quicker) {
+  schedule_.measured(needing(0.100, 0.100), kNow);
+  const std::int64_t frame = schedule_.frame_at(kNow + 59s)->refresh();
+  const std::int64_t heading = schedule_.heading_at(kNow + 59s)->refresh();
+  schedule_.measured(needing(0.001, 0.001), kNow + 60s);
+  EXPECT_GE(schedule_.frame_at(kNow + 60s)->refresh(), frame);
+  EXPECT_GE(schedule_.heading_at(kNow + 60s)->refresh(), heading);
+}
+
+TEST_F(Scheduling, counts_refreshes_at_the_rate_of_the_slowest_display) {
+  schedule_.joined(3, hello(50.0));
+  EXPECT_EQ(schedule_.frame_at(kNow)->period_ns(), 20'000'000);
+  schedule_.joined(4, hello(-1.0));
+  schedule_.joined(5, hello(std::nan("")));
+  schedule_.joined(6, hello(1e-9));
+  EXPECT_EQ(schedule_.frame_at(kNow)->period_ns(), 20'000'000);
+  schedule_.left(3);
+  EXPECT_EQ(schedule_.frame_at(kNow)->period_ns(), 10'000'000);
+}
+
+TEST(DisplayRoster, knows_the_display_that_is_least_in_step) {
+  DisplayRoster roster;
+  roster.joined(1, hello(60.0, "left\n"));
+  roster.joined(2, hello(60.0, "right"));
+  EXPECT_FALSE(roster.in_step());
+  wire::ClockQuestion question;
+  question.set_in_step(0.999);
+  question.set_skew_s(-0.0123);
+  question.set_skew_error_s(0.0002);
+  question.set_frame_need_s(0.02);
+  roster.heard(1, question);
+  EXPECT_FALSE(roster.in_step()) << "in step with whom?";
+  question.clear_frame_need_s();
+  roster.heard(1, question);
+  question.set_in_step(0.5);
+  roster.heard(2, question);
+  EXPECT_EQ(roster.in_step(), 0.5);
+  question.set_in_step(std::nan(""));
+  roster.heard(2, question);
+  EXPECT_FALSE(roster.in_step());
+  roster.heard(9, question);  // Gone, or never here.
+
+  const wire::Table table = roster.table();
+  EXPECT_EQ(table.name(), "displays");
+  ASSERT_EQ(table.rows_size(), 2);
+  for (const wire::Row& row : table.rows()) ASSERT_EQ(row.cells_size(), table.columns_size());
+  EXPECT_EQ(table.rows(0).cells(0).text().find('\n'), std::string::npos);
+  EXPECT_NEAR(table.rows(0).cells(3).number(), 99.9, 1e-9);
+  EXPECT_NEAR(table.rows(0).cells(4).number(), -12.3, 1e-9);
+  EXPECT_NEAR(table.rows(0).cells(6).number(), 20.0, 1e-9) << "the newest that was measured";
+  EXPECT_EQ(table.rows(1).cells(3).value_case(), wire::Cell::VALUE_NOT_SET);
+  roster.left(1);
+  EXPECT_EQ(roster.table().rows_size(), 1);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <random>
 #include <string>
 #include <thread>
 #include <utility>
@@ -43,6 +44,10 @@ class FakeFarm final : public wire::Farm::Service {
   /// Frames are answered only while open; closed, views are received and wait.
   void set_gate(bool open) {
     change([&] { gate_open_ = open; });
+  }
+  /// From now on each frame takes so long, picked evenly.
+  void set_frame_time(Duration least, Duration most) {
+    change([&] { frame_time_ = {least, most}; });
   }
   /// The next visits are refused with this; OK ends that.
   void refuse_visits(grpc::Status status) {
@@ -148,6 +153,11 @@ class FakeFarm final : public wire::Farm::Service {
         view = inbox->waiting.front();
         inbox->waiting.erase(inbox->waiting.begin());
         tiles = std::exchange(break_after_, -1);
+        const double share = std::uniform_real_distribution(0.0, 1.0)(random_);
+        const auto takes =
+            frame_time_.first + std::chrono::duration_cast<Duration>(
+                                    share * std::chrono::duration<double>(frame_time_.second - frame_time_.first));
+        changed_.wait_for(lock, takes, [&] { return stopping_ || inbox->closed; });
       }
       if (!send_frame(stream, view, tiles)) return {grpc::StatusCode::UNAVAILABLE, "the script broke the stream"};
     }
@@ -205,6 +215,8 @@ class FakeFarm final : public wire::Farm::Service {
   bool gate_open_ = true;
   bool stopping_ = false;
   int break_after_ = -1;
+  std::pair<Duration, Duration> frame_time_{};
+  std::mt19937 random_{1};
   grpc::Status refusal_;
   std::vector<wire::View> views_;
   int visits_ = 0;

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether several displays keep in step: sync.py BUILD [--quick] [--seconds N] [--keep DIR].
+
+A tour, a farm of plain pictures (20 a second, each its own) and a visitor who turns; real displays, each a process
+with a clock that is ahead by some and goes at a rate of its own, and heads in memory that refresh by that clock. Every
+display logs which frame was seen at which refresh; the lines are compared
+
+- by the number that all displays share (what the system promises), and
+- in true time, which only this machine knows: outputs that run free differ by their phases, up to one refresh.
+"""
+import argparse
+import bisect
+import json
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+WARM_UP_S = 10
+# Ahead by, faster by, refreshes. What a museum has is the first two columns' thousandth.
+DISPLAYS = [
+    {"skew-ms": 0, "drift-ppm": 0, "refresh-hz": 60},
+    {"skew-ms": -1234.5, "drift-ppm": 60, "refresh-hz": 60},
+    {"skew-ms": 86.4, "drift-ppm": -45, "refresh-hz": 59.97},
+]
+WALL = """name = "A wall of three computers"
+[wall]
+shape = "cylinder"
+radius_m = 3.0
+arc_deg = 126
+bottom_m = 0.4
+top_m = 2.9
+[visitor]
+eye_m = [0.0, 1.65, 0.0]
+[[projector]]
+name = "head-{0}"
+width_px = 320
+height_px = 240
+field_of_view_deg = 60
+lens_shift_fraction = [0.0, -0.36]
+position_m = [0.0, 2.75, 0.4]
+pan_deg = {1}
+tilt_deg = -3
+"""
+
+
+class Log:
+    """One display's refreshes after the warm-up."""
+
+    def __init__(self, path):
+        self.rows, self.gauges = [], {}
+        for line in path.read_text(encoding="utf-8").splitlines():
+            words = line.split()
+            if words[0] == "#":
+                self.gauges[words[1]] = float(words[2])
+            elif words[1] != "-":
+                self.rows.append((int(words[0]), int(words[1]), int(words[2]), int(words[3]), int(words[4]), float(words[5])))
+        if not self.rows:
+            sys.exit(f"{path}: it never kept step")
+        begin = self.rows[0][0] + WARM_UP_S * 1_000_000_000
+        self.rows = [row for row in self.rows if row[0] >= begin]
+        self.numbers = sorted({row[1] for row in self.rows})
+        self.by_number = {row[1]: row for row in self.rows}
+        self.times = [row[0] for row in self.rows]
+
+    def at(self, number):
+        """What was seen at that number; one that was left out shows what was seen before."""
+        return self.by_number[self.numbers[bisect.bisect_right(self.numbers, number) - 1]]
+
+    def seen(self, t):
+        return self.rows[bisect.bisect_right(self.times, t) - 1]
+
+
+def compare(logs):
+    first = max(log.numbers[0] for log in logs)
+    last = min(log.numbers[-1] for log in logs)
+    rank = {frame: n for n, frame in enumerate(sorted({row[2] for log in logs for row in log.rows}))}
+    refreshes, agreeing, headings, differences = 0, 0, 0, {}
+    for number in range(first, last + 1):
+        rows = [log.at(number) for log in logs]
+        ranks = [rank[row[2]] for row in rows]
+        apart = max(ranks) - min(ranks)
+        refreshes += 1
+        agreeing += apart == 0
+        differences[apart] = differences.get(apart, 0) + 1
+        headings += len({row[5] for row in rows}) == 1
+    begin, end = max(log.times[0] for log in logs), min(log.times[-1] for log in logs)
+    moments = sorted({t for log in logs for t in log.times if begin <= t < end})
+    agreeing_ns, most = 0, 0
+    for t, following in zip(moments, moments[1:]):
+        ranks = [rank[log.seen(t)[2]] for log in logs]
+        most = max(most, max(ranks) - min(ranks))
+        agreeing_ns += (following - t) if max(ranks) == min(ranks) else 0
+    return {
+        "agree_fraction": round(agreeing / refreshes, 6),
+        "max_difference": max(max(differences), most),
+        "refreshes": refreshes,
+        "frames": len(rank),
+        "heading_agree_fraction": round(headings / refreshes, 6),
+        "agree_time_fraction": round(agreeing_ns / (moments[-1] - moments[0]), 4),
+    }
+
+
+def run(build, seconds, folder):
+    children, logs = [], []
+
+    def start(*command, **options):
+        children.append(subprocess.Popen([str(word) for word in command], text=True, **options))
+        return children[-1]
+
+    try:
+        farm = start(build / "tests/test-farm", stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        port = farm.stdout.readline().split()[1]
+        tour = start(build / "bin/cyclorama-tour", "--listen", "[::1]:0", "--farm", f"[::1]:{port}", "--samples", 1,
+                     stderr=subprocess.PIPE)
+        address = None
+        while address is None:
+            line = tour.stderr.readline()
+            if not line:
+                sys.exit("the tour did not start")
+            found = re.search(r"\(port (\d+)\)", line)
+            address = found and f"[::1]:{found[1]}"
+        for n, display in enumerate(DISPLAYS):
+            (folder / f"room-{n}.toml").write_text(WALL.format(n, 52 * (n - 1)), encoding="utf-8")
+            options = [word for name, value in display.items() for word in (f"--{name}", value)]
+            logs.append(folder / f"display-{n}.log")
+            start(build / "tests/test-display", "--installation", folder / f"room-{n}.toml", "--tour", address, "--width",
+                  512, "--log", logs[-1], *options)
+        farm.stdin.write(address + "\n")
+        farm.stdin.flush()
+        time.sleep(WARM_UP_S + 2 + seconds)
+        for child in children[2:]:
+            child.send_signal(signal.SIGTERM)
+        for child in children[2:]:
+            if child.wait(timeout=30) != 0:
+                sys.exit("a display failed")
+        farm.send_signal(signal.SIGTERM)
+        told = farm.communicate(timeout=30)[0].splitlines()
+    finally:
+        for child in children:
+            child.kill()
+            child.wait()
+    return [Log(path) for path in logs], told
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--seconds", type=float)
+    parser.add_argument("--keep", type=pathlib.Path, help="leave the logs there")
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = args.keep or pathlib.Path(temporary)
+        folder.mkdir(exist_ok=True)
+        logs, told = run(args.build.resolve(), args.seconds or (30 if args.quick else 120), folder)
+    figures = compare(logs)
+    gauges = dict(line.rsplit(" ", 1) for line in told[:-1])
+    print(f"{'display':<9}{'clock ahead':>13}{'faster':>10}{'rate':>10}{'measured ahead':>18}{'late frames':>13}{'late headings':>15}{'in step':>11}")
+    worst_skew_ms = 0.0
+    for n, (display, log) in enumerate(zip(DISPLAYS, logs)):
+        worst_skew_ms = max(worst_skew_ms, abs(log.gauges["clock_skew_ms"] - display["skew-ms"]))
+        print(f"{n:<9}{display['skew-ms']:>10.1f} ms{display['drift-ppm']:>6} ppm{display['refresh-hz']:>7.2f} Hz"
+              f"{log.gauges['clock_skew_ms']:>10.2f} ± {log.gauges['clock_error_ms']:.2f}"
+              f"{sum(row[3] > 0 for row in log.rows):>13}{sum(row[4] > 0 for row in log.rows):>15}"
+              f"{log.gauges['in_step_percent']:>10.3f} %")
+    print(f"the tour says: {told[-1]}")
+    for name, gauge in (("frame_lead_ms", "frame_lead_ms"), ("heading_lead_ms", "heading_lead_ms")):
+        figures[name] = round(float(gauges[gauge]), 1)
+    print(json.dumps({"benchmark": "display-sync", **figures, "displays": len(logs),
+                      "max_skew_error_ms": round(worst_skew_ms, 3)}))
+
+
+main()

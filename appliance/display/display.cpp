@@ -17,7 +17,6 @@ namespace cyclorama {
 namespace {
 
 constexpr auto kRedialAfter = std::chrono::milliseconds(250);
-constexpr auto kLongestRefresh = std::chrono::seconds(2);
 constexpr std::size_t kMostDropsWaiting = 256;
 constexpr char kPassedOver[] = "a newer frame was ready before it could be shown";
 
@@ -48,6 +47,12 @@ std::vector<HeadFootprint> footprints(const std::vector<HeadPlan>& heads) {
   return all;
 }
 
+std::vector<std::string> names_of(const std::vector<InstalledProjector>& projectors) {
+  std::vector<std::string> names;
+  for (const InstalledProjector& projector : projectors) names.push_back(projector.name);
+  return names;
+}
+
 /// Black where no head looks: nothing was decoded there.
 RgbImage decoded_parts(const Frame& frame, JpegDecoder* decoder) {
   RgbImage all = decoder->to_rgb(*frame.picture);
@@ -72,6 +77,7 @@ Result<std::unique_ptr<Display>> Display::start(DisplayOptions options, const Cl
 Display::Display(DisplayOptions options, const Clock& clock)
     : options_(std::move(options)),
       clock_(clock),
+      reporter_(&inspection_, names_of(options_.installation.projectors)),
       mailbox_(options_.installation.projectors.size()),
       tour_clock_(options_.system_clock) {}
 
@@ -86,9 +92,12 @@ Status Display::prepare() {
   describe(heads);
   ShownByHeads shown{footprints(heads), wanted_};
 
+  keep_hours();
   PresentPlan plan;
   plan.open_output = [this] {
-    return make_output(options_.output, options_.installation, options_.refresh_hz, clock_);
+    OutputChoice choice = options_.output;
+    choice.is_awake = &is_awake_;
+    return make_output(choice, options_.installation, options_.refresh_hz, clock_);
   };
   plan.heads = std::move(heads);
   plan.attract = attract_frame(wanted_);
@@ -97,9 +106,7 @@ Status Display::prepare() {
   }
   plan.times = options_.attract_times;
   TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_));
-  started_at_ = clock_.now();
-  inspection_.set_fact("output", present_->output_kind());
-  inspection_.set_fact("gl_renderer", present_->renderer());
+  note_output();
 
   pool_ = std::make_unique<DecodePool>(options_.decode_threads);
   assembler_ = std::make_unique<FrameAssembler>(pool_.get(), static_cast<FrameSink*>(this), &clock_, std::move(shown));
@@ -178,22 +185,38 @@ void Display::free_shown() {
   });
 }
 
-Status Display::serve(TimePoint deadline) {
+void Display::serve(TimePoint deadline) {
   do {
     free_shown();
+    note_output();
+    keep_hours();
     keep_dialling();
     ask_for_time();
     report_refreshes();
     report_drops();
     serve_watchers();
     tell_state();
-    TRY(present_->state());
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - clock_.now());
     pollfd entry{present_->event_fd(), POLLIN, 0};
     ::poll(&entry, 1, static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1000)));
     present_->drain();
   } while (clock_.now() < deadline);
-  return Done{};
+}
+
+/// What should be follows from the time alone: whenever the process started, and whatever the clock did.
+void Display::keep_hours() {
+  is_awake_ = options_.hours.is_open(options_.wall_time());
+  inspection_.set_gauge("awake", is_awake_ ? 1.0 : 0.0);
+}
+
+void Display::note_output() {
+  const std::unique_ptr<OutputState> state = present_->take_state();
+  if (state == nullptr) return;
+  loss_ = state->loss;
+  if (loss_) reporter_.output_lost();
+  inspection_.set_gauge("output_losses", state->losses);
+  inspection_.set_fact("output", state->kind);
+  inspection_.set_fact("gl_renderer", state->renderer);
 }
 
 void Display::keep_dialling() {
@@ -238,6 +261,7 @@ void Display::report_refreshes() {
     *report.mutable_presented() = *std::move(presented);
     stream_->report(std::move(report));
   }
+  while (const auto refresh = mailbox_.head_refreshes.pop()) reporter_.take(*refresh);
   reporter_.tick(clock_.now());
 }
 
@@ -278,6 +302,11 @@ void Display::serve_watchers() {
 void Display::tell_state() {
   if (!is_presenting()) {
     inspection_.set_state("The output does not refresh; the graphics driver hangs.", false);
+  } else if (loss_) {
+    inspection_.set_state(fmt::format("Shows nothing: {}. Opening the output again and again.", loss_->message()),
+                          false);
+  } else if (!is_awake_) {
+    inspection_.set_state("Sleeps: the museum is closed.", true);
   } else if (trouble_) {
     inspection_.set_state(
         fmt::format("Holds its last picture: the tour at {} does not answer ({}). Dialling again for ever.",
@@ -299,11 +328,6 @@ void Display::tell_state() {
 std::string Display::step_sentence() const {
   const auto share = reporter_.in_step(clock_.now());
   return share ? fmt::format(", in step with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
-}
-
-bool Display::is_presenting() const {
-  // A driver may hang in the very first refresh, too.
-  return clock_.now() - std::max(reporter_.last_refresh_at(), started_at_) < kLongestRefresh;
 }
 
 }  // namespace cyclorama

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +15,7 @@
 #include "appliance/display/refresh_reporter.h"
 #include "appliance/display/show_stream.h"
 #include "appliance/display/tour_clock.h"
+#include "common/opening/opening_hours.h"
 #include "common/room/installation.h"
 #include "common/wire/channel.h"
 #include "common/wire/inspection_service.h"
@@ -32,6 +35,9 @@ struct DisplayOptions {
   AttractTimes attract_times;
   SystemClock system_clock = std::chrono::system_clock::now;
   std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: told of every refresh, on main; may be null.
+  OpeningHours hours;  ///< The heads are dark outside of them.
+  /// For `hours`; what the computer's clock says, if a test does not.
+  std::function<WallTime()> wall_time = [] { return std::chrono::system_clock::now(); };
 };
 
 /// One projection computer's picture, from the tour's tiles to the heads.
@@ -39,7 +45,8 @@ struct DisplayOptions {
 ///   main     serve(): connection, reports, numbers       gRPC's threads  messages -> assembler, headings
 ///   decode   x N: JPEG -> pixels                          present         owns GL: draws and shows
 ///
-/// Keeps showing the last whole frame whatever happens to the tour, and dials it again for ever. Thread-bound to main.
+/// Keeps showing the last whole frame whatever happens to the tour, and dials it again for ever; opens an output that
+/// is lost again for ever. Thread-bound to main.
 class Display : private FrameSink {
  public:
   /// Opens the output and starts to show. `clock` must outlive it.
@@ -48,11 +55,11 @@ class Display : private FrameSink {
   static Result<std::unique_ptr<Display>> start(DisplayOptions options, const Clock& clock);
   ~Display() override;
 
-  /// Does main's part until `deadline`. An error means that the output is lost: end the process.
-  Status serve(TimePoint deadline);
+  /// Does main's part until `deadline`.
+  void serve(TimePoint deadline);
 
-  /// True while the present thread keeps its pace; for the watchdog.
-  [[nodiscard]] bool is_presenting() const;
+  /// False when the graphics driver hangs; for the watchdog.
+  [[nodiscard]] bool is_presenting() const { return present_->is_alive(); }
   [[nodiscard]] InspectionService& inspection() { return inspection_; }
   [[nodiscard]] int port() const { return server_->port(); }
 
@@ -65,6 +72,8 @@ class Display : private FrameSink {
   void frame_dropped(std::uint64_t number, const std::string& reason) override;
   void add_drop(std::uint64_t number, const std::string& reason);  // Precondition: mutex_ is held.
   void free_shown();
+  void note_output();
+  void keep_hours();
   void keep_dialling();
   void ask_for_time();
   void report_refreshes();
@@ -76,8 +85,9 @@ class Display : private FrameSink {
   const DisplayOptions options_;
   const Clock& clock_;
   PictureShape wanted_;
+  std::atomic<bool> is_awake_{true};  // Read by the output.
   InspectionService inspection_{"display"};
-  RefreshReporter reporter_{&inspection_};
+  RefreshReporter reporter_;
   PresentMailbox mailbox_;
   TourClock tour_clock_;
   std::shared_ptr<grpc::Channel> channel_;
@@ -91,7 +101,7 @@ class Display : private FrameSink {
   std::vector<Drop> drops_;
   std::uint64_t newest_ready_ = 0;  // Frame::order of the newest frame that was handed over.
 
-  TimePoint started_at_{};
+  std::optional<Error> loss_;     // Why there is no output.
   std::optional<Error> trouble_;  // Why there is no connection.
   TimePoint dial_at_{};
   std::uint64_t reported_after_ = 0;  // Frames up to this Frame::order came by an earlier connection.

@@ -27,7 +27,7 @@ void add_options(CLI::App* app, Options* options) {
   DisplayOptions& display = options->display;
   app->add_option("--installation", options->installation, "The room: wall, sweet spot and projectors (TOML)")
       ->required();
-  app->add_option("--config", options->config, "The museum's site.toml: [display]");
+  app->add_option("--config", options->config, "The museum's site.toml: [display], [hours]");
   app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7403")->required();
   app->add_option("--listen", display.listen, "HOST:PORT for inspection; port 0 takes a free one")
       ->capture_default_str();
@@ -49,10 +49,13 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option(
       "--head", options->heads,
       "With drm: PROJECTOR=CONNECTOR, such as left=HDMI-A-1; 1:HDMI-A-1 is on the second card; ,90 (180, 270) "
-      "turns the picture clockwise. Projectors that are not named take the connectors that are free");
+      "turns the picture clockwise. In the place of the installation's connector, card and turn_deg; projectors of "
+      "which "
+      "nothing is said take the connectors that are free");
   app->add_option(
       "--card", display.output.cards,
-      "With drm: the graphics cards, such as /dev/dri/card0; the first one draws. Without: all that there are");
+      "With drm: the graphics cards, such as /dev/dri/card0; the first one draws. In the place of the installation's "
+      "cards; without either: all that there are");
   app->add_option("--decode-threads", display.decode_threads, "Threads that decode tiles")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
@@ -86,6 +89,7 @@ Status run_display(Options options, const StopSignal& stop) {
     TRY_ASSIGN(const DisplaySettings settings, read_display_settings(options.config));
     options.display.attract_picture = settings.attract_picture;
     options.display.attract_times = settings.attract_times;
+    options.display.hours = settings.hours;
   }
   const SteadyClock clock;
   const std::string tour = options.display.tour;
@@ -98,7 +102,7 @@ Status run_display(Options options, const StopSignal& stop) {
 
   StateLog state_log;
   while (!stop.requested()) {
-    TRY(display->serve(clock.now() + kTurn));
+    display->serve(clock.now() + kTurn);
     if (display->is_presenting()) notify.keep_alive(clock.now());
     state_log.see(display->inspection().status());
   }

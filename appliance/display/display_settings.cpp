@@ -21,6 +21,7 @@ Result<DisplaySettings> read_from(Config config, const std::filesystem::path& fo
   AttractTimes& times = settings.attract_times;
   times.after = seconds(display.number("attract_after_s", {0.5, 86400.0}, to_seconds(times.after)));
   times.fade = seconds(display.number("attract_fade_s", {0.01, 60.0}, to_seconds(times.fade)));
+  settings.hours = read_opening_hours(&root);
   TRY(config.finish());
   return settings;
 }

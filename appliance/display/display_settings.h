@@ -6,6 +6,7 @@
 ///   attract_picture = "attract.jpg"   # PNG or JPEG, sought in site.toml's folder; absent: an evening sky.
 ///   attract_after_s = 20              # A picture may be wrong for so long before it fades to the attract picture,
 ///   attract_fade_s = 2                # within this time.
+///   [hours]                           # As opening_hours.h says; the heads are dark outside of them.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +15,14 @@
 
 #include "appliance/display/attract_fade.h"
 #include "common/base/result.h"
+#include "common/opening/opening_hours.h"
 
 namespace cyclorama {
 
 struct DisplaySettings {
   std::filesystem::path attract_picture;  ///< Empty: none of the museum's own.
   AttractTimes attract_times;
+  OpeningHours hours;
 };
 
 /// Errors as Config::read().

@@ -19,14 +19,25 @@ HeadMode mode_of(const InstalledProjector& projector) {
   return {projector.name, projector.lens.width_px, projector.lens.height_px};
 }
 
-Result<std::unique_ptr<Output>> make_drm(const OutputChoice& choice, const Installation& installation,
-                                         double refresh_hz, const Clock& clock) {
+Rotation rotation_of(int turn_deg) {
+  CHECK(turn_deg >= 0 && turn_deg <= 270 && turn_deg % 90 == 0);
+  return kTurns[static_cast<std::size_t>(turn_deg / 90)];
+}
+
+DrmHead head_of(const InstalledProjector& projector) {
+  const Plug& plug = projector.plug;
+  return {mode_of(projector), plug.card ? fmt::format("{}:{}", *plug.card, plug.connector) : plug.connector,
+          rotation_of(plug.turn_deg)};
+}
+
+}  // namespace
+
+Result<DrmOptions> drm_options(const OutputChoice& choice, const Installation& installation, double refresh_hz) {
   DrmOptions options;
   options.refresh_hz = refresh_hz;
-  options.cards = choice.cards;
-  for (const InstalledProjector& projector : installation.projectors) {
-    options.heads.push_back({mode_of(projector), {}, Rotation::kNone});
-  }
+  options.cards = choice.cards.empty() ? installation.cards : choice.cards;
+  options.is_awake = choice.is_awake;
+  for (const InstalledProjector& projector : installation.projectors) options.heads.push_back(head_of(projector));
   for (const OutputChoice::Head& head : choice.heads) {
     const auto found = std::find_if(options.heads.begin(), options.heads.end(),
                                     [&](const DrmHead& h) { return h.mode.name == head.projector; });
@@ -38,10 +49,8 @@ Result<std::unique_ptr<Output>> make_drm(const OutputChoice& choice, const Insta
     found->connector = head.connector;
     found->rotation = head.rotation;
   }
-  return open_drm_output(options, clock);
+  return options;
 }
-
-}  // namespace
 
 Result<OutputChoice::Head> parse_head(std::string_view text) {
   const std::size_t equals = text.rfind('=');
@@ -56,7 +65,7 @@ Result<OutputChoice::Head> parse_head(std::string_view text) {
   if (const std::size_t comma = place.find(','); comma != std::string_view::npos) {
     const auto degrees = parse_integer(place.substr(comma + 1));
     if (!degrees || *degrees < 0 || *degrees > 270 || *degrees % 90 != 0) return wrong;
-    head.rotation = kTurns[static_cast<std::size_t>(*degrees / 90)];
+    head.rotation = rotation_of(static_cast<int>(*degrees));
     place = place.substr(0, comma);
   }
   head.connector = place;
@@ -66,12 +75,16 @@ Result<OutputChoice::Head> parse_head(std::string_view text) {
 
 Result<std::unique_ptr<Output>> make_output(const OutputChoice& choice, const Installation& installation,
                                             double refresh_hz, const Clock& clock) {
-  if (choice.kind == OutputChoice::Kind::kDrm) return make_drm(choice, installation, refresh_hz, clock);
+  if (choice.kind == OutputChoice::Kind::kDrm) {
+    TRY_ASSIGN(const DrmOptions drm, drm_options(choice, installation, refresh_hz));
+    return open_drm_output(drm, clock);
+  }
   HeadlessOptions options;
   for (const InstalledProjector& projector : installation.projectors) options.heads.push_back(mode_of(projector));
   options.refresh_hz = refresh_hz;
   options.run_dir = choice.run_dir;
   options.renderer = choice.renderer;
+  options.is_awake = choice.is_awake;
   return open_headless_output(options, clock);
 }
 

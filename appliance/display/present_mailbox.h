@@ -51,6 +51,13 @@ struct RefreshEvent {
   }
 };
 
+/// What one head did in a refresh.
+struct HeadRefresh {
+  std::size_t head = 0;
+  HeadShown shown;
+  TimePoint picture_at{};  ///< Shutter of the frame that is shown, or when its first tile came; zero: no frame is seen.
+};
+
 /// A picture of what is shown, made only while somebody watches: the watcher lays an empty one out, the presenter fills
 /// it, the watcher takes it. Each side on one thread.
 template <typename Picture>
@@ -114,6 +121,7 @@ struct PresentMailbox {
   std::atomic<bool> is_failing{false};  ///< In: the tour is gone, or its frames are given up.
   RetiredFrames retired;                ///< Out.
   EventRing<RefreshEvent, 1024> refreshes;
+  EventRing<HeadRefresh, 4096> head_refreshes;
   WatchedPicture<Frame> panorama;
   std::vector<WatchedPicture<RgbImage>> heads;  ///< Of the heads' sizes.
 };

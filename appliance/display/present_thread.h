@@ -1,58 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
+#include <atomic>
 #include <future>
 #include <memory>
 #include <thread>
 
-#include "appliance/display/presenter.h"
+#include "appliance/display/atomic_slot.h"
+#include "appliance/display/output_keeper.h"
 #include "common/base/unique_fd.h"
 
 namespace cyclorama {
 
-/// What the present thread needs to begin.
-struct PresentPlan {
-  /// Called on the present thread, which then owns the output and its GL context.
-  std::function<Result<std::unique_ptr<Output>>()> open_output;
-  std::vector<HeadPlan> heads;
-  Frame attract;  ///< Shown until a frame comes, and when frames fail.
-  AttractTimes times;
-};
-
-/// The thread that owns GL and shows. Thread-bound to whoever starts it.
+/// The thread that owns GL and shows, whatever happens to the output. Thread-bound to whoever starts it.
 class PresentThread {
  public:
   /// Opens the output and draws nothing yet. Borrows the mailbox and the clock.
-  /// Errors of the output and of Presenter::make(); kTimedOut when the driver takes longer than 30 s.
+  /// Errors of OutputKeeper::open(); kTimedOut when the driver takes longer than 30 s.
   static Result<std::unique_ptr<PresentThread>> start(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock);
   /// Ends with the refresh that it is in.
   ~PresentThread() = default;
 
-  /// "headless EGL" and what GL says of itself.
-  [[nodiscard]] const std::string& output_kind() const { return kind_; }
-  [[nodiscard]] const std::string& renderer() const { return renderer_; }
-  /// The largest side of a picture that the graphics card takes.
+  /// How the output fares; null when nothing has changed since the last time. The first comes with start().
+  [[nodiscard]] std::unique_ptr<OutputState> take_state() { return state_.take(); }
+  /// The largest side of a picture that the graphics card takes. Thread-safe.
   [[nodiscard]] int largest_side_px() const { return largest_side_px_; }
-  /// Readable whenever a refresh was told to the mailbox; for poll(). Reset it with drain().
+  /// False when a refresh lasts longer than 2 s, or an attempt to open a lost output longer than 20 s: the driver
+  /// hangs.
+  [[nodiscard]] bool is_alive() const;
+  /// Readable whenever a refresh was told to the mailbox, and now and then; for poll(). Reset it with drain().
   [[nodiscard]] int event_fd() const { return event_fd_.get(); }
   void drain() const;
-  /// Once the output is lost, why. Then nothing is shown any more.
-  [[nodiscard]] Status state();
 
  private:
-  PresentThread() = default;
-  Status run(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock, const std::stop_token& stop);
+  explicit PresentThread(const Clock* clock) : clock_(*clock) {}
+  void run(PresentPlan plan, PresentMailbox* mailbox, const std::stop_token& stop);
+  void tell(const OutputState& state);
 
+  const Clock& clock_;
   UniqueFd event_fd_;
-  std::string kind_;
-  std::string renderer_;
-  int largest_side_px_ = 0;
-  std::promise<Done> started_;   // Set when the members above are.
-  std::promise<Status> result_;  // Set at the end.
-  std::future<Status> end_;
-  Status state_ = Done{};
-  std::jthread thread_;  // Last: it ends before what it uses.
+  AtomicSlot<OutputState> state_;
+  std::atomic<int> largest_side_px_{0};
+  std::atomic<bool> is_lost_{false};
+  std::atomic<TimePoint> turn_began_at_{};
+  std::promise<Status> started_;  // Set when the members above are.
+  std::jthread thread_;           // Last: it ends before what it uses.
 };
 
 }  // namespace cyclorama

@@ -53,6 +53,15 @@ Status Presenter::warm_up() {
   return output_.gl().check("trying the shaders");
 }
 
+Status Presenter::go_on_with(Showing showing) {
+  frame_ = std::move(showing.frame);
+  waiting_ = std::move(showing.waiting);
+  heading_ = showing.heading;
+  headings_ = showing.headings;
+  fade_ = showing.fade;
+  return frame_ == nullptr ? Status(Done{}) : panorama_.upload(*frame_);
+}
+
 Status Presenter::refresh() {
   TRY(output_.wait_for_refresh());
   RefreshEvent event;
@@ -77,7 +86,18 @@ Status Presenter::refresh() {
   event.shared_refresh = shared_.number();
   event.drawn_ahead = shared_.drawn_ahead();
   mailbox_.refreshes.push(event);
+  tell_heads();
   return Done{};
+}
+
+void Presenter::tell_heads() {
+  HeadRefresh told;
+  if (frame_ != nullptr && drawn_share_ < 1.0)
+    told.picture_at = frame_->shutter_ns != 0 ? from_nanoseconds(frame_->shutter_ns) : frame_->begun_at;
+  for (told.head = 0; told.head < painters_.size(); ++told.head) {
+    told.shown = output_.shown()[told.head];
+    mailbox_.head_refreshes.push(told);
+  }
 }
 
 void Presenter::take_in() {

@@ -14,6 +14,15 @@
 
 namespace cyclorama {
 
+/// What is shown, apart from where: it outlives an output that is lost.
+struct Showing {
+  std::unique_ptr<Frame> frame;  ///< Null before the first.
+  std::array<std::unique_ptr<Frame>, 8> waiting;  ///< Not due yet, in any order.
+  HeadingNow heading;                             ///< Its order is 0 before the first.
+  RecentHeadings headings;
+  AttractFade fade;
+};
+
 /// Draws and shows: the inside of the present thread. Thread-bound to the output's GL context. After warm-up (the first
 /// frames of the largest size) it allocates and frees nothing, takes no lock, writes no log and opens nothing; what the
 /// graphics driver does inside is the driver's.
@@ -24,6 +33,11 @@ class Presenter {
   static Result<std::unique_ptr<Presenter>> make(Output* output, const std::vector<HeadPlan>& plans,
                                                  const Frame& attract, const AttractTimes& times,
                                                  PresentMailbox* mailbox, const Clock* clock);
+
+  /// Goes on with what another one showed. kSystem  the graphics card refused the frame.
+  Status go_on_with(Showing showing);
+  /// For the next one. Afterwards this one may only die.
+  [[nodiscard]] Showing take_showing() { return {std::move(frame_), std::move(waiting_), heading_, headings_, fade_}; }
 
   /// Waits for a refresh and shows the newest frame for the newest heading, of those that are due (shared_refresh.h).
   /// Errors of Output: it is lost.
@@ -37,6 +51,7 @@ class Presenter {
   Status show_due_frame(RefreshEvent* ret_event);
   void turn_to_due_heading(RefreshEvent* ret_event);
   Status draw_heads();
+  void tell_heads();
   void read_back(std::size_t head, RgbImage* ret_picture);
   [[nodiscard]] bool is_any_head_watched() const;
 
@@ -52,9 +67,8 @@ class Presenter {
   AttractFade fade_;
   Frame attract_frame_;
   std::unique_ptr<Frame> frame_;  // Null before the first.
-  // Not due yet, in any order. Those that one refresh passes over and the one that it replaces find room among the
-  // retired.
-  std::array<std::unique_ptr<Frame>, 8> waiting_;
+  // Those that one refresh passes over and the one that it replaces find room among the retired.
+  decltype(Showing::waiting) waiting_;
   std::uint64_t newest_taken_ = 0;
   HeadingNow heading_;  // Its order is 0 before the first.
   RecentHeadings headings_;

@@ -8,11 +8,23 @@ namespace {
 constexpr auto kRatePeriod = std::chrono::seconds(1);
 }
 
-RefreshReporter::RefreshReporter(InspectionService* inspection) : inspection_(*inspection) {
+RefreshReporter::RefreshReporter(InspectionService* inspection, const std::vector<std::string>& heads)
+    : inspection_(*inspection) {
   for (const char* const gauge : {"refreshes_per_second", "frames_per_second", "frames_presented", "frames_dropped",
                                   "missed_refreshes", "bytes_per_frame", "tiles_per_frame", "tiles_decoded_per_frame",
                                   "refreshes_past_guard_band", "attract_share", "frames_late", "headings_late"}) {
     inspection_.set_gauge(gauge, 0.0);
+  }
+  for (const std::string& name : heads) {
+    heads_.push_back({"refresh_interval: " + name,
+                      "picture_age: " + name,
+                      "late_refreshes: " + name,
+                      "missed_refreshes: " + name,
+                      "lit: " + name,
+                      false,
+                      {}});
+    for (const std::string* const gauge : {&heads_.back().late, &heads_.back().missed, &heads_.back().lit})
+      inspection_.set_gauge(*gauge, 0.0);
   }
 }
 
@@ -22,7 +34,6 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
     inspection_.count("missed_refreshes", static_cast<double>(event.presented.refresh - *last_refresh_ - 1));
   }
   last_refresh_ = event.presented.refresh;
-  last_refresh_at_ = shown_at;
   ++refreshes_;
   inspection_.set_gauge("attract_share", event.attract_share);
   if (event.is_past_guard) inspection_.count("refreshes_past_guard_band");
@@ -69,6 +80,24 @@ void RefreshReporter::take_step(const RefreshEvent& event) {
     if (event.late(event.heading_due) > 0) inspection_.count("headings_late");
   }
   last_shared_refresh_ = event.shared_refresh;
+}
+
+void RefreshReporter::take(const HeadRefresh& refresh) {
+  Head& head = heads_.at(refresh.head);
+  const bool is_lit = refresh.shown.light != HeadShown::Light::kDark;
+  if (is_lit != head.is_lit) inspection_.set_gauge(head.lit, is_lit ? 1.0 : 0.0);
+  head.is_lit = is_lit;
+  if (refresh.picture_at != TimePoint{} && refresh.shown.light == HeadShown::Light::kNew)
+    inspection_.add_stage_time(head.age, refresh.shown.at - refresh.picture_at);
+  const std::optional<PictureStep> step = head.pacing.take(refresh.shown);
+  if (!step) return;
+  inspection_.add_stage_time(head.interval, step->interval);
+  if (step->is_late) inspection_.count(head.late);
+  if (step->missed > 0) inspection_.count(head.missed, static_cast<double>(step->missed));
+}
+
+void RefreshReporter::output_lost() {
+  for (std::size_t head = 0; head < heads_.size(); ++head) take(HeadRefresh{head, {}, {}});
 }
 
 void RefreshReporter::frame_dropped(const std::string& reason) {

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "appliance/display/presenter.h"
 #include "appliance/display/step_share.h"
 #include "common/wire/inspection_service.h"
 #include "common/wire/museum.pb.h"
+#include "drivers/output/pacing_meter.h"
 
 namespace cyclorama {
 
@@ -14,10 +17,14 @@ namespace cyclorama {
 /// Thread-bound.
 class RefreshReporter {
  public:
-  explicit RefreshReporter(InspectionService* inspection);
+  /// `heads`: the output's, in order.
+  RefreshReporter(InspectionService* inspection, const std::vector<std::string>& heads);
 
   /// A report when the refresh was the first of a frame.
   std::optional<wire::FramePresented> take(const RefreshEvent& event);
+  void take(const HeadRefresh& refresh);
+  /// Nothing is shown until more refreshes come.
+  void output_lost();
   void frame_dropped(const std::string& reason);
   /// Renews the rates about once a second; call it often.
   void tick(TimePoint now);
@@ -25,14 +32,23 @@ class RefreshReporter {
   [[nodiscard]] double frames_per_second() const { return frames_per_second_; }
   /// Of the last minute's refreshes; nothing where no others show the tour.
   [[nodiscard]] std::optional<double> in_step(TimePoint now) const { return step_.share(now); }
-  [[nodiscard]] TimePoint last_refresh_at() const { return last_refresh_at_; }
 
  private:
   void take_step(const RefreshEvent& event);
+  /// Names of what is shown of a head, and its pace.
+  struct Head {
+    std::string interval;
+    std::string age;
+    std::string late;
+    std::string missed;
+    std::string lit;
+    bool is_lit = false;
+    PacingMeter pacing;
+  };
 
   InspectionService& inspection_;
+  std::vector<Head> heads_;
   std::optional<std::uint64_t> last_refresh_;
-  TimePoint last_refresh_at_{};
   TimePoint counted_since_{};
   int refreshes_ = 0;
   int frames_ = 0;

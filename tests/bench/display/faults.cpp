@@ -28,7 +28,7 @@ constexpr std::array<Way, 6> kWays{
 /// What the wall showed at one refresh, worst first.
 enum class Seen { kDark, kOld, kOtherMode, kWell };
 
-/// The output's user: as the display's present thread and whoever starts that anew, but quicker.
+/// The output's user: as the display's output keeper, but it tries again at once.
 class Show {
  public:
   Show() : machine_(cards(), &clock_) {

@@ -24,12 +24,15 @@ attract_after_s = 3
 attract_fade_s = 0.5
 [walk]
 guide_after_s = 45
+[hours]
+open = ["Mon closed"]
 )",
                                                "site.toml");
   ASSERT_TRUE(settings) << settings.error().message();
   EXPECT_EQ(settings->attract_picture, "attract.jpg");
   EXPECT_EQ(settings->attract_times.after, std::chrono::seconds(3));
   EXPECT_EQ(settings->attract_times.fade, std::chrono::milliseconds(500));
+  EXPECT_FALSE(settings->hours.is_open(WallTime(std::chrono::hours(24 * 365 * 57))));
 }
 
 TEST(DisplaySettings, have_defaults) {
@@ -37,6 +40,7 @@ TEST(DisplaySettings, have_defaults) {
   ASSERT_TRUE(settings);
   EXPECT_TRUE(settings->attract_picture.empty());
   EXPECT_EQ(settings->attract_times.after, AttractTimes{}.after);
+  EXPECT_TRUE(settings->hours.is_open(WallTime(std::chrono::hours(24 * 365 * 57))));
 }
 
 TEST(DisplaySettings, refuse_what_they_do_not_know_by_line) {
@@ -49,6 +53,7 @@ TEST(DisplaySettings, refuse_what_they_do_not_know_by_line) {
   EXPECT_THAT(refused("[display]\nattract_fade_s = 0\n"), HasSubstr("between"));
   EXPECT_THAT(refused("[display]\nattract_picture = 7\n"), HasSubstr("site.toml:2"));
   EXPECT_THAT(refused("[displays]\n"), HasSubstr("display"));
+  EXPECT_THAT(refused("[hours]\nopen = [\"always\"]\n"), HasSubstr("site.toml:2: hours.open"));
 }
 
 TEST(AttractPicture, of_a_museum_spans_the_wall) {

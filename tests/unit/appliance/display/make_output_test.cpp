@@ -33,16 +33,54 @@ TEST(MakeOutput, refuses_what_names_no_place) {
   }
 }
 
-TEST(MakeOutput, knows_only_installed_projectors) {
+Installation two_projectors() {
   Installation installation;
-  installation.projectors.push_back({"left", Pinhole::from_field_of_view(64, 48, 1.0), {}});
+  for (const char* const name : {"left", "right"})
+    installation.projectors.push_back({name, Pinhole::from_field_of_view(64, 48, 1.0), {}, {}, {}});
+  return installation;
+}
+
+TEST(MakeOutput, hangs_projectors_where_the_installation_says) {
+  Installation installation = two_projectors();
+  installation.projectors[0].plug = {1, "DP-2", 90};
+  installation.projectors[1].plug = {{}, "HDMI-A-1", 180};
+  installation.cards = {"/dev/dri/card1"};
+  const auto options = drm_options({}, installation, 50.0);
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->heads[0].connector, "1:DP-2");
+  EXPECT_EQ(options->heads[0].rotation, Rotation::kQuarter);
+  EXPECT_EQ(options->heads[0].mode.name, "left");
+  EXPECT_EQ(options->heads[1].connector, "HDMI-A-1");
+  EXPECT_EQ(options->heads[1].rotation, Rotation::kHalf);
+  EXPECT_EQ(options->cards, installation.cards);
+  EXPECT_EQ(options->refresh_hz, 50.0);
+}
+
+TEST(MakeOutput, takes_an_options_word_over_the_installations) {
+  Installation installation = two_projectors();
+  installation.projectors[0].plug = {1, "DP-2", 90};
+  installation.projectors[1].plug = {{}, "HDMI-A-1", 180};
+  installation.cards = {"/dev/dri/card1"};
+  OutputChoice choice;
+  choice.heads = {*parse_head("left=DP-3")};
+  choice.cards = {"/dev/dri/card0"};
+  const auto options = drm_options(choice, installation, 60.0);
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->heads[0].connector, "DP-3");
+  EXPECT_EQ(options->heads[0].rotation, Rotation::kNone);
+  EXPECT_EQ(options->heads[1].connector, "HDMI-A-1");
+  EXPECT_EQ(options->heads[1].rotation, Rotation::kHalf);
+  EXPECT_EQ(options->cards, choice.cards);
+}
+
+TEST(MakeOutput, knows_only_installed_projectors) {
   OutputChoice choice;
   choice.kind = OutputChoice::Kind::kDrm;
-  choice.heads = {*parse_head("right=DP-1")};
+  choice.heads = {*parse_head("middle=DP-1")};
   const SteadyClock clock;
-  const auto output = make_output(choice, installation, 60.0, clock);
+  const auto output = make_output(choice, two_projectors(), 60.0, clock);
   ASSERT_FALSE(output);
-  EXPECT_THAT(output.error().message(), HasSubstr("'right' is no projector"));
+  EXPECT_THAT(output.error().message(), HasSubstr("'middle' is no projector"));
 }
 
 }  // namespace

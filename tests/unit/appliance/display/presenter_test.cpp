@@ -10,6 +10,7 @@
 
 #include "tests/doubles/manual_clock.h"
 #include "tests/doubles/painted_head.h"
+#include "tests/doubles/plain_show.h"
 
 namespace {
 thread_local bool is_counting = false;
@@ -36,29 +37,11 @@ namespace {
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
 
-std::unique_ptr<Frame> frame_of(std::uint64_t number, const PlanarPicture& picture, double heading_rad = 0.0) {
-  auto frame = std::make_unique<Frame>(
-      PaintedHead::frame(picture, {picture.width(), picture.height(), 1.4, 0.5, -0.5}, nullptr));
-  frame->order = number;
-  frame->number = number;
-  frame->heading_rad = heading_rad;
-  frame->reach_rad = 0.2;
-  return frame;
-}
-PlanarPicture plain(int width, int height, std::uint8_t code, bool half = false) {
-  PlanarPicture picture(width, height, half);
-  std::ranges::fill(picture.luma().data(), code);
-  return picture;
-}
-
 class Presenting : public ::testing::Test {
  protected:
   void SetUp() override {
     output_ = *open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock_);
-    WarpMesh mesh{kWidth, kHeight, 1, 1, {}, 0.0};
-    mesh.vertices = {
-        {0, 0, -0.5f, 0.5f}, {kWidth, 0, 0.5f, 0.5f}, {0, kHeight, -0.5f, -0.5f}, {kWidth, kHeight, 0.5f, -0.5f}};
-    const std::vector<HeadPlan> plans(2, {mesh, MaskImage(kWidth, kHeight, 1.0f)});
+    const std::vector<HeadPlan> plans(2, plain_head(kWidth, kHeight));
     const AttractTimes times{std::chrono::milliseconds(100), std::chrono::milliseconds(200)};
     auto presenter = Presenter::make(output_.get(), plans, *frame_of(0, plain(32, 16, 0)), times, &mailbox_, &clock_);
     ASSERT_TRUE(presenter) << presenter.error().message();

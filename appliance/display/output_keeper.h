@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "appliance/display/presenter.h"
+
+namespace cyclorama {
+
+/// What is needed to show.
+struct PresentPlan {
+  /// Called on the thread that shows, which then owns the output and its GL context; again whenever it was lost.
+  std::function<Result<std::unique_ptr<Output>>()> open_output;
+  std::vector<HeadPlan> heads;
+  Frame attract;  ///< Shown until a frame comes, and when frames fail.
+  AttractTimes times;
+};
+
+/// How the output fares.
+struct OutputState {
+  std::optional<Error> loss;  ///< Why there is none just now.
+  int losses = 0;             ///< Since the start.
+  std::string kind;           ///< "headless EGL", and what GL says of itself, of the newest that was opened.
+  std::string renderer;
+  int largest_side_px = 0;  ///< Of a picture that its graphics card takes.
+};
+
+/// A presenter on an output that is opened anew whenever it is lost, for ever: the graphics processor was reset, the
+/// card is gone, nothing helped. The inside of the present thread.
+///
+///              an error                  the pause is over
+///   showing ─────────────▶ lost, waiting ─────────────────▶ opening ──▶ showing: the frame, the heading and the fade
+///                              ▲                               │         of before, or a frame that came meanwhile
+///                              └───── an error: pause doubled ─┘
+///
+/// Pauses grow from 0.1 s to 5 s, and begin anew once an output lasted for 30 s. Showing keeps what Presenter promises.
+/// Borrows the mailbox and the clock. Thread-bound.
+class OutputKeeper {
+ public:
+  /// The first time an output that cannot be opened is an error: the output's, or Presenter::make()'s.
+  static Result<std::unique_ptr<OutputKeeper>> open(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock);
+  OutputKeeper(const OutputKeeper&) = delete;
+  OutputKeeper& operator=(const OutputKeeper&) = delete;
+
+  /// One refresh; or, while there is no output, at most 50 ms of the pause, or one attempt. True when state() changed.
+  bool refresh();
+  [[nodiscard]] const OutputState& state() const { return state_; }
+
+ private:
+  OutputKeeper(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock);
+  Status try_to_open();
+  void lose(Error why);
+
+  const PresentPlan plan_;
+  PresentMailbox& mailbox_;
+  const Clock& clock_;
+  OutputState state_;
+  std::optional<Showing> showing_;  // While nothing is open.
+  std::unique_ptr<Output> output_;
+  std::unique_ptr<Presenter> presenter_;  // After the output: it dies first.
+  TimePoint opened_at_{};
+  TimePoint try_at_{};
+  Duration pause_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// An output that is lost and comes back, on the fake card.
+#include "appliance/display/output_keeper.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+
+#include "drivers/output/drm/drm_output.h"
+#include "tests/doubles/fake_card/fake_machine.h"
+#include "tests/doubles/plain_show.h"
+
+namespace cyclorama {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::Ge;
+using ::testing::HasSubstr;
+using ::testing::Le;
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 36;
+
+class Keeping : public ::testing::Test {
+ protected:
+  void open() {
+    auto opened = OutputKeeper::open(plan(), &mailbox_, &clock_);
+    ASSERT_TRUE(opened) << opened.error().message();
+    keeper_ = *std::move(opened);
+  }
+  PresentPlan plan() {
+    PresentPlan plan;
+    plan.open_output = [this] {
+      tried_at_.push_back(clock_.now());
+      DrmOptions options;
+      options.heads = {{{"a", kWidth, kHeight}, "HDMI-A-1"}, {{"b", kWidth, kHeight}, "HDMI-A-3"}};
+      options.flip_timeout = std::chrono::milliseconds(20);
+      return open_drm_output(options, clock_);
+    };
+    plan.heads.assign(2, plain_head(kWidth, kHeight));
+    plan.attract = *frame_of(0, plain(32, 16, 0));
+    plan.times = {std::chrono::seconds(3600), std::chrono::milliseconds(100)};
+    return plan;
+  }
+  RefreshEvent refresh() {
+    keeper_->refresh();
+    mailbox_.retired.clear();
+    return mailbox_.refreshes.pop().value_or(RefreshEvent{});
+  }
+  void show(std::uint64_t number, std::uint8_t code) {
+    mailbox_.frame.put(frame_of(number, plain(40, 20, code)));
+    for (int n = 0; n < 12; ++n) refresh();
+  }
+  /// Turns until there is an output again.
+  void wait_for_output(int most_turns) {
+    while (keeper_->state().loss && most_turns-- > 0) refresh();
+    ASSERT_FALSE(keeper_->state().loss) << keeper_->state().loss->message();
+  }
+  void expect_shown(int code) {
+    for (const std::size_t connector : {0U, 2U}) {
+      const auto wall = machine_.wall(0, connector);
+      ASSERT_TRUE(wall);
+      EXPECT_THAT(wall->data(), Each(AllOf(Ge(code - 1), Le(code + 1)))) << connector;
+    }
+  }
+  std::vector<double> pauses_s() const {
+    std::vector<double> pauses;
+    for (std::size_t i = 1; i < tried_at_.size(); ++i) pauses.push_back(to_seconds(tried_at_[i] - tried_at_[i - 1]));
+    return pauses;
+  }
+
+  ManualClock clock_;
+  FakeMachine machine_{{three_projectors()}, &clock_};
+  PresentMailbox mailbox_{2};
+  std::vector<TimePoint> tried_at_;
+  std::unique_ptr<OutputKeeper> keeper_;
+};
+
+TEST_F(Keeping, shows_the_frame_again_when_the_graphics_processor_was_reset) {
+  open();
+  show(1, 150);
+  expect_shown(150);
+  machine_.reset_gpu();
+  EXPECT_TRUE(keeper_->refresh());
+  ASSERT_TRUE(keeper_->state().loss);
+  EXPECT_THAT(keeper_->state().loss->message(), HasSubstr("graphics processor was reset"));
+  EXPECT_EQ(keeper_->state().losses, 1);
+  EXPECT_EQ(machine_.held(), 0U);
+  EXPECT_FALSE(machine_.wall(0, 0));
+  wait_for_output(4);
+  const RefreshEvent event = refresh();
+  EXPECT_FALSE(event.is_first_of_frame);  // It was reported before.
+  EXPECT_EQ(event.attract_share, 0.0);
+  expect_shown(150);
+}
+
+TEST_F(Keeping, keeps_the_heading_and_takes_the_frame_that_came_meanwhile) {
+  open();
+  PlanarPicture halves(140, 20, false);
+  for (int y = 0; y < 20; ++y) std::fill_n(halves.luma().at(70, y), 70, std::uint8_t{255});
+  mailbox_.heading.put({0.1, 0});
+  show(1, 150);
+  machine_.reset_gpu();
+  refresh();
+  ASSERT_TRUE(keeper_->state().loss);
+  mailbox_.frame.put(frame_of(2, halves));
+  wait_for_output(4);
+  EXPECT_TRUE(refresh().is_first_of_frame);
+  // The visitor looks a tenth of a radian to the right: white begins as far left of the middle.
+  const auto wall = machine_.wall(0, 0);
+  ASSERT_TRUE(wall);
+  EXPECT_LT(wall->at(kWidth / 2 - 10, 18)[1], 50);
+  EXPECT_GT(wall->at(kWidth / 2 - 3, 18)[1], 200);
+}
+
+TEST_F(Keeping, tries_a_card_that_is_gone_with_growing_pauses_until_it_is_back) {
+  open();
+  show(1, 90);
+  machine_.fail("drmModeAtomicCommit (flip)", ENODEV);
+  mailbox_.heading.put({0.01, 0});
+  refresh();
+  ASSERT_TRUE(keeper_->state().loss);
+  machine_.set_master_taken(0, true);
+  const TimePoint lost_at = clock_.now();
+  tried_at_ = {lost_at};
+  while (clock_.now() - lost_at < std::chrono::seconds(60)) refresh();
+  const std::vector<double> pauses = pauses_s();
+  ASSERT_GE(pauses.size(), 15U);
+  EXPECT_NEAR(pauses[0], 0.1, 0.001);
+  for (std::size_t i = 1; i < pauses.size(); ++i) {
+    EXPECT_GE(pauses[i], pauses[i - 1] - 0.001);
+    EXPECT_LE(pauses[i], 5.001);
+  }
+  EXPECT_NEAR(pauses.back(), 5.0, 0.001);
+  EXPECT_THAT(keeper_->state().loss->message(), HasSubstr("belongs to another display server"));
+  machine_.set_master_taken(0, false);
+  wait_for_output(110);
+  refresh();
+  expect_shown(90);
+  EXPECT_EQ(keeper_->state().losses, 1);
+}
+
+TEST_F(Keeping, does_not_spin_when_what_it_opens_is_lost_at_once) {
+  open();
+  tried_at_ = {clock_.now()};
+  while (tried_at_.size() < 9) {
+    if (!keeper_->state().loss) machine_.reset_gpu();
+    refresh();
+  }
+  EXPECT_NEAR(pauses_s().front(), 0.1, 0.02);
+  EXPECT_NEAR(pauses_s().back(), 5.0, 0.1);
+  // One that lasted is opened at once again.
+  wait_for_output(2);
+  const TimePoint opened_at = clock_.now();
+  while (clock_.now() - opened_at < std::chrono::seconds(31)) refresh();
+  machine_.reset_gpu();
+  tried_at_ = {clock_.now()};
+  refresh();
+  wait_for_output(4);
+  EXPECT_NEAR(pauses_s().back(), 0.1, 0.02);
+}
+
+TEST_F(Keeping, comes_back_whichever_call_fails_while_it_opens) {
+  open();
+  show(1, 120);
+  const std::map<std::string, int> calls = machine_.calls();
+  EXPECT_GT(calls.size(), 20U);
+  double heading_rad = 0.01;
+  for (const auto& [call, count] : calls) {
+    machine_.fail("drmModeAtomicCommit (flip)", ENODEV);
+    heading_rad = -heading_rad;  // Something new to flip.
+    mailbox_.heading.put({heading_rad, 0});
+    refresh();
+    ASSERT_TRUE(keeper_->state().loss) << call;
+    machine_.fail(call, EIO);
+    for (int n = 0; n < 260 && (keeper_->state().loss || !machine_.wall(0, 0) || !machine_.wall(0, 2)); ++n) refresh();
+    ASSERT_FALSE(keeper_->state().loss) << call;
+    for (int n = 0; n < 3; ++n) refresh();  // A flip that fails, and what the card then shows anew.
+    expect_shown(120);
+  }
+  keeper_.reset();
+  EXPECT_EQ(machine_.held(), 0U);
+}
+
+TEST_F(Keeping, says_why_it_cannot_begin) {
+  machine_.set_master_taken(0, true);
+  const auto opened = OutputKeeper::open(plan(), &mailbox_, &clock_);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code(), ErrorCode::kBusy);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -131,7 +131,7 @@ TEST(Installation, says_where_a_projector_is_plugged_in) {
   EXPECT_THAT(complaint(kRoom + "turn_deg = 45\n"), HasSubstr("turn_deg"));
   EXPECT_THAT(complaint(kRoom + "turn_deg = 360\n"), HasSubstr("turn_deg"));
   EXPECT_THAT(complaint(kRoom + "card = 1\n"), HasSubstr("without a 'connector'"));
-  EXPECT_THAT(complaint(kRoom + "card = -1\nconnector = \"DP-1\"\n"), HasSubstr("projector.card"));
+  EXPECT_THAT(complaint(kRoom + "card = -1\nconnector = \"DP-1\"\n"), HasSubstr("projector[0].card"));
   EXPECT_THAT(complaint(kRoom + "connector = \"1:DP-1\"\n"), HasSubstr("write card = 1"));
   EXPECT_THAT(complaint("cards = \"/dev/dri/card0\"\n" + kRoom), HasSubstr("room.toml:1: cards"));
   const std::string other = with(kRoom.substr(kRoom.find("[[projector]]")), "\"left\"", "\"right\"");
@@ -156,7 +156,7 @@ TEST(Installation, says_how_a_projector_is_switched) {
   EXPECT_EQ(other->projectors[0].pjlink->password_file, "");
   EXPECT_FALSE(parse_installation(kRoom, "room.toml")->projectors[0].pjlink);
   EXPECT_THAT(complaint(kRoom + "pjlink = \"2001:db8::11\"\n"), HasSubstr("must be HOST or HOST:PORT"));
-  EXPECT_THAT(complaint(kRoom + "pjlink = \"a:b:c\"\n"), HasSubstr("projector.pjlink"));
+  EXPECT_THAT(complaint(kRoom + "pjlink = \"a:b:c\"\n"), HasSubstr("projector[0].pjlink"));
   EXPECT_THAT(complaint(kRoom + "pjlink_password_file = \"pw\"\n"), HasSubstr("needs 'pjlink'"));
 }
 

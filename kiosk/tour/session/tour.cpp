@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/text.h"
+#include "common/geometry/guard_band.h"
 #include "common/wire/convert.h"
 #include "kiosk/tour/session/site.h"
 

@@ -155,7 +155,8 @@ TEST(FrameAssembler, decodes_only_the_tiles_that_a_head_shows) {
       map.at(x, y)[1] = 0.5f - static_cast<float>(y) / 200.0f;
     }
   }
-  FrameAssembler assembler(&pool, &sink, &clock, {{HeadFootprint(map, MaskImage(3, 200, 1.0f))}, 1.6});
+  FrameAssembler assembler(&pool, &sink, &clock,
+                           {{HeadFootprint(map, MaskImage(3, 200, 1.0f))}, Panorama{1280, 96, 1.6, 0.5, -0.5}});
   const Panorama panorama{1600, 96, 2.0, 0.5, -0.5};
   const RgbImage picture = gradient(1600, 96);
   for (const auto& message : frame_messages(7, picture, panorama, 0.0, 32)) assembler.take(message);

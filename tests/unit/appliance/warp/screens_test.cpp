@@ -13,6 +13,7 @@
 #include "common/image/colour.h"
 #include "drivers/simulated_room/room_picture.h"
 #include "tests/doubles/demo_room.h"
+#include "tests/doubles/mesh_area.h"
 #include "tests/doubles/warped_picture.h"
 
 namespace cyclorama {
@@ -68,16 +69,8 @@ TEST_P(ScreenWarp, triangles_cover_the_picture_once) {
   const Installation room = this->room();
   const auto mesh = make_warp_mesh(ProjectorMap(room, 0), room.picture(width_px()));
   ASSERT_TRUE(mesh);
-  double area = 0.0;
-  const std::vector<std::uint32_t> corners = mesh->triangles();
-  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-    const WarpVertex& a = mesh->vertices[corners[i]];
-    const WarpVertex& b = mesh->vertices[corners[i + 1]];
-    const WarpVertex& c = mesh->vertices[corners[i + 2]];
-    area += 0.5 * std::abs((b.x_px - a.x_px) * (c.y_px - a.y_px) - (c.x_px - a.x_px) * (b.y_px - a.y_px));
-  }
   // Meshes on a wall that goes on without end leave out nothing.
-  EXPECT_NEAR(area, static_cast<double>(mesh->width_px) * mesh->height_px, 2.0);
+  EXPECT_NEAR(area_px2(*mesh), static_cast<double>(mesh->width_px) * mesh->height_px, 2.0);
 }
 
 TEST_P(ScreenWarp, is_lit_everywhere_and_weights_add_up_to_one) {

@@ -10,6 +10,7 @@
 
 #include "appliance/warp/blend_mask.h"
 #include "tests/doubles/demo_room.h"
+#include "tests/doubles/mesh_area.h"
 
 namespace cyclorama {
 namespace {
@@ -129,15 +130,7 @@ TEST(WarpMesh, gives_each_vertex_back_and_covers_the_picture_with_triangles) {
     EXPECT_NEAR(at->azimuth_rad, vertex.azimuth_rad, 1e-9);
     EXPECT_NEAR(at->tan_elevation, vertex.tan_elevation, 1e-9);
   }
-  double area = 0.0;
-  const std::vector<std::uint32_t> corners = mesh->triangles();
-  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-    const WarpVertex& a = mesh->vertices[corners[i]];
-    const WarpVertex& b = mesh->vertices[corners[i + 1]];
-    const WarpVertex& c = mesh->vertices[corners[i + 2]];
-    area += 0.5 * std::abs((b.x_px - a.x_px) * (c.y_px - a.y_px) - (c.x_px - a.x_px) * (b.y_px - a.y_px));
-  }
-  EXPECT_NEAR(area, 640.0 * 480.0, 1.0);
+  EXPECT_NEAR(area_px2(*mesh), 640.0 * 480.0, 1.0);
 }
 
 TEST(WarpMesh, leaves_out_what_has_no_direction) {

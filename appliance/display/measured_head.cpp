@@ -22,6 +22,7 @@ Result<HeadPlan> head_of(const WarpRegion& region, WarpProfile profile, const Pi
   TRY_ASSIGN(const DirectionMap directions, directions_of(region, profile, setting));
   TRY_ASSIGN(Warp warp, warp_from(directions, lens.width_px, lens.height_px, setting.picture));
   HeadPlan head{std::move(warp), mask_of(region)};
+  head.picture = setting.picture;
   if (auto black = black_level_of(region)) {
     head.colour.black = Eigen::Vector3d::Ones();
     head.colour.lift = *std::move(black);

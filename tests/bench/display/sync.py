@@ -132,13 +132,13 @@ def run(build, seconds, folder):
         farm.stdin.write(address + "\n")
         farm.stdin.flush()
         time.sleep(WARM_UP_S + 2 + seconds)
+        farm.send_signal(signal.SIGTERM)
+        told = farm.communicate(timeout=30)[0].splitlines()
         for child in children[2:]:
             child.send_signal(signal.SIGTERM)
         for child in children[2:]:
             if child.wait(timeout=30) != 0:
                 sys.exit("a display failed")
-        farm.send_signal(signal.SIGTERM)
-        told = farm.communicate(timeout=30)[0].splitlines()
     finally:
         for child in children:
             child.kill()

@@ -198,7 +198,7 @@ TEST_F(PresentingInStep, turns_to_each_heading_at_its_refresh_and_never_back) {
 TEST_F(PresentingInStep, keeps_frames_that_wait_within_bounds) {
   std::size_t untaken = 0;
   for (std::uint64_t n = 1; n <= 40; ++n) {
-    untaken += mailbox_.frames.put(frame(n, 60)) != nullptr ? 1 : 0;
+    untaken += mailbox_.frames.put(frame(n, 60)) != nullptr ? 1U : 0U;
     refresh();
   }
   EXPECT_EQ(untaken, 40U - 8 - 4) << "8 wait with the presenter, 4 before it";

@@ -72,7 +72,7 @@ class HeadPacing {
     const auto step = meter_.take(shown);
     if (!step) return;
     intervals_ms_.add(to_milliseconds(step->interval));
-    late_ += step->is_late ? 1 : 0;
+    late_ += step->is_late ? 1U : 0U;
     missed_ += step->missed;
   }
   [[nodiscard]] std::string text() const {

@@ -142,6 +142,7 @@ class Room {
     std::vector<Shown> shown;
     StepShare share;
     TimePoint held_until{};
+    TimePoint ready_at{};
   };
 
   [[nodiscard]] TimePoint clock_of(std::size_t i, TimePoint t) const {
@@ -164,8 +165,10 @@ class Room {
     for (std::size_t i = 0; i < displays_.size(); ++i) {
       const Computer& computer = displays_[i].computer;
       const auto decode = computer.decode * std::uniform_real_distribution<double>(1.0, 1.5)(random_);
-      const TimePoint ready =
-          std::max(now + delay(computer.back), displays_[i].held_until) + std::chrono::duration_cast<Duration>(decode);
+      // One after the other, as they came.
+      TimePoint& ready = displays_[i].ready_at;
+      ready = std::max(ready, std::max(now + delay(computer.back), displays_[i].held_until) +
+                                  std::chrono::duration_cast<Duration>(decode));
       events_.at(ready, [this, i, frame, at = show_at_of(message)] {
         displays_[i].clock.frame_ready(at, clock_of(i, events_.now()));
         displays_[i].waiting.emplace_back(frame, at);
@@ -187,7 +190,8 @@ class Room {
     for (const auto& [frame, at] : display.waiting) {
       if (frame <= display.frame || !display.shared.is_due(at)) continue;
       display.frame = frame;
-      display.due = at;
+      // As the presenter: from its refresh on a frame was missing, whichever is seen now.
+      if (display.due.period_ns == 0 || at.refresh < display.due.refresh) display.due = at;
     }
     std::erase_if(display.waiting, [&](const auto& waiting) { return waiting.first <= display.frame; });
     const auto draw = std::chrono::microseconds(std::uniform_int_distribution<int>(1'000, 3'000)(random_));

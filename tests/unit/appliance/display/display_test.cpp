@@ -264,6 +264,7 @@ TEST_F(Displaying, measures_the_tours_clock_and_shows_at_the_refresh_that_it_is_
   system_ahead_ = std::chrono::milliseconds(250);
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
+  tour->send_heading(0.0, 0);  // Until the tour says something, the display does not know it to be there.
   ASSERT_TRUE(tour->wait_for_questions(16));
   EXPECT_TRUE(wait_until([&] { return std::abs(gauge("clock_skew_ms") - 250.0) <= gauge("clock_error_ms") + 5.0; }));
   constexpr std::int64_t kPeriod_ns = 16'666'667;

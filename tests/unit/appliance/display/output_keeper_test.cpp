@@ -46,11 +46,11 @@ class Keeping : public ::testing::Test {
   }
   RefreshEvent refresh() {
     keeper_->refresh();
-    mailbox_.retired.clear();
+    mailbox_.retired.clear([](const Frame&) {});
     return mailbox_.refreshes.pop().value_or(RefreshEvent{});
   }
   void show(std::uint64_t number, std::uint8_t code) {
-    mailbox_.frame.put(frame_of(number, plain(40, 20, code)));
+    mailbox_.frames.put(frame_of(number, plain(40, 20, code)));
     for (int n = 0; n < 12; ++n) refresh();
   }
   /// Turns until there is an output again.
@@ -100,12 +100,12 @@ TEST_F(Keeping, keeps_the_heading_and_takes_the_frame_that_came_meanwhile) {
   open();
   PlanarPicture halves(140, 20, false);
   for (int y = 0; y < 20; ++y) std::fill_n(halves.luma().at(70, y), 70, std::uint8_t{255});
-  mailbox_.heading.put({0.1, 0});
+  mailbox_.headings.put({0.1, 0});
   show(1, 150);
   machine_.reset_gpu();
   refresh();
   ASSERT_TRUE(keeper_->state().loss);
-  mailbox_.frame.put(frame_of(2, halves));
+  mailbox_.frames.put(frame_of(2, halves));
   wait_for_output(4);
   EXPECT_TRUE(refresh().is_first_of_frame);
   // The visitor looks a tenth of a radian to the right: white begins as far left of the middle.
@@ -119,7 +119,7 @@ TEST_F(Keeping, tries_a_card_that_is_gone_with_growing_pauses_until_it_is_back) 
   open();
   show(1, 90);
   machine_.fail("drmModeAtomicCommit (flip)", ENODEV);
-  mailbox_.heading.put({0.01, 0});
+  mailbox_.headings.put({0.01, 0});
   refresh();
   ASSERT_TRUE(keeper_->state().loss);
   machine_.set_master_taken(0, true);
@@ -171,7 +171,7 @@ TEST_F(Keeping, comes_back_whichever_call_fails_while_it_opens) {
   for (const auto& [call, count] : calls) {
     machine_.fail("drmModeAtomicCommit (flip)", ENODEV);
     heading_rad = -heading_rad;  // Something new to flip.
-    mailbox_.heading.put({heading_rad, 0});
+    mailbox_.headings.put({heading_rad, 0});
     refresh();
     ASSERT_TRUE(keeper_->state().loss) << call;
     machine_.fail(call, EIO);

@@ -42,7 +42,7 @@ class PresentingAlone : public ::testing::Test {
     const TimePoint deadline = clock_.now() + std::chrono::seconds(20);
     while (!condition()) {
       if (clock_.now() > deadline) return false;
-      mailbox_.retired.clear();
+      mailbox_.retired.clear([](const Frame&) {});
       while (mailbox_.refreshes.pop()) ++refreshes_;
       if (auto state = present_->take_state()) state_ = *state;
       EXPECT_TRUE(present_->is_alive());
@@ -70,7 +70,7 @@ TEST_F(PresentingAlone, opens_a_lost_output_again_and_shows_the_newest_frame) {
   start(clock_);
   EXPECT_TRUE(serve_until([&] { return !state_.kind.empty(); }));
   EXPECT_GT(present_->largest_side_px(), 1000);
-  mailbox_.frame.put(frame_of(1, plain(40, 20, 180)));
+  mailbox_.frames.put(frame_of(1, plain(40, 20, 180)));
   EXPECT_TRUE(serve_until([&] { return refreshes_ > 10; }));
   EXPECT_THAT(shown().data(), Each(AllOf(Ge(179), Le(181))));
 

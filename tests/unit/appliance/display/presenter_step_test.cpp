@@ -24,6 +24,7 @@ class RasterOutput final : public Output {
   [[nodiscard]] double refresh_hz() const override { return 100.0; }
   [[nodiscard]] std::string kind() const override { return "raster"; }
   [[nodiscard]] const Gl& gl() const override { return memory_->gl(); }
+  [[nodiscard]] const std::vector<HeadShown>& shown() const override { return memory_->shown(); }
   Status wait_for_refresh() override {
     clock_.set(start_ + static_cast<std::int64_t>(refresh_ + 1) * kPeriod - 4ms);
     return Done{};
@@ -68,7 +69,7 @@ class PresentingInStep : public ::testing::Test {
   static std::unique_ptr<Frame> frame(std::uint64_t order, std::int64_t refresh) {
     PlanarPicture picture(32, 16, false);
     std::ranges::fill(picture.luma().data(), static_cast<std::uint8_t>(5 * order));
-    auto frame = std::make_unique<Frame>(PaintedHead::frame(picture, {32, 16, 1.4, 0.5, -0.5}, nullptr));
+    auto frame = std::make_unique<Frame>(PaintedHead::frame(picture, Panorama{32, 16, 1.4, 0.5, -0.5}, nullptr));
     frame->order = frame->number = order;
     frame->reach_rad = 0.2;
     if (refresh != 0) frame->show_at = {refresh, kPeriod_ns, 0};

@@ -146,7 +146,7 @@ TEST(Screens, mistakes_name_their_line) {
               HasSubstr("within 0.05 m"));
   EXPECT_THAT(complaint(room_of("shape = \"dome\"\ncentre_m = [0, 1, 0]\nradius_m = 3\nfield_deg = 400\n")),
               HasSubstr("wall.field_deg"));
-  EXPECT_THAT(complaint(room_of("shape = \"mesh\"\nfile = \"../wall.obj\"\n")), HasSubstr("write its name alone"));
+  EXPECT_THAT(complaint(room_of("shape = \"mesh\"\nfile = \"../wall.obj\"\n")), HasSubstr("not a path"));
   EXPECT_THAT(complaint(room_of("shape = \"mesh\"\nfile = \"none.obj\"\n")),
               AllOf(StartsWith("room.toml:4: wall.file"), HasSubstr("none.obj")));
 }

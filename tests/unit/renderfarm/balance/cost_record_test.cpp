@@ -98,7 +98,7 @@ TEST_F(CostRecord, refuses_what_no_recorder_writes_in_one_sentence) {
   EXPECT_THAT(with(12, std::uint32_t{4000000000}), HasSubstr("1 to 16384"));
   EXPECT_THAT(with(12, std::uint32_t{16384}), HasSubstr("does not fit"));
   EXPECT_THAT(with(20, std::numeric_limits<double>::quiet_NaN()), HasSubstr("heading"));
-  EXPECT_THAT(with(28, 0.0), HasSubstr("span"));
+  EXPECT_THAT(with(28, -0.5), HasSubstr("span"));
   EXPECT_THAT(with(36, std::numeric_limits<double>::infinity()), HasSubstr("eye"));
   EXPECT_THAT(with(60, -1.0), HasSubstr("effort"));
   EXPECT_THAT(with(68, -1.0f), HasSubstr("work"));

@@ -148,15 +148,17 @@ TEST_F(DenoisingRendererTest, stops_when_it_is_cancelled) {
   EXPECT_EQ(picture, RgbImage(200, 150));
 }
 
-TEST_F(DenoisingRendererTest, knows_panoramas_for_one_eye_only) {
+TEST_F(DenoisingRendererTest, knows_pictures_for_one_eye_only) {
   EXPECT_TRUE(check_denoisable(view()));
   PanoramaView other = view();
-  other.projection = Projection{Fisheye{64, 64, 3.0}, {}};
-  EXPECT_EQ(check_denoisable(other).error().code(), ErrorCode::kInvalidArgument);
-  other.projection = Projection{view().panorama, {}};
-  EXPECT_TRUE(check_denoisable(other));
-  other.projection->viewing.eyes = Eyes::kLeft;
-  EXPECT_FALSE(check_denoisable(other));
+  for (const PictureShape& shape : {PictureShape(view().panorama), PictureShape(Fisheye{64, 64, 3.0})}) {
+    other.projection = Projection{shape, {}};
+    EXPECT_TRUE(check_denoisable(other));
+    other.projection->viewing.eyes = Eyes::kLeft;
+    const Status refused = check_denoisable(other);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code(), ErrorCode::kInvalidArgument);
+  }
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ TEST(VisitLog, does_not_grow_with_names_that_peers_invent) {
 
 class SilentDisplay final : public DisplayLink {
  public:
-  void send_heading(double, std::int64_t) override {}
+  void send_heading(double, std::int64_t, const wire::ShowAt*) override {}
   std::optional<std::uint64_t> send(const SharedShowMessage&) override { return std::nullopt; }
   void close(const Error&) override {}
 };

@@ -55,7 +55,7 @@ class Log:
         for line in path.read_text(encoding="utf-8").splitlines():
             words = line.split()
             if words[0] == "#":
-                self.gauges[words[1]] = float(words[2])
+                self.gauges[" ".join(words[1:-1])] = float(words[-1])
             elif words[1] != "-":
                 self.rows.append((int(words[0]), int(words[1]), int(words[2]), int(words[3]), int(words[4]), float(words[5])))
         if not self.rows:

@@ -60,10 +60,10 @@ struct Installation {
   ///
   ///   one plane               perspective, on a plane whose tilt is the wall's; unless it reaches beyond 75 degrees
   ///   a dome                  fisheye about the dome's axis
-  ///   all else                panorama; what leaves the sweet spot in a corner's direction lands in the corner, so
-  ///   flat
-  ///                           pieces need no picture of their own. A fisheye if it rises or falls beyond 75 degrees,
-  ///                           where a tangent of elevation wastes its rows.
+  ///   all else                panorama; what leaves the sweet spot in a corner's direction
+  ///                           lands in the corner, so flat pieces need no picture of their own.
+  ///                           A fisheye if it rises or falls beyond 75 degrees, where a tangent
+  ///                           of elevation wastes its rows.
   ///
   /// `height_px` of 0: square pixels; of a fisheye the width.
   [[nodiscard]] PictureShape picture(int width_px, int height_px = 0) const;

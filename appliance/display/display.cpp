@@ -205,7 +205,7 @@ void Display::serve(TimePoint deadline) {
 
 /// What should be follows from the time alone: whenever the process started, and whatever the clock did.
 void Display::keep_hours() {
-  is_awake_ = options_.hours.is_open(options_.wall_time());
+  is_awake_ = options_.hours.is_open(options_.system_clock());
   inspection_.set_gauge("awake", is_awake_ ? 1.0 : 0.0);
 }
 

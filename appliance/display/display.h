@@ -33,11 +33,9 @@ struct DisplayOptions {
   int decode_threads = 2;
   std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: an evening sky.
   AttractTimes attract_times;
+  OpeningHours hours;  ///< The heads are dark outside of them.
   SystemClock system_clock = std::chrono::system_clock::now;
   std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: told of every refresh, on main; may be null.
-  OpeningHours hours;  ///< The heads are dark outside of them.
-  /// For `hours`; what the computer's clock says, if a test does not.
-  std::function<WallTime()> wall_time = [] { return std::chrono::system_clock::now(); };
 };
 
 /// One projection computer's picture, from the tour's tiles to the heads.

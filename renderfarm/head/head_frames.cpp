@@ -85,12 +85,16 @@ void HeadState::plan(SessionId id, Session& session) {
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   if (session.governed) govern(*session.governed, &frame);
   frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
-  for (const PlacedBlock& block : split(session, frame.view, frame.view.denoise())) {
+  const std::vector<PlacedBlock> blocks = split(session, frame.view, frame.view.denoise());
+  const std::uint64_t first_block = last_block_ + 1;
+  for (const PlacedBlock& block : blocks) {
     frame.assembly.plan(++last_block_, block.node, block.rect, block.forecast);
-    order_block(id, session, frame, last_block_, block.node, block.rect);
   }
   frame.last_planned = last_block_;
   frame.planned_at = clock_.now();
+  // From here on it is the fan-out: the first order of a stream is written at once, on this thread.
+  std::uint64_t number = first_block;
+  for (const PlacedBlock& block : blocks) order_block(id, session, frame, number++, block.node, block.rect);
 }
 
 void HeadState::order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block,

@@ -30,11 +30,14 @@ class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
 }  // namespace
 
 /// One file on its way. It is in the server's queue, or a piece of it is being written, or it is finished: never two of
-/// these, so it needs no lock of its own.
+/// these. gRPC carries it from thread to thread between them; the lock, never waited for, carries its memory as well,
+/// in a way that a sanitizer sees.
 class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk> {
  public:
   Stream(FileServer& server, grpc::CallbackServerContext* context, StampedFile file, std::uint64_t offset)
-      : server_(server), context_(context), who_(identity_of(*context)), file_(std::move(file)), offset_(offset) {}
+      : server_(server), context_(context), who_(identity_of(*context)), file_(std::move(file)), offset_(offset) {
+    const std::lock_guard handed_over(hand_over_);
+  }
 
   [[nodiscard]] bool is_at_end() const { return offset_ == file_.stamp.bytes; }
   [[nodiscard]] bool is_cancelled() const { return context_->IsCancelled(); }
@@ -43,19 +46,10 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   /// Reads and sends; what it costs. The stream may be gone afterwards.
   std::uint64_t send_next() {
     const auto want = std::min<std::uint64_t>(kPieceBytes, file_.stamp.bytes - offset_);
-    std::string& data = *chunk_.mutable_data();
-    data.resize(want);
-    ssize_t got = -1;
-    do {
-      got = ::pread(file_.fd.get(), data.data(), want, static_cast<off_t>(offset_));
-    } while (got < 0 && errno == EINTR);
-    if (got != static_cast<ssize_t>(want)) {
+    if (!read_next(want)) {
       end(to_grpc(Error(ErrorCode::kNotFound, "the file was changed on the head, or its disk fails; look there")));
       return 0;
     }
-    chunk_.set_offset(offset_);
-    offset_ += want;
-    writing_since_ = server_.clock_.now().time_since_epoch().count();
     StartWrite(&chunk_);
     return want;
   }
@@ -68,14 +62,32 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   }
 
  private:
+  [[nodiscard]] bool read_next(std::uint64_t want) {
+    const std::lock_guard handed_over(hand_over_);
+    std::string& data = *chunk_.mutable_data();
+    data.resize(want);
+    ssize_t got = -1;
+    do {
+      got = ::pread(file_.fd.get(), data.data(), want, static_cast<off_t>(offset_));
+    } while (got < 0 && errno == EINTR);
+    if (got != static_cast<ssize_t>(want)) return false;
+    chunk_.set_offset(offset_);
+    offset_ += want;
+    writing_since_ = server_.clock_.now().time_since_epoch().count();
+    return true;
+  }
   void OnWriteDone(bool ok) override {
-    writing_since_ = 0;
+    {
+      const std::lock_guard handed_over(hand_over_);
+      writing_since_ = 0;
+      if (ok) server_.sent_bytes_ += chunk_.data().size();
+    }
     if (!ok) return end(grpc::Status::CANCELLED);
-    server_.sent_bytes_ += chunk_.data().size();
     if (is_at_end()) return end(grpc::Status::OK);
     server_.queue(*this);
   }
   void OnDone() override {
+    { const std::lock_guard handed_over(hand_over_); }
     server_.forget(*this);
     delete this;
   }
@@ -86,6 +98,7 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   const StampedFile file_;
   std::uint64_t offset_;
   wire::FileChunk chunk_;
+  std::mutex hand_over_;
   std::atomic<Duration::rep> writing_since_ = 0;  ///< TimePoint's count; 0: nothing is being written.
 };
 

@@ -74,12 +74,12 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
       : id_(id), context_(context), events_(events) {}
 
   void OnReadDone(bool ok) override {
-    if (!ok) return events_.on_closed(id_);
     In message;
     {
       const std::lock_guard lock(mutex_);
-      std::swap(message, in_);
+      if (ok) std::swap(message, in_);
     }
+    if (!ok) return events_.on_closed(id_);
     events_.on_read(id_, std::move(message));
   }
 

@@ -93,7 +93,7 @@ Status HeadState::hello(NodeId id, Node& node, const wire::Hello& hello) {
   // Those that are visited first; none that comes later takes the place of one that came before.
   std::vector<FarmScene> order = scenes_;
   std::set<std::string> keep = scenes_in_use();
-  std::ranges::stable_partition(order, [&](const FarmScene& scene) { return keep.contains(scene.name); });
+  std::stable_partition(order.begin(), order.end(), [&](const FarmScene& scene) { return keep.contains(scene.name); });
   for (const FarmScene& scene : order) {
     keep.insert(scene.name);
     order_scene(id, node, scene, keep);

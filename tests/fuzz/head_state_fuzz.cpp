@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/client/view_window.h"
@@ -73,7 +74,8 @@ class Farm {
         break;
       case 6:
         clock_.advance(std::chrono::milliseconds(50) * input.byte());
-        if (input.byte() % 4 == 3) state_.scene_read("c", std::string(64, 'd'));
+        // The head reads each of its own scenes once.
+        if (input.byte() % 4 == 3 && !std::exchange(is_read_, true)) state_.scene_read("c", std::string(64, 'd'));
         break;
       case 7:
         take_all();
@@ -211,11 +213,12 @@ class Farm {
 
   FakeClock clock_;
   FakePeers peers_;
-  HeadState state_{{{"a", "a"}, {"b", "b"}, {"c", "c", true}}, BalanceStrategy::kCostMapStealing, small_pictures(),
-                   clock_, peers_};
+  HeadState state_{
+      {{"a", "a"}, {"b", "b"}, {"c", "c", true}}, BalanceStrategy::kCostMapStealing, small_pictures(), clock_, peers_};
   std::uint64_t last_id_ = 0;
   std::array<NodeId, 3> nodes_{};
   std::array<Visit, 3> visits_{};
+  bool is_read_ = false;
 };
 
 }  // namespace

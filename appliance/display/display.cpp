@@ -20,7 +20,14 @@ constexpr auto kRedialAfter = std::chrono::milliseconds(250);
 constexpr std::size_t kMostDropsWaiting = 256;
 constexpr char kPassedOver[] = "a newer frame was ready before it could be shown";
 
-Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const PictureShape& picture) {
+/// Of the pixels that an eye gets.
+Result<std::vector<HeadPlan>> plan_heads(Installation installation, const PictureShape& picture) {
+  std::optional<StereoPacking> packing;
+  if (installation.stereo) {
+    packing = installation.stereo->packing;
+    for (InstalledProjector& projector : installation.projectors)
+      projector.lens = lens_of_an_eye(projector.lens, *packing);
+  }
   const std::vector<ProjectorMap> maps = projector_maps(installation);
   std::vector<MaskImage> masks = make_blend_masks(maps);
   std::vector<HeadPlan> heads;
@@ -28,6 +35,7 @@ Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const
     if (installation.projectors[i].warp) {
       TRY_ASSIGN(HeadPlan measured, measured_head(installation, i, picture));
       heads.push_back(std::move(measured));
+      heads.back().packing = packing;
       continue;
     }
     auto warp = make_warp(maps[i], picture);
@@ -37,6 +45,7 @@ Result<std::vector<HeadPlan>> plan_heads(const Installation& installation, const
     head.warp = *std::move(warp);
     head.mask = std::move(masks[i]);
     head.picture = picture;
+    head.packing = packing;
   }
   return heads;
 }
@@ -84,13 +93,13 @@ Display::Display(DisplayOptions options, const Clock& clock)
 Display::~Display() = default;
 
 Status Display::prepare() {
-  wanted_ = options_.installation.picture(options_.width_px, options_.height_px);
-  TRY(validate(wanted_));
-  TRY_ASSIGN(std::vector<HeadPlan> heads, plan_heads(options_.installation, wanted_));
+  wanted_ = options_.installation.projection(options_.width_px, options_.height_px);
+  TRY(wanted_.validate());
+  TRY_ASSIGN(std::vector<HeadPlan> heads, plan_heads(options_.installation, wanted_.shape));
   TRY_ASSIGN(channel_, make_channel(options_.tour));
   TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_}));
   describe(heads);
-  ShownByHeads shown{footprints(heads), wanted_};
+  ShownByHeads shown{footprints(heads), wanted_.shape, wanted_.stacked() == 2};
 
   keep_hours();
   PresentPlan plan;
@@ -100,9 +109,9 @@ Status Display::prepare() {
     return make_output(choice, options_.installation, options_.refresh_hz, clock_);
   };
   plan.heads = std::move(heads);
-  plan.attract = attract_frame(wanted_);
+  plan.attract = attract_frame(wanted_.shape);
   if (!options_.attract_picture.empty()) {
-    TRY_ASSIGN(plan.attract, attract_frame(wanted_, options_.attract_picture));
+    TRY_ASSIGN(plan.attract, attract_frame(wanted_.shape, options_.attract_picture));
   }
   plan.times = options_.attract_times;
   TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_));
@@ -129,7 +138,8 @@ void Display::describe(const std::vector<HeadPlan>& heads) {
   }
   inspection_.set_fact("heads", fmt::format("{}", heads.size()));
   inspection_.set_fact("heads_with_pixel_maps", fmt::format("{}", maps));
-  inspection_.set_fact("panorama", fmt::format("{}x{} px", width_px(wanted_), height_px(wanted_)));
+  inspection_.set_fact("panorama", fmt::format("{}x{} px{}", wanted_.width_px(), height_px(wanted_.shape),
+                                               wanted_.stacked() == 2 ? " for each eye" : ""));
   inspection_.set_fact("warp_vertices", fmt::format("{}", vertices));
   inspection_.set_fact("warp_error_px", fmt::format("{:.3f}", worst_px));
   inspection_.set_fact("wall_unlit_percent", fmt::format("{:.2f}", 100.0 * unlit_fraction(options_.installation)));
@@ -153,7 +163,7 @@ void Display::on_message(wire::ShowMessage message) {
 
 void Display::frame_ready(Frame frame) {
   const int largest = present_->largest_side_px();
-  if (width_px(frame.shape) > largest || height_px(frame.shape) > largest) {
+  if (width_px(frame.shape) > largest || frame.stacked * height_px(frame.shape) > largest) {
     return frame_dropped(frame.number, fmt::format("larger than {} px, the graphics card's most", largest));
   }
   tour_clock_.frame_ready(frame.show_at, frame.decoded_at);

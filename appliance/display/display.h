@@ -82,7 +82,7 @@ class Display : private FrameSink {
 
   const DisplayOptions options_;
   const Clock& clock_;
-  PictureShape wanted_;
+  Projection wanted_;
   std::atomic<bool> is_awake_{true};  // Read by the output.
   InspectionService inspection_{"display"};
   RefreshReporter reporter_;

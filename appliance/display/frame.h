@@ -29,7 +29,8 @@ struct Frame {
   std::uint64_t number = 0;  ///< The view's; 0 is a picture of the display's own.
   double heading_rad = 0.0;
   std::int64_t shutter_ns = 0;  ///< As wire::View; 0 when keys steered.
-  PictureShape shape;           ///< Of `picture`, with its guard band.
+  PictureShape shape;           ///< Of one eye's picture, with its guard band.
+  int stacked = 1;              ///< Such pictures in `picture`: 2 are the left eye's above the right eye's.
   std::shared_ptr<const PlanarPicture> picture;
   std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Of the picture that are valid; null: all of it.
   double reach_rad = 0.0;     ///< How far it may be turned either way, for the heads to see valid parts only.

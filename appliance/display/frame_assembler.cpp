@@ -96,7 +96,7 @@ class FrameAssembler::Assembly {
 
   /// Takes note that this tile comes. kBadData  a place that it does not fill, or that another tile filled.
   Status claim(const wire::Tile& tile) {
-    TRY(validate(tile, frame_.shape));
+    TRY(validate(tile, width(), height()));
     const int x = static_cast<int>(tile.x_px());
     const int y = static_cast<int>(tile.y_px());
     const int right = x + static_cast<int>(tile.width_px());
@@ -161,7 +161,7 @@ class FrameAssembler::Assembly {
             static_cast<int>(tile.height_px())};
   }
   [[nodiscard]] int width() const { return width_px(frame_.shape); }
-  [[nodiscard]] int height() const { return height_px(frame_.shape); }
+  [[nodiscard]] int height() const { return frame_.stacked * height_px(frame_.shape); }
   void make_room(bool has_half_chroma) { picture_ = pictures_->take(width(), height(), has_half_chroma); }
 
   Frame frame_;
@@ -216,11 +216,13 @@ void FrameAssembler::begin(const wire::View& view) {
   refused_number_ = view.number();
   const auto drop = [&](const std::string& reason) { sink_.frame_dropped(view.number(), reason); };
   if (const Status valid = validate(view); !valid) return drop(valid.error().message());
-  const PictureShape shape = *from_wire(view.panorama());
-  if (!has_same_places(shape, shown_.wall)) return drop("a picture of another kind than this wall's");
-  if (static_cast<std::size_t>(width_px(shape)) * static_cast<std::size_t>(height_px(shape)) > kLargestFramePx) {
-    return drop(fmt::format("a picture of {}x{} pixels; at most {} pixels are shown", width_px(shape), height_px(shape),
-                            kLargestFramePx));
+  const Projection picture = *from_wire(view.panorama());
+  if (!has_same_places(picture.shape, shown_.wall)) return drop("a picture of another kind than this wall's");
+  if (picture.stacked() == 2 && !shown_.stereo) return drop("a picture for two eyes; this display shows one");
+  const int width = picture.width_px();
+  const int height = picture.height_px();
+  if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kLargestFramePx) {
+    return drop(fmt::format("a picture of {}x{} pixels; at most {} pixels are shown", width, height, kLargestFramePx));
   }
   if (*in_flight_ >= kMostFramesInFlight) return drop("frames come faster than this display decodes them");
   refused_number_ = 0;
@@ -229,18 +231,21 @@ void FrameAssembler::begin(const wire::View& view) {
   frame.number = view.number();
   frame.heading_rad = view.heading_rad();
   frame.shutter_ns = view.shutter_ns();
-  frame.shape = shape;
+  frame.shape = picture.shape;
+  frame.stacked = picture.stacked();
   frame.begun_at = clock_.now();
-  current_ = std::make_shared<Assembly>(std::move(frame), parts_of(shape), pictures_, &sink_, &clock_, in_flight_);
+  current_ = std::make_shared<Assembly>(std::move(frame), parts_of(picture), pictures_, &sink_, &clock_, in_flight_);
 }
 
-std::shared_ptr<const ShownParts> FrameAssembler::parts_of(const PictureShape& shape) {
-  for (const auto& [known, parts] : known_parts_) {
-    if (known == shape) return parts;
+std::shared_ptr<const ShownParts> FrameAssembler::parts_of(const Projection& picture) {
+  for (const KnownParts& known : known_parts_) {
+    if (known.shape == picture.shape && known.stacked == picture.stacked()) return known.parts;
   }
   if (known_parts_.size() >= kMostKnownParts) known_parts_.erase(known_parts_.begin());
-  known_parts_.emplace_back(shape, std::make_shared<const ShownParts>(shown_parts(shown_.heads, shape, shown_.wall)));
-  return known_parts_.back().second;
+  ShownParts parts = shown_parts(shown_.heads, picture.shape, shown_.wall);
+  if (picture.stacked() == 2) parts = shown_by_both_eyes(parts, height_px(picture.shape));
+  known_parts_.push_back({picture.shape, picture.stacked(), std::make_shared<const ShownParts>(std::move(parts))});
+  return known_parts_.back().parts;
 }
 
 void FrameAssembler::tile(wire::Tile tile) {

@@ -39,7 +39,8 @@ inline constexpr int kMostFramesInFlight = 3;
 /// What the heads show of any picture.
 struct ShownByHeads {
   std::vector<HeadFootprint> heads;
-  PictureShape wall;  ///< What the whole wall shows; a picture of another kind or tilt is refused.
+  PictureShape wall;    ///< What the whole wall shows; a picture of another kind or tilt is refused.
+  bool stereo = false;  ///< Whether they can show two eyes' pictures; if not, such frames are refused.
 };
 
 /// Messages come from one thread at a time. Borrows the pool, the sink and the clock, which outlive it and its frames.
@@ -62,14 +63,19 @@ class FrameAssembler {
   void begin(const wire::View& view);
   void tile(wire::Tile tile);
   void end(const wire::FrameEnd& end, const ShowAt& show_at);
-  std::shared_ptr<const ShownParts> parts_of(const PictureShape& shape);
+  std::shared_ptr<const ShownParts> parts_of(const Projection& picture);
 
   DecodePool& pool_;
   FrameSink& sink_;
   const Clock& clock_;
   const ShownByHeads shown_;
+  struct KnownParts {
+    PictureShape shape;
+    int stacked = 1;
+    std::shared_ptr<const ShownParts> parts;
+  };
   // Of the newest few shapes: a farm that keeps its pace changes between some sizes.
-  std::vector<std::pair<PictureShape, std::shared_ptr<const ShownParts>>> known_parts_;
+  std::vector<KnownParts> known_parts_;
   JpegDecoder headers_;
   std::shared_ptr<PictureStore> pictures_;
   std::shared_ptr<std::atomic<int>> in_flight_;

@@ -105,6 +105,7 @@ HeadPainter::HeadPainter(const Gl& gl, const HeadPlan& plan)
       width_px_(width_px(plan.warp)),
       height_px_(height_px(plan.warp)),
       picture_(plan.picture),
+      packing_(plan.packing),
       colour_{plan.colour.matrix, plan.colour.black, {}, {}},
       code_step_(1.0f / static_cast<float>((1 << plan.depth_bits) - 1)),
       mesh_(gl),
@@ -200,6 +201,13 @@ void HeadPainter::upload_textures(const HeadPlan& plan) {
                      ret_row->push_back(static_cast<float>(direction.tan_elevation));
                    }));
   }
+  if (plan.packing) {  // The second eye's pixels begin where the first one's end.
+    for (const GlTexture* const texture : {&mask_, &map_}) {
+      gl_->BindTexture(GL_TEXTURE_2D, texture->id());
+      gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+      gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    }
+  }
   if (plan.colour.response) {
     std::vector<float> codes;
     for (const ResponseCurve& curve : *plan.colour.response) {
@@ -211,8 +219,8 @@ void HeadPainter::upload_textures(const HeadPlan& plan) {
   }
 }
 
-void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other,
-                      double fade) const {
+void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
+                      Eye eye) const {
   gl_->UseProgram(program.id());
   const auto picture = [&](const HeadProgram::Picture& uniforms, const TurnedPicture& turned, GLenum unit) {
     const PictureShape& shape = turned.picture->shape();
@@ -225,9 +233,11 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     const double width = turned.picture->texture_width();
     const double height = turned.picture->texture_height();
     constexpr double kFirst = PanoramaTexture::kFirstColumn;
+    // The right eye's picture lies below the left eye's.
+    const double first_row = eye == Eye::kRight && turned.picture->stacked() == 2 ? height_px(shape) : 0;
     // Into the texture: across and up times these, and more by those.
     Eigen::Vector2d per_place(scale.u_per_across / width, scale.v_per_up / height);
-    Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst) / width, scale.v_offset / height);
+    Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst) / width, (scale.v_offset + first_row) / height);
     if (wraps) {
       per_place.x() = scale.u_per_across / turn_px;
       at_origin.x() = (scale.u_offset + shift_px) / turn_px;
@@ -245,8 +255,8 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
       gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as GL's.
     }
     const double beyond = wraps ? 0.5 : -0.5;  // A whole turn's outer columns are the other side's.
-    set(uniforms.edges, (kFirst - beyond) / width, 0.5 / height, (kFirst + width_px(shape) + beyond) / width,
-        (height_px(shape) - 0.5) / height);
+    set(uniforms.edges, (kFirst - beyond) / width, (first_row + 0.5) / height,
+        (kFirst + width_px(shape) + beyond) / width, (first_row + height_px(shape) - 0.5) / height);
     gl_->ActiveTexture(GL_TEXTURE0 + unit);
     gl_->BindTexture(GL_TEXTURE_2D, turned.picture->id());
   };
@@ -264,7 +274,16 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
   }
 }
 
-void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade) const {
+void HeadPainter::draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade) const {
+  for (const Part& part : parts_) {
+    if (part.count == 0) continue;
+    use(other == nullptr ? *part.program : *part.fading, shown, other, fade, eye);
+    gl_->DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
+                      reinterpret_cast<const void*>(static_cast<std::size_t>(part.first) * sizeof(std::uint32_t)));
+  }
+}
+
+void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, Eye now) const {
   gl_->ClearColor(0.0f, 0.0f, 0.0f, 1.0f);
   gl_->Clear(GL_COLOR_BUFFER_BIT);
   const auto bind = [&](GLenum unit, const GlTexture& texture) {
@@ -275,18 +294,21 @@ void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, d
   bind(HeadProgram::kMap, map_);
   bind(HeadProgram::kResponse, response_);
   gl_->BindVertexArray(mesh_.id());
-  for (const Part& part : parts_) {
-    if (part.count == 0) continue;
-    use(other == nullptr ? *part.program : *part.fading, shown, other, fade);
-    gl_->DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
-                      reinterpret_cast<const void*>(static_cast<std::size_t>(part.first) * sizeof(std::uint32_t)));
+  if (!packing_ || takes_turns()) return draw_for(packing_ ? now : Eye::kLeft, shown, other, fade);
+  const bool is_beside = packing_ == StereoPacking::kSideBySide;
+  const int head_width = is_beside ? 2 * width_px_ : width_px_;
+  const int head_height = is_beside ? height_px_ : 2 * height_px_;
+  for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
+    const HeadPart part = part_of_eye(*packing_, eye, head_width, head_height);
+    gl_->Viewport(part.x_px, head_height - part.y_px - part.height_px, part.width_px, part.height_px);
+    draw_for(eye, shown, other, fade);
   }
 }
 
-void HeadPainter::draw(const TurnedPicture& shown) const { draw(shown, nullptr, 0.0); }
+void HeadPainter::draw(const TurnedPicture& shown, Eye now) const { draw(shown, nullptr, 0.0, now); }
 
-void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture& other, double fade) const {
-  draw(shown, &other, fade);
+void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const {
+  draw(shown, &other, fade, now);
 }
 
 }  // namespace cyclorama

@@ -8,17 +8,21 @@
 #include "appliance/warp/blend_mask.h"
 #include "appliance/warp/head_colour.h"
 #include "appliance/warp/pixel_map.h"
+#include "common/room/stereo.h"
 
 namespace cyclorama {
 
-/// What one projector needs: where its pixels lie, how bright they may be, and which code values make its light.
+/// What one projector needs: where its pixels lie, how bright they may be, and which code values make its light. With
+/// two eyes all this is said of the pixels that one eye gets of the head (lens_of_an_eye()), and holds for both: a
+/// pixel lights one place of the wall, whichever eye's picture it shows there.
 struct HeadPlan {
   Warp warp;
   MaskImage mask;       ///< Of the head's size.
   HeadColour colour{};  ///< A lift has the head's size.
   int depth_bits = 8;   ///< Of the output's code values, each channel.
   bool is_dithered = true;
-  PictureShape picture = Panorama{};  ///< Which places the warp tells: only its kind and tilt count.
+  PictureShape picture = Panorama{};       ///< Which places the warp tells: only its kind and tilt count.
+  std::optional<StereoPacking> packing{};  ///< Nothing: one eye's picture; of two, the left eye's.
 };
 
 /// A picture, and how far the visitor has turned to the right since it was asked for: a panorama moves to the left by
@@ -36,10 +40,13 @@ class HeadPainter {
   static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan);
 
   /// Into the bound framebuffer. What the warp leaves out becomes black. Places beyond the picture show its edge; in a
-  /// panorama of a whole turn there is no beyond. Precondition: the pictures have the plan's places.
-  void draw(const TurnedPicture& shown) const;
+  /// panorama of a whole turn there is no beyond. A head for two eyes shows both, or `now` where they take turns; a
+  /// picture for one eye is shown to both. Precondition: the pictures have the plan's places.
+  void draw(const TurnedPicture& shown, Eye now = Eye::kLeft) const;
   /// The same of two pictures, mixed in linear light: `fade` in [0, 1] is how much of `other` is seen.
-  void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade) const;
+  void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft) const;
+  /// Whether what it draws depends on whose turn it is.
+  [[nodiscard]] bool takes_turns() const { return packing_ == StereoPacking::kFrameSequential; }
 
  private:
   /// Triangles that need the same. A mask that is 1 everywhere in a triangle is not looked at.
@@ -52,13 +59,16 @@ class HeadPainter {
   HeadPainter(const Gl& gl, const HeadPlan& plan);
   void upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices);
   void upload_textures(const HeadPlan& plan);
-  void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade) const;
-  void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade) const;
+  void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
+           Eye eye) const;
+  void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, Eye now) const;
+  void draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade) const;
 
   const Gl* gl_;
   int width_px_;
   int height_px_;
   PictureShape picture_;
+  std::optional<StereoPacking> packing_;
   HeadColour colour_;
   float code_step_;
   GlVertexArray mesh_;

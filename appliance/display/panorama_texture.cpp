@@ -132,7 +132,9 @@ void PanoramaTexture::draw(const PixelRect& part, int moved_px, int chroma_step)
 
 Status PanoramaTexture::upload(const Frame& frame) {
   const PlanarPicture& picture = *frame.picture;
-  CHECK(picture.width() == width_px(frame.shape) && picture.height() == height_px(frame.shape));
+  const int height_of_one = height_px(frame.shape);
+  CHECK(picture.width() == width_px(frame.shape) && picture.height() == frame.stacked * height_of_one);
+  CHECK(frame.stacked == 1 || height_of_one % 2 == 0);
   TRY(grow(picture.width() + 2 * kFirstColumn, picture.height()));
   const int step = picture.has_half_chroma() ? 2 : 1;
   const auto chroma_part = [&](const PixelRect& p) {
@@ -160,17 +162,25 @@ Status PanoramaTexture::upload(const Frame& frame) {
   gl_->BindVertexArray(program_->nothing_.id());
   const auto width = static_cast<float>(blue_.width);
   const auto height = static_cast<float>(blue_.height);
-  gl_->Uniform4f(program_->chroma_end_, 0.5f / width, 0.5f / height,
-                 (static_cast<float>(picture.blue().width()) - 0.5f) / width,
-                 (static_cast<float>(picture.blue().height()) - 0.5f) / height);
-  for (const PixelRect& part : parts) {
-    draw(part, 0, step);
-    if (part.x == 0) draw({0, part.y, 1, part.height}, picture.width(), step);
-    if (part.x + part.width == picture.width()) {
-      draw({picture.width() - 1, part.y, 1, part.height}, -picture.width(), step);
+  const int chroma_rows = picture.blue().height() / frame.stacked;
+  for (int eye = 0; eye < frame.stacked; ++eye) {
+    gl_->Uniform4f(program_->chroma_end_, 0.5f / width, (static_cast<float>(eye * chroma_rows) + 0.5f) / height,
+                   (static_cast<float>(picture.blue().width()) - 0.5f) / width,
+                   (static_cast<float>((eye + 1) * chroma_rows) - 0.5f) / height);
+    for (const PixelRect& of_any : parts) {
+      const int top = std::max(of_any.y, eye * height_of_one);
+      const int bottom = std::min(of_any.y + of_any.height, (eye + 1) * height_of_one);
+      if (top >= bottom) continue;
+      const PixelRect part{of_any.x, top, of_any.width, bottom - top};
+      draw(part, 0, step);
+      if (part.x == 0) draw({0, part.y, 1, part.height}, picture.width(), step);
+      if (part.x + part.width == picture.width()) {
+        draw({picture.width() - 1, part.y, 1, part.height}, -picture.width(), step);
+      }
     }
   }
   shape_ = frame.shape;
+  stacked_ = frame.stacked;
   return gl_->check("uploading a frame");
 }
 

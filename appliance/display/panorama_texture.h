@@ -32,12 +32,16 @@ class PanoramaTexture {
  public:
   PanoramaTexture(const Gl& gl, const PictureProgram& program);
 
-  /// Binds a framebuffer of its own. Precondition: frame.picture is set and has the size of frame.shape.
+  /// Binds a framebuffer of its own. Precondition: frame.picture is set and has the size of frame.shape, frame.stacked
+  /// times one above another; then each has a height that is a multiple of two.
   /// kSystem  the graphics card refused it (too large); the old picture may be lost.
   Status upload(const Frame& frame);
 
   [[nodiscard]] GLuint id() const { return light_.id(); }
+  /// Of one eye's picture.
   [[nodiscard]] const PictureShape& shape() const { return shape_; }
+  /// 2: below it is the right eye's.
+  [[nodiscard]] int stacked() const { return stacked_; }
   /// Of the texture, in pixels; the picture's first column is column 1 of it.
   [[nodiscard]] int texture_width() const { return width_; }
   [[nodiscard]] int texture_height() const { return height_; }
@@ -63,6 +67,7 @@ class PanoramaTexture {
   int width_ = 0;
   int height_ = 0;
   PictureShape shape_;
+  int stacked_ = 1;
 };
 
 }  // namespace cyclorama

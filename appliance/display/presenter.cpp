@@ -32,6 +32,7 @@ Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, const std::ve
   std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
   for (const HeadPlan& plan : plans) {
     TRY_ASSIGN(HeadPainter painter, HeadPainter::make(gl, &presenter->programs_, plan));
+    presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
     presenter->painters_.push_back(std::move(painter));
   }
   for (const HeadMode& mode : output->heads()) presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
@@ -77,7 +78,7 @@ Status Presenter::refresh() {
     *watched = frame_ != nullptr ? *frame_ : attract_frame_;
     mailbox_.panorama.give(std::move(watched));
   }
-  if (!is_drawn_ || is_any_head_watched()) TRY(draw_heads());
+  if (!is_drawn_ || takes_turns_ || is_any_head_watched()) TRY(draw_heads());
   event.drawn_at = clock_.now();
   TRY_ASSIGN(event.presented, output_.present());
   shared_.shown(event.presented, output_.refresh_hz());
@@ -172,16 +173,17 @@ void Presenter::turn_to_due_heading(RefreshEvent* ret_event) {
 
 Status Presenter::draw_heads() {
   const double share = fade_.share();
+  const Eye now = eye_at(shared_.coming());
   const TurnedPicture shown{&panorama_, shift_.angle_rad};
   const TurnedPicture attract{&attract_, 0.0};  // It belongs to no heading.
   for (std::size_t head = 0; head < painters_.size(); ++head) {
     TRY(output_.draw_to(head));
     if (share <= 0.0) {
-      painters_[head].draw(shown);
+      painters_[head].draw(shown, now);
     } else if (share >= 1.0) {
-      painters_[head].draw(attract);
+      painters_[head].draw(attract, now);
     } else {
-      painters_[head].draw(shown, attract, share);
+      painters_[head].draw(shown, attract, share, now);
     }
     if (std::unique_ptr<RgbImage> watched = mailbox_.heads[head].take_empty()) {
       read_back(head, watched.get());

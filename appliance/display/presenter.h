@@ -16,16 +16,17 @@ namespace cyclorama {
 
 /// What is shown, apart from where: it outlives an output that is lost.
 struct Showing {
-  std::unique_ptr<Frame> frame;  ///< Null before the first.
+  std::unique_ptr<Frame> frame;                   ///< Null before the first.
   std::array<std::unique_ptr<Frame>, 8> waiting;  ///< Not due yet, in any order.
   HeadingNow heading;                             ///< Its order is 0 before the first.
   RecentHeadings headings;
   AttractFade fade;
 };
 
-/// Draws and shows: the inside of the present thread. Thread-bound to the output's GL context. After warm-up (the first
-/// frames of the largest size) it allocates and frees nothing, takes no lock, writes no log and opens nothing; what the
-/// graphics driver does inside is the driver's.
+/// Draws and shows: the inside of the present thread. On heads where two eyes take turns it is the left one's at
+/// refreshes of an even number, as all displays of a tour count them (shared_refresh.h). Thread-bound to the output's
+/// GL context. After warm-up (the first frames of the largest size) it allocates and frees nothing, takes no lock,
+/// writes no log and opens nothing; what the graphics driver does inside is the driver's.
 class Presenter {
  public:
   /// Shows `attract` until a frame comes, and when frames fail. `plans` are the output's heads', in order. Borrows the
@@ -75,7 +76,8 @@ class Presenter {
   SharedRefresh shared_;
   YawShift shift_;
   double drawn_share_ = -1.0;
-  bool is_drawn_ = false;  // What the heads show is what they should.
+  bool is_drawn_ = false;     // What the heads show is what they should.
+  bool takes_turns_ = false;  // A head shows another eye's picture at each refresh.
 };
 
 }  // namespace cyclorama

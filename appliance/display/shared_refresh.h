@@ -37,6 +37,9 @@ class SharedRefresh {
   /// The output showed what was drawn.
   void shown(const Presented& presented, double refresh_hz);
 
+  /// The number of the refresh that is drawn, as all displays count it; where no numbers are shared, as this output
+  /// does.
+  [[nodiscard]] std::int64_t coming() const { return coming_.value_or(static_cast<std::int64_t>(refresh_) + 1); }
   /// The number of the last refresh shown; nothing where no numbers are shared, or the tour's clock is not known yet.
   [[nodiscard]] std::optional<std::int64_t> number() const { return shown_; }
   /// By how much drawing began before its shared refresh; negative: after it.

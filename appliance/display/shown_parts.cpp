@@ -238,6 +238,15 @@ bool ShownParts::meets(const PixelRect& rect) const {
   });
 }
 
+ShownParts shown_by_both_eyes(const ShownParts& of_one, int height_px) {
+  ShownParts both = of_one;
+  for (PixelRect part : of_one.parts) {
+    part.y += height_px;
+    both.parts.push_back(part);
+  }
+  return both;
+}
+
 ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture, const PictureShape& wall) {
   const auto parts_within = [&](double reach_rad) {
     CellMap wanted(picture);

@@ -42,6 +42,9 @@ struct ShownParts {
   [[nodiscard]] bool meets(const PixelRect& rect) const;
 };
 
+/// Of two pictures of that height one above the other, of both of which the heads show the same.
+[[nodiscard]] ShownParts shown_by_both_eyes(const ShownParts& of_one, int height_px);
+
 /// What some head shows of a picture while the visitor turns either way before a wall that shows `wall` of it sees its
 /// edge (turn_reach() in common/geometry/guard_band.h), with what filters need around it. Where it has no edge, it is
 /// half a radian, for which a visitor takes longer than a farm; or without end, where hardly more is seen by that.

@@ -123,8 +123,8 @@ std::optional<PictureShape> joined(const Panorama& a, const Panorama& b) {
     return p.height_px / (p.tan_elevation_top - p.tan_elevation_bottom);
   };
   both.width_px = whole_px(both.azimuth_span_rad / std::min(a.radians_per_px(), b.radians_per_px()));
-  both.height_px = whole_px((both.tan_elevation_top - both.tan_elevation_bottom) *
-                            std::max(rows_per_tan(a), rows_per_tan(b)));
+  both.height_px =
+      whole_px((both.tan_elevation_top - both.tan_elevation_bottom) * std::max(rows_per_tan(a), rows_per_tan(b)));
   return both;
 }
 std::optional<PictureShape> joined(const Perspective& a, const Perspective& b) {
@@ -154,6 +154,16 @@ std::optional<PictureShape> joined(const A&, const B&) {
 
 PictureShape with_guard_band(const PictureShape& shape, double guard_rad) {
   return std::visit([&](const auto& s) { return grown(s, std::max(guard_rad, 0.0)); }, shape);
+}
+
+Projection with_guard_band(const Projection& picture, double guard_rad) {
+  const PictureShape grown = with_guard_band(picture.shape, guard_rad);
+  return {picture.stacked() == 2 ? cut_for_two_eyes(grown) : grown, picture.viewing};
+}
+
+PictureShape cut_for_two_eyes(const PictureShape& shape) {
+  const int rounded = cells_of_px(height_px(shape)) * kCutPx;
+  return with_pixels(shape, width_px(shape), std::min(rounded, kLargestSidePx / 2));
 }
 
 double turn_reach(const PictureShape& picture, const PictureShape& shown) {

@@ -15,6 +15,13 @@ namespace cyclorama {
 /// moves: hardly, if it looks at the zenith. All up to 16384 pixels.
 [[nodiscard]] PictureShape with_guard_band(const PictureShape& shape, double guard_rad);
 
+/// The same of a picture for one eye or two; with two, each eye's part ends on a cut of kCutPx pixels.
+[[nodiscard]] Projection with_guard_band(const Projection& picture, double guard_rad);
+
+/// The same field, its height rounded up to a multiple of kCutPx, and to no more than two of them one above the other
+/// may have: so that no JPEG block and no cell shows something to both eyes.
+[[nodiscard]] PictureShape cut_for_two_eyes(const PictureShape& shape);
+
 /// How far `picture` can be turned either way before one who is shown `shown` sees its edge; infinite if there is none,
 /// 0 if the two differ in more than their extent.
 [[nodiscard]] double turn_reach(const PictureShape& picture, const PictureShape& shown);

@@ -130,7 +130,7 @@ std::optional<PanoramaPixel> pixel_of(const PictureShape& shape, const Eigen::Ve
   return pixel_scale(shape).pixel_at(*place);
 }
 
-int Projection::height_px() const { return cyclorama::height_px(shape) * (viewing.eyes == Eyes::kOverUnder ? 2 : 1); }
+int Projection::height_px() const { return cyclorama::height_px(shape) * stacked(); }
 
 Status Projection::validate() const {
   TRY(cyclorama::validate(shape));

@@ -98,6 +98,7 @@ struct Viewing {
   /// On a sphere, the eyes come together within this angle of zenith and nadir, where no side is left or right; 0 is
   /// plain omnistereo, torn there.
   double pole_fade_rad = std::numbers::pi / 6.0;
+  friend bool operator==(const Viewing&, const Viewing&) = default;
 };
 
 struct EyeRay {
@@ -110,6 +111,8 @@ struct Projection {
   PictureShape shape = Panorama{};
   Viewing viewing;
 
+  /// How many pictures of the shape it has, one above another: 2 with both eyes.
+  [[nodiscard]] int stacked() const { return viewing.eyes == Eyes::kOverUnder ? 2 : 1; }
   /// Of the whole picture: with both eyes, if it shows both.
   [[nodiscard]] int width_px() const { return cyclorama::width_px(shape); }
   [[nodiscard]] int height_px() const;
@@ -118,6 +121,7 @@ struct Projection {
   [[nodiscard]] Status validate() const;
   /// Of pixel p of the whole picture; nothing outside of a fisheye's circle. Precondition: validate().
   [[nodiscard]] std::optional<EyeRay> ray_at(PanoramaPixel p) const;
+  friend bool operator==(const Projection&, const Projection&) = default;
 };
 
 }  // namespace cyclorama

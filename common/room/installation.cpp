@@ -74,6 +74,25 @@ void refuse_shared_connectors(const std::vector<InstalledProjector>& projectors,
   }
 }
 
+std::optional<InstalledStereo> read_stereo(ConfigTable* root) {
+  if (!root->has("stereo")) return std::nullopt;
+  ConfigTable table = root->table("stereo");
+  InstalledStereo stereo;
+  const std::string packing = table.choice("packing", {"side-by-side", "top-bottom", "frame-sequential"});
+  if (packing == "top-bottom") stereo.packing = StereoPacking::kTopBottom;
+  if (packing == "frame-sequential") stereo.packing = StereoPacking::kFrameSequential;
+  stereo.eye_distance_m = table.number("eye_distance_m", {0.001, 1.0}, stereo.eye_distance_m);
+  return stereo;
+}
+
+/// Two eyes share a side of even length.
+void refuse_odd_sides(const std::optional<InstalledStereo>& stereo, const Pinhole& lens, ConfigTable* projector) {
+  if (!stereo) return;
+  const char* const what = "must be even: with this [stereo] packing two eyes share it";
+  if (stereo->packing == StereoPacking::kSideBySide && lens.width_px % 2 != 0) projector->refuse("width_px", what);
+  if (stereo->packing == StereoPacking::kTopBottom && lens.height_px % 2 != 0) projector->refuse("height_px", what);
+}
+
 std::optional<InstalledWarp> read_warp(ConfigTable* table, const std::filesystem::path& folder) {
   if (!table->has("warp")) return std::nullopt;
   InstalledWarp warp;
@@ -129,8 +148,10 @@ Result<Installation> parse_installation(std::string_view text, std::string name,
   installation.sweet_spot = point_of(visitor.numbers("eye_m", 3, kMetres));
   if (wall && !is_lit_from(*wall, installation.sweet_spot)) visitor.refuse("eye_m", wrong_side(*wall));
 
+  installation.stereo = read_stereo(&root);
   for (ConfigTable& table : root.tables("projector")) {
     installation.projectors.push_back(read_projector(table, wall, folder));
+    refuse_odd_sides(installation.stereo, installation.projectors.back().lens, &table);
     refuse_shared_connectors(installation.projectors, &table);
     const std::string& added = installation.projectors.back().name;
     const auto same = [&](const InstalledProjector& p) { return p.name == added; };

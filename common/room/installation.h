@@ -14,6 +14,7 @@
 #include "common/geometry/projection.h"
 #include "common/geometry/rigid_transform.h"
 #include "common/room/pinhole.h"
+#include "common/room/stereo.h"
 #include "common/room/wall.h"
 
 namespace cyclorama {
@@ -55,6 +56,7 @@ struct Installation {
   Point<frame::Room> sweet_spot;  ///< Where the visitor's eye is.
   std::vector<InstalledProjector> projectors;
   std::vector<std::filesystem::path> cards{};  ///< The first one draws; empty: all that the computer has.
+  std::optional<InstalledStereo> stereo{};     ///< Nothing: one picture for both eyes.
 
   /// The least picture of the sweet spot that just covers the wall, `width_px` wide.
   ///
@@ -70,13 +72,20 @@ struct Installation {
   /// The panorama of the sweet spot that just covers the wall, with square pixels in the middle, whatever its
   /// elevations.
   [[nodiscard]] Panorama panorama(int width_px) const;
+  /// picture() for one eye; or for both, if there is stereo, each of so many pixels but for the height, which is
+  /// rounded up to a cut.
+  [[nodiscard]] Projection projection(int width_px, int height_px = 0) const;
+  /// How far from the sweet spot the eyes converge, which is Viewing::screen_distance_m of `picture`: exact for a
+  /// cylinder about the sweet spot, a plane and a dome about it. Of other walls it is one over the mean of what is
+  /// nearer, the more: disparity goes by that.
+  [[nodiscard]] double screen_distance_m(const PictureShape& picture) const;
 };
 
 /// HOST or HOST:PORT; without a port PJLink's. Errors of parse_address().
 Result<Address> parse_projector_address(const std::string& text);
 
-/// Errors as Config::read(); a room in which a projector or the eye is not on the wall's lit side is refused. Meshes and
-/// warps lie in the installation's folder; a warp is not opened here.
+/// Errors as Config::read(); a room in which a projector or the eye is not on the wall's lit side is refused. Meshes
+/// and warps lie in the installation's folder; a warp is not opened here.
 Result<Installation> read_installation(const std::filesystem::path& path);
 /// `name` stands for the file in errors.
 Result<Installation> parse_installation(std::string_view text, std::string name,

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/geometry/guard_band.h"
 #include "common/geometry/picture_place.h"
 #include "common/room/installation.h"
 
@@ -13,11 +14,13 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kLargestSidePx = 16384;  // As validate() has it: a very narrow and high wall gets pixels that are not square.
+constexpr int kLargestSidePx =
+    16384;  // As validate() has it: a very narrow and high wall gets pixels that are not square.
 /// A wall this near to a whole turn is one: its outline is only known at points.
 constexpr double kSlit = 0.1;
 /// Tangent of 75 degrees: there, a pixel of a flat picture sees a fifteenth of what one in its middle sees.
 constexpr double kSteepest = 3.732;
+constexpr double kNearest_m = 1e-3;
 /// Beyond the edge of a fisheye's circle: what is mixed of neighbours there must exist.
 constexpr double kFisheyeMargin_px = 1.5;
 
@@ -118,6 +121,31 @@ PictureShape Installation::picture(int width_px, int height_px) const {
   }
   if (height_px > 0) round.height_px = height_px;
   return round;
+}
+
+double Installation::screen_distance_m(const PictureShape& picture) const {
+  const Eigen::Vector3d axis = direction_of(picture, {});
+  double nearness = 0.0;
+  std::size_t count = 0;
+  for (const Eigen::Vector3d& d : directions_of(*this)) {
+    const double distance = std::holds_alternative<Panorama>(picture)      ? std::hypot(d.x(), d.z())
+                            : std::holds_alternative<Perspective>(picture) ? d.dot(axis)
+                                                                           : d.norm();
+    nearness += 1.0 / std::max(distance, kNearest_m);
+    ++count;
+  }
+  return static_cast<double>(count) / nearness;
+}
+
+Projection Installation::projection(int width_px, int height_px) const {
+  PictureShape shape = picture(width_px, height_px);
+  if (!stereo) return {shape, {}};
+  shape = cut_for_two_eyes(shape);
+  Viewing viewing;
+  viewing.eyes = Eyes::kOverUnder;
+  viewing.eye_distance_m = stereo->eye_distance_m;
+  viewing.screen_distance_m = screen_distance_m(shape);
+  return {shape, viewing};
 }
 
 }  // namespace cyclorama

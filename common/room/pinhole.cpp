@@ -15,9 +15,17 @@ Pinhole Pinhole::from_field_of_view(int width_px, int height_px, double horizont
   return lens;
 }
 
+Pinhole Pinhole::with_pixels(int new_width_px, int new_height_px) const {
+  const double across = static_cast<double>(new_width_px) / width_px;
+  const double down = static_cast<double>(new_height_px) / height_px;
+  return {new_width_px,         new_height_px,      across * focal_px,
+          across * centre_u_px, down * centre_v_px, pixel_aspect * down / across};
+}
+
 std::optional<Eigen::Vector2d> Pinhole::pixel_of(const Eigen::Vector3d& point) const {
   if (!(point.z() > 1e-12)) return std::nullopt;
-  return Eigen::Vector2d(centre_u_px + focal_px * point.x() / point.z(), centre_v_px + focal_px * point.y() / point.z());
+  return Eigen::Vector2d(centre_u_px + focal_px * point.x() / point.z(),
+                         centre_v_px + pixel_aspect * focal_px * point.y() / point.z());
 }
 
 }  // namespace cyclorama

@@ -8,9 +8,9 @@ namespace cyclorama {
 
 /// A distortion-free lens: of a camera, or of a projector, which is a camera whose pixels shine.
 ///
-///       | f  0  cx |     u right, v down, the CENTRE of the first pixel at (0.5, 0.5); f, cx, cy in pixels.
-///   K = | 0  f  cy |     A lens shift moves (cx, cy) away from the middle.
-///       | 0  0  1  |
+///       | f  0   cx |     u right, v down, the CENTRE of the first pixel at (0.5, 0.5); f, cx, cy in pixels.
+///   K = | 0  a f cy |     A lens shift moves (cx, cy) away from the middle. a is a pixel's width over its height.
+///       | 0  0   1  |
 ///
 /// Frames: x right, y down, z forward. A value; reentrant.
 struct Pinhole {
@@ -19,14 +19,17 @@ struct Pinhole {
   double focal_px = 0.0;
   double centre_u_px = 0.0;
   double centre_v_px = 0.0;
+  double pixel_aspect = 1.0;  ///< Not 1 where two eyes share a projector's pixels.
 
   /// The lens whose whole width spans `horizontal_fov_rad`, centred.
   static Pinhole from_field_of_view(int width_px, int height_px, double horizontal_fov_rad);
 
   /// Not normalised: z is 1.
   [[nodiscard]] Eigen::Vector3d direction_at(double u, double v) const {
-    return {(u - centre_u_px) / focal_px, (v - centre_v_px) / focal_px, 1.0};
+    return {(u - centre_u_px) / focal_px, (v - centre_v_px) / (pixel_aspect * focal_px), 1.0};
   }
+  /// The same field in so many pixels.
+  [[nodiscard]] Pinhole with_pixels(int new_width_px, int new_height_px) const;
   /// Where a point in front of the lens lands, in pixels, perhaps outside the picture; nothing when it is behind.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
   [[nodiscard]] bool contains(const Eigen::Vector2d& pixel) const {

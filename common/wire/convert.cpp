@@ -16,8 +16,9 @@ constexpr std::uint32_t kMostSamples = 4096;
 constexpr std::uint32_t kMostBounces = 64;
 constexpr std::uint32_t kMostLightSamples = 16;
 constexpr float kMostLight = 1e9f;
-constexpr double kFarthestEyeM = 1e7;       // Far beyond any scene, and within float, which the ray kernels use.
-constexpr double kSteepest = 1e4;           // Tangent: within a hundredth of a degree of a right angle.
+constexpr double kFarthestEyeM = 1e7;  // Far beyond any scene, and within float, which the ray kernels use.
+constexpr double kSteepest = 1e4;      // Tangent: within a hundredth of a degree of a right angle.
+constexpr double kWidestEyes_m = 1.0;  // A giant's; people have about 0.063.
 
 Error refuse(const char* field, const std::string& what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("view.{} {}", field, what));
@@ -31,6 +32,26 @@ Status at_most(const char* field, std::uint32_t value, std::uint32_t most) {
 Status is_light(const char* field, float value) {
   if (value >= 0.0f && value <= kMostLight) return Done{};
   return refuse(field, fmt::format("is {}; it must be 0 to {}", value, kMostLight));
+}
+
+/// Takes both eyes' pictures apart: `height` becomes that of one.
+Result<Viewing> viewing_of(const wire::EyePair& eyes, int* height) {
+  const auto refuse_eyes = [](const std::string& what) {
+    return Error(ErrorCode::kInvalidArgument, "panorama." + what);
+  };
+  if (*height % (2 * kCutPx) != 0) {
+    return refuse_eyes(fmt::format("height_px is {}; that of two eyes must be a multiple of {}", *height, 2 * kCutPx));
+  }
+  if (!(eyes.distance_m() > 0.0 && eyes.distance_m() <= kWidestEyes_m)) {
+    return refuse_eyes(
+        fmt::format("eyes.distance_m is {}; it must be above 0 and at most {}", eyes.distance_m(), kWidestEyes_m));
+  }
+  *height /= 2;
+  Viewing viewing;
+  viewing.eyes = Eyes::kOverUnder;
+  viewing.eye_distance_m = eyes.distance_m();
+  if (eyes.screen_distance_m() != 0.0) viewing.screen_distance_m = eyes.screen_distance_m();
+  return viewing;
 }
 
 Status validate_knobs(const wire::View& view) {
@@ -59,10 +80,14 @@ void to_wire(const Eigen::Vector3d& v, wire::Vector3* ret_v) {
   ret_v->set_z(v.z());
 }
 
-Result<PictureShape> from_wire(const wire::Panorama& p) {
+Result<Projection> from_wire(const wire::Panorama& p) {
   // A count beyond int becomes negative or large, and validate() refuses both.
   const int width = static_cast<int>(p.width_px());
-  const int height = static_cast<int>(p.height_px());
+  int height = static_cast<int>(p.height_px());
+  Viewing viewing;
+  if (p.has_eyes()) {
+    TRY_ASSIGN(viewing, viewing_of(p.eyes(), &height));
+  }
   PictureShape shape;
   switch (p.projection()) {
     case wire::Panorama::CYLINDER:
@@ -79,8 +104,9 @@ Result<PictureShape> from_wire(const wire::Panorama& p) {
                    fmt::format("panorama projection is {}, which this program does not know; update it",
                                static_cast<int>(p.projection())));
   }
-  TRY(validate(shape));
-  return shape;
+  const Projection picture{shape, viewing};
+  TRY(picture.validate());
+  return picture;
 }
 
 void to_wire(const PictureShape& shape, wire::Panorama* ret_p) {
@@ -107,13 +133,24 @@ void to_wire(const PictureShape& shape, wire::Panorama* ret_p) {
   }
 }
 
+void to_wire(const Projection& picture, wire::Panorama* ret_p) {
+  const Viewing& viewing = picture.viewing;
+  CHECK(viewing.viewer_m.isZero(0.0) && (viewing.eyes == Eyes::kMono || viewing.eyes == Eyes::kOverUnder));
+  to_wire(picture.shape, ret_p);
+  if (picture.stacked() == 1) return;
+  ret_p->set_height_px(static_cast<std::uint32_t>(picture.height_px()));
+  ret_p->mutable_eyes()->set_distance_m(viewing.eye_distance_m);
+  if (std::isfinite(viewing.screen_distance_m)) ret_p->mutable_eyes()->set_screen_distance_m(viewing.screen_distance_m);
+}
+
 Status validate(const wire::View& view) {
   if (view.number() == 0) return refuse("number", "is 0; views count from 1");
   if (!from_wire(view.eye_m()).allFinite()) return refuse("eye_m", "is not finite");
   if (!(from_wire(view.eye_m()).cwiseAbs().maxCoeff() <= kFarthestEyeM)) return refuse("eye_m", "is too far away");
   if (!std::isfinite(view.heading_rad())) return refuse("heading_rad", "is not finite");
   TRY(validate_knobs(view));
-  TRY_ASSIGN(const PictureShape picture, from_wire(view.panorama()));
+  TRY_ASSIGN(const Projection whole, from_wire(view.panorama()));
+  const PictureShape& picture = whole.shape;
   double steepest = 0.0;
   if (const auto* panorama = std::get_if<Panorama>(&picture)) {
     steepest = std::max(panorama->tan_elevation_top, -panorama->tan_elevation_bottom);
@@ -124,16 +161,14 @@ Status validate(const wire::View& view) {
   return refuse("panorama", fmt::format("has an angle beyond a tangent of {}", kSteepest));
 }
 
-Status validate(const wire::Tile& tile, const PictureShape& picture) {
-  const int width = width_px(picture);
-  const int height = height_px(picture);
+Status validate(const wire::Tile& tile, int width_px, int height_px) {
   const std::uint64_t right = std::uint64_t{tile.x_px()} + tile.width_px();
   const std::uint64_t bottom = std::uint64_t{tile.y_px()} + tile.height_px();
   if (tile.width_px() == 0 || tile.height_px() == 0 || tile.x_px() % kCutPx != 0 || tile.y_px() % kCutPx != 0 ||
-      right > static_cast<std::uint64_t>(width) || bottom > static_cast<std::uint64_t>(height)) {
+      right > static_cast<std::uint64_t>(width_px) || bottom > static_cast<std::uint64_t>(height_px)) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("tile {}x{} at ({}, {}) does not fit a picture of {}x{}", tile.width_px(),
-                             tile.height_px(), tile.x_px(), tile.y_px(), width, height));
+                             tile.height_px(), tile.x_px(), tile.y_px(), width_px, height_px));
   }
   return Done{};
 }

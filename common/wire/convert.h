@@ -14,16 +14,20 @@ namespace cyclorama {
 [[nodiscard]] Eigen::Vector3d from_wire(const wire::Vector3& v);
 void to_wire(const Eigen::Vector3d& v, wire::Vector3* ret_v);
 
-/// kInvalidArgument  as validate(), and a projection that this program does not know.
-Result<PictureShape> from_wire(const wire::Panorama& p);
-/// Precondition: it is not equirectangular, which nobody asks a farm for.
+/// For one eye, or for both. kInvalidArgument  as Projection::validate(), a projection that this program does not know,
+/// and two pictures that are not cut from one another at a multiple of kCutPx.
+Result<Projection> from_wire(const wire::Panorama& p);
+/// For one eye. Precondition: it is not equirectangular, which nobody asks a farm for.
 void to_wire(const PictureShape& shape, wire::Panorama* ret_p);
+/// Precondition: the same; one eye in the sweet spot, or both beside it in one picture.
+void to_wire(const Projection& picture, wire::Panorama* ret_p);
 
 /// Everything in a view that a node or a display relies on. kInvalidArgument names the field.
 Status validate(const wire::View& view);
-/// That a tile lies inside its picture and starts on a 16-pixel cut. kInvalidArgument.
-Status validate(const wire::Tile& tile, const PictureShape& picture);
-/// That a scene can be walked in: finite poses, three corners or more, a positive scale. kInvalidArgument names the field.
+/// That a tile lies inside its picture, of that size, and starts on a 16-pixel cut. kInvalidArgument.
+Status validate(const wire::Tile& tile, int width_px, int height_px);
+/// That a scene can be walked in: finite poses, three corners or more, a positive scale. kInvalidArgument names the
+/// field.
 Status validate(const wire::SceneDescription& scene);
 
 }  // namespace cyclorama

@@ -10,12 +10,15 @@
 #include "common/wire/inspection_service.h"
 #include "drivers/output/shared_picture.h"
 #include "drivers/simulated_room/room_picture.h"
+#include "drivers/simulated_room/stereo_glasses.h"
 
 namespace cyclorama {
 namespace {
 
 constexpr auto kShutdownGrace = std::chrono::milliseconds(200);
 constexpr const char* kPicture = "wall";
+// In a room for two eyes, what the glasses let through to the right one; the left one's is kPicture.
+constexpr const char* kRightPicture = "wall-right";
 
 struct Settings {
   std::string installation;
@@ -39,14 +42,41 @@ class ProjectorLight {
     }
     const auto info = reader_->read_newest(picture);
     is_lit_ = info.has_value();
+    if (info) refresh_ = static_cast<std::int64_t>(info->refresh);
     if (!info && info.error().code() == ErrorCode::kUnavailable) reader_.reset();
   }
   [[nodiscard]] bool is_lit() const { return is_lit_; }
+  /// The display's own number of the refresh that showed it.
+  [[nodiscard]] std::int64_t refresh_number() const { return refresh_; }
 
  private:
   std::filesystem::path path_;
   std::optional<SharedPictureReader> reader_;
+  std::int64_t refresh_ = 0;
   bool is_lit_ = false;
+};
+
+/// The newest of what each eye saw of a head. A display that keeps in step with others counts refreshes with them, and
+/// a room with several such displays may take one eye for the other.
+class TwoEyes {
+ public:
+  explicit TwoEyes(StereoPacking packing) : packing_(packing) {}
+  void look(const std::vector<ProjectorLight>& lights, const std::vector<RgbImage>& heads) {
+    for (std::vector<RgbImage>* const seen : {&left_, &right_}) seen->resize(heads.size());
+    for (std::size_t i = 0; i < heads.size(); ++i) {
+      const Eye now = eye_at(lights[i].refresh_number());
+      const bool takes_turns = packing_ == StereoPacking::kFrameSequential;
+      if (!takes_turns || now == Eye::kLeft) left_[i] = seen_through_glasses(heads[i], packing_, Eye::kLeft);
+      if (!takes_turns || now == Eye::kRight) right_[i] = seen_through_glasses(heads[i], packing_, Eye::kRight);
+    }
+  }
+  [[nodiscard]] const std::vector<RgbImage>& left() const { return left_; }
+  [[nodiscard]] const std::vector<RgbImage>& right() const { return right_; }
+
+ private:
+  StereoPacking packing_;
+  std::vector<RgbImage> left_;
+  std::vector<RgbImage> right_;
 };
 
 Status run(const Settings& settings, const StopSignal& stop) {
@@ -63,6 +93,8 @@ Status run(const Settings& settings, const StopSignal& stop) {
     lights.emplace_back(shared_picture_path(settings.run_dir, projector.name));
   }
   std::vector<RgbImage> pictures(lights.size());
+  std::optional<TwoEyes> eyes;
+  if (installation.stereo) eyes.emplace(installation.stereo->packing);
 
   Notify notify;
   notify.ready();
@@ -72,6 +104,7 @@ Status run(const Settings& settings, const StopSignal& stop) {
     notify.keep_alive(clock.now());
     std::size_t lit = 0;
     const bool watched = inspection.is_watched(kPicture);
+    const bool is_right_watched = eyes && inspection.is_watched(kRightPicture);
     for (std::size_t i = 0; i < lights.size(); ++i) {
       lights[i].refresh(&pictures[i]);
       if (lights[i].is_lit()) ++lit;
@@ -81,9 +114,14 @@ Status run(const Settings& settings, const StopSignal& stop) {
                                               : fmt::format("{} of {} projectors shine; is the display running?", lit,
                                                             lights.size()),
                          lit == lights.size());
-    if (!watched) continue;
+    if (!watched && !is_right_watched) continue;
     const TimePoint begun = clock.now();
-    inspection.set_picture(kPicture, std::make_shared<const RgbImage>(room.photograph(pictures)));
+    if (eyes) eyes->look(lights, pictures);
+    if (watched)
+      inspection.set_picture(kPicture,
+                             std::make_shared<const RgbImage>(room.photograph(eyes ? eyes->left() : pictures)));
+    if (is_right_watched)
+      inspection.set_picture(kRightPicture, std::make_shared<const RgbImage>(room.photograph(eyes->right())));
     inspection.add_stage_time("photograph", clock.now() - begun);
   }
   notify.stopping();

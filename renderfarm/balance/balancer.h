@@ -32,6 +32,8 @@ struct SplitRequest {
   std::array<double, 3> eye_m{};
   /// What a pixel of this picture's quality costs, as far as is known beforehand, in any unit that stays: samples, say.
   double effort = 1.0;
+  /// Pictures of one size, one above another: two eyes'. What is expected of a cell comes from its own picture.
+  int stacked = 1;
   /// One block per node, none stealable: where a block costs more when it is cut, as the denoiser looks around it.
   bool whole_blocks = false;
 };
@@ -54,6 +56,7 @@ struct MeasuredFrame {
   double heading_rad = 0.0;
   std::array<double, 3> eye_m{};
   double effort = 1.0;
+  int stacked = 1;
 };
 
 /// Strategy of one session. Thread-bound; pure: it knows no clock, no node and no wire.

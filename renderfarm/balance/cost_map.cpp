@@ -55,11 +55,17 @@ bool mend(WorkGrid* cost) {
   return true;
 }
 
-/// Each cell gives a ninth of `part` of its cost to itself and to each of its neighbours.
-WorkGrid spread(const WorkGrid& cost, double part) {
+/// As many pictures one above another as are said, if cells can be told apart so.
+int usable_stack(PictureSize size, int stacked) {
+  return stacked > 1 && size.height % (stacked * kCutPx) == 0 ? stacked : 1;
+}
+
+/// Each cell gives a ninth of `part` of its cost to itself and to each of its neighbours in its own picture.
+WorkGrid spread(const WorkGrid& cost, double part, int stacked) {
   WorkGrid rows(cost.size());  // Sums of three, along.
   const int last_x = cost.columns() - 1;
   const int last_y = cost.rows() - 1;
+  const int of_one = std::max(cost.rows() / stacked, 1);
   for (int y = 0; y <= last_y; ++y) {
     for (int x = 0; x <= last_x; ++x) {
       rows.at(x, y) = cost.at(std::max(x - 1, 0), y) + cost.at(x, y) + cost.at(std::min(x + 1, last_x), y);
@@ -69,8 +75,9 @@ WorkGrid spread(const WorkGrid& cost, double part) {
   const auto own = static_cast<float>(1.0 - part);
   const auto ninth = static_cast<float>(part / 9.0);
   for (int y = 0; y <= last_y; ++y) {
-    const int above = std::max(y - 1, 0);
-    const int below = std::min(y + 1, last_y);
+    const int first = y / of_one * of_one;
+    const int above = std::max(y - 1, first);
+    const int below = std::min(y + 1, first + of_one - 1);
     for (int x = 0; x <= last_x; ++x) {
       out.at(x, y) = own * cost.at(x, y) + ninth * (rows.at(x, above) + rows.at(x, y) + rows.at(x, below));
     }
@@ -96,8 +103,8 @@ double CostMap::turn_seen(const Place& at, double part) const {
   return std::isfinite(turn) ? std::clamp(turn, -1.0, 1.0) : 0.0;
 }
 
-WorkGrid CostMap::moved(double fraction, PictureSize size) const {
-  if (fraction == 0.0 && size == cost_.size()) return cost_;
+WorkGrid CostMap::moved(double fraction, PictureSize size, int stacked) const {
+  if (fraction == 0.0 && size == cost_.size() && stacked == stacked_) return cost_;
   WorkGrid out(size);
   // Where the middle of a cell of the new picture was in the old one, in cells.
   const auto place = [](double px, int to, int from) { return px * from / to / kCutPx; };
@@ -106,9 +113,15 @@ WorkGrid CostMap::moved(double fraction, PictureSize size) const {
     const double middle = x * kCutPx + 0.5 * out.width_px(x) + fraction * size.width;
     across.push_back(between(place(middle, size.width, cost_.size().width), cost_.columns()));
   }
+  const int rows = out.rows() / stacked;
+  const int rows_before = cost_.rows() / stacked_;
   for (int y = 0; y < out.rows(); ++y) {
-    const double middle = y * kCutPx + 0.5 * out.height_px(y);
-    const Between down = between(place(middle, size.height, cost_.size().height), cost_.rows());
+    const int picture = y / rows;
+    const double middle = (y - picture * rows) * kCutPx + 0.5 * out.height_px(y);
+    Between down = between(place(middle, size.height / stacked, cost_.size().height / stacked_), rows_before);
+    const int above_it = std::min(picture, stacked_ - 1) * rows_before;
+    down.first += above_it;
+    down.second += above_it;
     for (int x = 0; x < out.columns(); ++x) {
       const Between& a = across[static_cast<std::size_t>(x)];
       const float above = (1.0f - a.t) * cost_.at(a.first, down.first) + a.t * cost_.at(a.second, down.first);
@@ -123,11 +136,12 @@ WorkGrid CostMap::predict(const SplitRequest& request) {
   azimuth_span_rad_ = request.azimuth_span_rad == 0.0 ? 0.0 : usable(request.azimuth_span_rad, 1.0);
   WorkGrid cost(request.size, static_cast<float>(kFirstGuess));
   double effort = 1.0;
+  const int stacked = usable_stack(request.size, request.stacked);
   if (is_known() && !cost.cells().empty()) {
     const Place at{request.heading_rad, request.eye_m};
-    cost = moved(turn_seen(at, moves_eye(at) ? part_of_turn_ : 1.0), request.size);
+    cost = moved(turn_seen(at, moves_eye(at) ? part_of_turn_ : 1.0), request.size, stacked);
     const bool moves = moves_eye(at) || at.heading_rad != place_.heading_rad;
-    if (moves && options_.spreads > 0.0) cost = spread(cost, options_.spreads);
+    if (moves && options_.spreads > 0.0) cost = spread(cost, options_.spreads, stacked);
     effort = usable_effort(request.effort);
   }
   to_work(&cost, effort);
@@ -140,15 +154,15 @@ bool CostMap::moves_eye(const Place& at) const {
   return !(squared <= kStill_m * kStill_m);
 }
 
-void CostMap::watch_motion(const WorkGrid& measured, const Place& at) {
+void CostMap::watch_motion(const WorkGrid& measured, const Place& at, int stacked) {
   if (!options_.turns || !moves_eye(at) || turn_seen(at, 1.0) == 0.0) return;
   // A few parts of the turn, from a little against it (what is nearer than the point that an orbit looks at) to more
   // than it.
   constexpr double kParts[] = {-0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5};
   double best = part_of_turn_;
-  double least = difference(moved(turn_seen(at, best), measured.size()), measured);
+  double least = difference(moved(turn_seen(at, best), measured.size(), stacked), measured);
   for (const double part : kParts) {
-    const double miss = difference(moved(turn_seen(at, part), measured.size()), measured);
+    const double miss = difference(moved(turn_seen(at, part), measured.size(), stacked), measured);
     if (miss < least) {
       least = miss;
       best = part;
@@ -160,8 +174,9 @@ void CostMap::watch_motion(const WorkGrid& measured, const Place& at) {
 void CostMap::learn(const MeasuredFrame& frame) {
   if (frame.size.width <= 0 || frame.size.height <= 0) return;
   const Place at{std::isfinite(frame.heading_rad) ? frame.heading_rad : place_.heading_rad, frame.eye_m};
+  const int stacked = usable_stack(frame.size, frame.stacked);
   WorkGrid expected(frame.size, static_cast<float>(kFirstGuess));
-  if (is_known()) expected = moved(turn_seen(at, moves_eye(at) ? part_of_turn_ : 1.0), frame.size);
+  if (is_known()) expected = moved(turn_seen(at, moves_eye(at) ? part_of_turn_ : 1.0), frame.size, stacked);
   WorkGrid prior = expected;
   to_work(&prior, 1.0);
   WorkGrid measured = work_of(frame.size, frame.blocks, options_.times, &prior);
@@ -175,7 +190,7 @@ void CostMap::learn(const MeasuredFrame& frame) {
   }
   if (!(known > 0.0)) return;  // Nothing measured, or nothing but zeroes: no reason to change.
   if (is_known()) {
-    watch_motion(measured, at);
+    watch_motion(measured, at, stacked);
   } else {
     std::ranges::fill(expected.cells(), static_cast<float>(known / static_cast<double>(known_cells)));
   }
@@ -187,6 +202,7 @@ void CostMap::learn(const MeasuredFrame& frame) {
   }
   if (!mend(&measured)) return;
   cost_ = std::move(measured);
+  stacked_ = stacked;
   place_ = at;
 }
 

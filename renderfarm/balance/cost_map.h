@@ -21,8 +21,8 @@ struct CostMapOptions {
 /// Seconds per pixel and effort, in cells. When the eye only turns, the content of a panorama moves by the turn over
 /// the azimuth span. When the eye also walks, near content moves otherwise; then it moves by as much of the turn as
 /// explained the last frame best (an orbit around a relic: by nothing at all). What comes in at an edge costs as the
-/// edge did. A picture that is no panorama stays where it is. A value; thread-bound. Invariant: every cost is finite
-/// and above zero.
+/// edge did. A picture that is no panorama stays where it is. Of two eyes' pictures each has its own costs. A value;
+/// thread-bound. Invariant: every cost is finite and above zero.
 class CostMap {
  public:
   explicit CostMap(const CostMapOptions& options = {}) : options_(options) {}
@@ -41,14 +41,15 @@ class CostMap {
   [[nodiscard]] bool moves_eye(const Place& at) const;
   [[nodiscard]] double turn_seen(const Place& at, double part) const;
   /// Per pixel.
-  [[nodiscard]] WorkGrid moved(double fraction, PictureSize size) const;
-  void watch_motion(const WorkGrid& measured, const Place& at);
+  [[nodiscard]] WorkGrid moved(double fraction, PictureSize size, int stacked) const;
+  void watch_motion(const WorkGrid& measured, const Place& at, int stacked);
 
   CostMapOptions options_;
-  WorkGrid cost_;  ///< Per pixel, of effort 1.
-  Place place_;    ///< Whose costs they are.
+  WorkGrid cost_;                  ///< Per pixel, of effort 1.
+  int stacked_ = 1;                ///< Pictures in it, one above another.
+  Place place_;                    ///< Whose costs they are.
   double azimuth_span_rad_ = 1.0;  ///< 0: nothing moves.
-  double part_of_turn_ = 1.0;  ///< That the content moves by when the eye walks too.
+  double part_of_turn_ = 1.0;      ///< That the content moves by when the eye walks too.
 };
 
 }  // namespace cyclorama

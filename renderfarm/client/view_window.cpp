@@ -17,10 +17,11 @@ bool is_same_place(const wire::View& a, const wire::View& b) {
   return from_wire(a.eye_m()) == from_wire(b.eye_m()) && a.heading_rad() == b.heading_rad();
 }
 
-/// What the farm makes of a picture that was asked for: the same field, perhaps with fewer pixels.
-Status check_shape(const PictureShape& asked, const PictureShape& begun) {
-  const bool fits = width_px(begun) <= width_px(asked) && height_px(begun) <= height_px(asked) &&
-                    with_pixels(begun, width_px(asked), height_px(asked)) == asked;
+/// What the farm makes of a picture that was asked for: the same field for the same eyes, perhaps with fewer pixels.
+Status check_shape(const Projection& asked, const Projection& begun) {
+  const bool fits = begun.width_px() <= asked.width_px() && begun.height_px() <= asked.height_px() &&
+                    begun.viewing == asked.viewing &&
+                    with_pixels(begun.shape, width_px(asked.shape), height_px(asked.shape)) == asked.shape;
   return fits ? Status(Done{}) : broken("sent a frame in another shape");
 }
 
@@ -68,14 +69,14 @@ Status ViewWindow::begin(const wire::View& view) {
   }
   const wire::View& wanted = is_refined ? *answered_ : *asked;
   if (!is_same_place(view, wanted)) return broken("sent a frame from another place");
-  TRY_ASSIGN(const PictureShape field, from_wire(wanted.panorama()));
+  TRY_ASSIGN(const Projection field, from_wire(wanted.panorama()));
   const auto begun = from_wire(view.panorama());
   if (!begun) return broken("sent a frame whose " + begun.error().message());
   TRY(check_shape(field, *begun));
   if (!is_refined) in_flight_.erase(in_flight_.begin(), asked);  // Older numbers were skipped.
   open_ = *begun;
   open_number_ = view.number();
-  covered_ = CoveredCells(width_px(*begun), height_px(*begun));
+  covered_ = CoveredCells(begun->width_px(), begun->height_px());
   covered_px_ = 0;
   tiles_ = 0;
   return Done{};
@@ -85,7 +86,8 @@ Status ViewWindow::accept(const wire::Tile& tile) {
   if (!open_ || tile.view_number() != open_number_) {
     return broken(fmt::format("sent a tile of frame {}, which is not open", tile.view_number()));
   }
-  if (const Status fits = validate(tile, *open_); !fits) return broken("sent a " + fits.error().message());
+  if (const Status fits = validate(tile, open_->width_px(), open_->height_px()); !fits)
+    return broken("sent a " + fits.error().message());
   const auto px = [](std::uint32_t value) { return static_cast<int>(value); };  // Inside of the picture.
   if (!covered_.cover(px(tile.x_px()), px(tile.y_px()), px(tile.width_px()), px(tile.height_px()))) {
     return broken(fmt::format("sent a tile at ({}, {}) over another", tile.x_px(), tile.y_px()));
@@ -100,7 +102,7 @@ Status ViewWindow::end(const wire::FrameEnd& end) {
     return broken(fmt::format("ended frame {}, which is not open", end.view_number()));
   }
   const std::uint64_t whole_px =
-      static_cast<std::uint64_t>(width_px(*open_)) * static_cast<std::uint64_t>(height_px(*open_));
+      static_cast<std::uint64_t>(open_->width_px()) * static_cast<std::uint64_t>(open_->height_px());
   if (end.complete() && (covered_px_ != whole_px || end.tiles() != tiles_)) {
     return broken(
         fmt::format("called frame {} complete with {} of {} pixels", end.view_number(), covered_px_, whole_px));

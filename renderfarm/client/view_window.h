@@ -33,9 +33,9 @@ class ViewWindow {
   std::optional<wire::View> take_sendable();
 
   /// What the farm answers, in the order in which it comes. kBadData when it breaks farm.proto: the scene is not
-  /// described first and once, another frame is open, a number that was not asked for, another place, direction or field
-  /// or more pixels than asked for, a tile outside or over another, a "complete" frame with holes. kInvalidArgument when
-  /// the scene cannot be walked in. What is refused changes nothing.
+  /// described first and once, another frame is open, a number that was not asked for, another place, direction or
+  /// field or more pixels than asked for, a tile outside or over another, a "complete" frame with holes.
+  /// kInvalidArgument when the scene cannot be walked in. What is refused changes nothing.
   Status take(const wire::VisitReply& reply);
 
   /// The farm described its scene.
@@ -58,9 +58,9 @@ class ViewWindow {
   std::optional<wire::View> waiting_;
   std::deque<wire::View> in_flight_;    ///< Growing numbers.
   std::optional<wire::View> answered_;  ///< As asked: the last whose frame ended.
-  std::optional<PictureShape> open_;    ///< As begun.
+  std::optional<Projection> open_;      ///< As begun.
   std::uint64_t open_number_ = 0;
-  CoveredCells covered_;                ///< Of the open frame.
+  CoveredCells covered_;  ///< Of the open frame.
   std::uint64_t covered_px_ = 0;
   std::uint32_t tiles_ = 0;
 };

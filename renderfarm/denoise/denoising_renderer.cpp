@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/denoise/denoising_renderer.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <utility>
 
 #include "common/base/clock.h"
 #include "common/base/cpu_time.h"
+#include "common/base/picture_cut.h"
 #include "common/image/cells.h"
 #include "common/image/cropped.h"
 #include "renderfarm/render/tone.h"
@@ -22,11 +25,27 @@ namespace {
 constexpr int kLeastStripPx = 64;
 
 /// `rect` and `px` around it, as far as the picture goes.
-PixelRect grown(const PixelRect& rect, int px, const Projection& picture) {
-  const int left = std::max(0, rect.x - px);
-  const int top = std::max(0, rect.y - px);
-  return {left, top, std::min(picture.width_px(), rect.x + rect.width + px) - left,
-          std::min(picture.height_px(), rect.y + rect.height + px) - top};
+PixelRect grown(const PixelRect& rect, int px, const PixelRect& picture) {
+  const int left = std::max(picture.x, rect.x - px);
+  const int top = std::max(picture.y, rect.y - px);
+  return {left, top, std::min(picture.x + picture.width, rect.x + rect.width + px) - left,
+          std::min(picture.y + picture.height, rect.y + rect.height + px) - top};
+}
+
+/// What of `rect` lies in `bounds`, which has its columns; perhaps nothing.
+PixelRect rows_within(const PixelRect& rect, const PixelRect& bounds) {
+  const int top = std::max(rect.y, bounds.y);
+  const int bottom = std::min(rect.y + rect.height, bounds.y + bounds.height);
+  return {rect.x, top, rect.width, std::max(bottom - top, 0)};
+}
+
+void add(const RenderCost& part, RenderCost* sum) {
+  sum->cpu_seconds += part.cpu_seconds;
+  sum->wall_seconds += part.wall_seconds;
+  sum->rays += part.rays;
+  sum->removed_light = std::max(sum->removed_light, part.removed_light);
+  sum->broken_samples += part.broken_samples;
+  sum->cell_cpu_seconds.insert(sum->cell_cpu_seconds.end(), part.cell_cpu_seconds.begin(), part.cell_cpu_seconds.end());
 }
 
 /// A film's cost, told of the cells that `rect` touches. What went into its margin and its denoising counts for all
@@ -50,8 +69,11 @@ RenderCost told_of(RenderCost cost, const PixelRect& wide, const PixelRect& rect
 }  // namespace
 
 Status check_denoisable(const PanoramaView& view) {
-  if (view.picture().viewing.eyes == Eyes::kMono) return Done{};
-  return Error(ErrorCode::kInvalidArgument, "the denoiser knows pictures for one eye only");
+  const Projection picture = view.picture();
+  if (picture.stacked() == 1 || height_px(picture.shape) % kCutPx == 0) return Done{};
+  return Error(ErrorCode::kInvalidArgument,
+               fmt::format("two eyes' pictures, each {} pixels high, are not denoised; make that a multiple of {}",
+                           height_px(picture.shape), kCutPx));
 }
 
 DenoisingRenderer::DenoisingRenderer(const Renderer& renderer, int threads)
@@ -68,9 +90,27 @@ RenderCost DenoisingRenderer::render(const PanoramaView& view, const PixelRect& 
 
 RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const PixelRect& rect,
                                               RadianceImage* ret_pixels, const std::function<bool()>& cancelled) {
-  const Projection picture = view.picture();
   CHECK(check_denoisable(view).has_value());
-  const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), picture);
+  const Projection picture = view.picture();
+  const int height = height_px(picture.shape);
+  const PixelRect first{0, 0, picture.width_px(), height};
+  const PixelRect second{0, height, picture.width_px(), height};
+  const PixelRect upper = rows_within(rect, first);
+  const PixelRect lower = rows_within(rect, second);
+  if (picture.stacked() == 1 || lower.empty()) return render_within(view, first, rect, ret_pixels, cancelled);
+  if (upper.empty()) return render_within(view, second, rect, ret_pixels, cancelled);
+  RadianceImage part;
+  RenderCost cost = render_within(view, first, upper, ret_pixels, cancelled);
+  add(render_within(view, second, lower, &part, cancelled), &cost);
+  const RadianceImage above = std::exchange(*ret_pixels, RadianceImage(rect.width, rect.height));
+  std::ranges::copy(above.data(), ret_pixels->data().begin());
+  std::ranges::copy(part.data(), ret_pixels->data().begin() + static_cast<std::ptrdiff_t>(above.data().size()));
+  return cost;
+}
+
+RenderCost DenoisingRenderer::render_within(const PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
+                                            RadianceImage* ret_pixels, const std::function<bool()>& cancelled) {
+  const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), bounds);
   RenderCost cost = renderer_.render_film(view, wide, true, &film_, cancelled);
   if (rect.empty() || (cancelled && cancelled())) {
     *ret_pixels = RadianceImage(rect.width, rect.height);
@@ -78,7 +118,7 @@ RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const Pi
   }
   const TimePoint start = SteadyClock().now();
   const double cpu_start = thread_cpu_seconds();
-  const PixelRays rays = picture_rays(picture.shape, view.heading_rad, wide);
+  const PixelRays rays = picture_rays(view.picture(), view.heading_rad, wide);
   if (wide_.width() != wide.width || wide_.height() != wide.height) wide_ = RadianceImage(wide.width, wide.height);
   const PixelRect part{rect.x - wide.x, rect.y - wide.y, rect.width, rect.height};
   const int threads = static_cast<int>(denoisers_.size());

@@ -2,7 +2,8 @@
 /// A scene's pictures with the noise taken out: traced with a margin, denoised, cut to what was asked for.
 ///
 /// The margin is Denoiser::halo_px() on each side where the picture goes on, traced in whole cells of 16x16 pixels, so
-/// a small rect costs more per pixel than a large one. The pixels are those of the whole picture to the last bit.
+/// a small rect costs more per pixel than a large one. The pixels are those of the whole picture to the last bit. Of
+/// two eyes' pictures each is one for itself: nothing of the other comes into it.
 #pragma once
 
 #include <vector>
@@ -12,7 +13,7 @@
 
 namespace cyclorama {
 
-/// kInvalidArgument, one sentence, unless the denoiser knows the view's rays: a picture for one eye.
+/// kInvalidArgument, one sentence, for two eyes' pictures that no cut of kCutPx pixels parts.
 [[nodiscard]] Status check_denoisable(const PanoramaView& view);
 
 /// Keeps its memory from one picture to the next, and a reference to the renderer, which must outlive it. Thread-bound.
@@ -29,6 +30,10 @@ class DenoisingRenderer {
                              const std::function<bool()>& cancelled);
 
  private:
+  /// `rect` and its margin lie inside of `bounds`.
+  RenderCost render_within(const PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
+                           RadianceImage* ret_pixels, const std::function<bool()>& cancelled);
+
   const Renderer& renderer_;
   std::vector<Denoiser> denoisers_;  ///< One for each thread.
   Film film_;

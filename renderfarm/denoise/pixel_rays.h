@@ -18,5 +18,8 @@ struct PixelRays {
 [[nodiscard]] PixelRays panorama_rays(const Panorama& panorama, double heading_rad, const PixelRect& rect);
 /// The same of a picture of any shape. Outside of a fisheye's circle, where there are no samples, along its axis.
 [[nodiscard]] PixelRays picture_rays(const PictureShape& shape, double heading_rad, const PixelRect& rect);
+/// The same for one eye or two, each ray from where its own eye is. Neighbours have nearly one eye: within a filter's
+/// reach it moves by less than a millimetre.
+[[nodiscard]] PixelRays picture_rays(const Projection& picture, double heading_rad, const PixelRect& rect);
 
 }  // namespace cyclorama

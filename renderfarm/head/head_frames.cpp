@@ -39,6 +39,9 @@ double shifting_span(const wire::View& view) {
   return view.panorama().projection() == wire::Panorama::CYLINDER ? view.panorama().azimuth_span_rad() : 0.0;
 }
 
+/// Two eyes' pictures, one above the other.
+int stacked(const wire::View& view) { return view.panorama().has_eyes() ? 2 : 1; }
+
 /// What a pixel costs grows with its samples; how much more a bounce costs, only the scene knows.
 double effort_of(const wire::View& view) { return view.samples(); }
 
@@ -64,6 +67,7 @@ std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& vi
   SplitRequest request{size_of(view), speeds, view.heading_rad(), shifting_span(view)};
   request.eye_m = eye_of(view);
   request.effort = effort_of(view);
+  request.stacked = stacked(view);
   request.block_overhead_seconds = kBlockSeconds;
   request.node_overhead_seconds = kNodeSeconds;
   request.whole_blocks = whole_blocks;
@@ -226,8 +230,8 @@ void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
   } else {
     if (!report.costs.empty()) {
       session.costs_known = true;
-      session.balancer->learn(
-          {size_of(frame.view), report.costs, frame.view.heading_rad(), eye_of(frame.view), effort_of(frame.view)});
+      session.balancer->learn({size_of(frame.view), report.costs, frame.view.heading_rad(), eye_of(frame.view),
+                               effort_of(frame.view), stacked(frame.view)});
     }
     if (report.complete) {
       session.frame_cpu_seconds = std::max(report.cpu_seconds, kLeastCost);

@@ -20,9 +20,10 @@ constexpr Duration kFirstRetry = std::chrono::seconds(5);
 constexpr Duration kLastRetry = std::chrono::seconds(60);
 constexpr int kMostDoublings = 4;  ///< From the first to the last.
 
-std::uint32_t scaled(std::uint32_t px, double scale) {
+/// To a multiple of `cut`.
+std::uint32_t scaled(std::uint32_t px, double scale, int cut = kCutPx) {
   if (scale >= 1.0) return px;
-  return std::min(px, static_cast<std::uint32_t>(kCutPx * std::max(1.0, std::round(scale * px / kCutPx))));
+  return std::min(px, static_cast<std::uint32_t>(cut * std::max(1.0, std::round(scale * px / cut))));
 }
 
 double megapixels(const wire::View& view) {
@@ -45,7 +46,8 @@ void apply(const PictureQuality& quality, wire::View* view) {
   view->set_subsample_chroma(quality.subsample_chroma);
   wire::Panorama& panorama = *view->mutable_panorama();
   panorama.set_width_px(scaled(panorama.width_px(), quality.scale));
-  panorama.set_height_px(scaled(panorama.height_px(), quality.scale));
+  // Between two eyes' pictures lies a cut.
+  panorama.set_height_px(scaled(panorama.height_px(), quality.scale, panorama.has_eyes() ? 2 * kCutPx : kCutPx));
 }
 
 void HeadState::govern(Governed& governed, FrameInFlight* frame) {

@@ -24,23 +24,24 @@ RenderQuality quality_of(const wire::View& view) {
 
 Result<PanoramaView> view_of(const wire::RenderBlock& block) {
   TRY(validate(block.view()));
-  TRY_ASSIGN(const PictureShape picture, from_wire(block.view().panorama()));
+  TRY_ASSIGN(const Projection picture, from_wire(block.view().panorama()));
   wire::Tile whole;
   whole.set_x_px(block.x_px());
   whole.set_y_px(block.y_px());
   whole.set_width_px(block.width_px());
   whole.set_height_px(block.height_px());
-  TRY(validate(whole, picture));
+  TRY(validate(whole, picture.width_px(), picture.height_px()));
   // A view's own number is the seed: noise changes from frame to frame and is the same on every node.
   PanoramaView view;
   view.eye = from_wire(block.view().eye_m());
   view.heading_rad = block.view().heading_rad();
   view.quality = quality_of(block.view());
   view.seed = block.view().number();
-  if (const auto* panorama = std::get_if<Panorama>(&picture)) {
+  const auto* const panorama = std::get_if<Panorama>(&picture.shape);
+  if (panorama != nullptr && picture.stacked() == 1) {
     view.panorama = *panorama;
   } else {
-    view.projection = Projection{picture, {}};
+    view.projection = picture;
   }
   return view;
 }

@@ -11,14 +11,17 @@
 
 namespace cyclorama {
 
-inline wire::View view_of(std::uint64_t number, const PictureShape& panorama, double heading_rad = 0.0) {
+inline wire::View view_of(std::uint64_t number, const Projection& picture, double heading_rad = 0.0) {
   wire::View view;
   view.set_number(number);
   view.set_heading_rad(heading_rad);
-  to_wire(panorama, view.mutable_panorama());
+  to_wire(picture, view.mutable_panorama());
   view.set_samples(1);
   view.set_jpeg_quality(95);
   return view;
+}
+inline wire::View view_of(std::uint64_t number, const PictureShape& panorama, double heading_rad = 0.0) {
+  return view_of(number, Projection{panorama, {}}, heading_rad);
 }
 
 /// Cut into tiles of at most `side_px`, a multiple of 16.
@@ -54,14 +57,19 @@ inline wire::FrameEnd end_of(std::uint64_t number, std::size_t tiles, bool compl
 
 /// The messages of one whole frame, in order.
 inline std::vector<wire::ShowMessage> frame_messages(std::uint64_t number, const RgbImage& picture,
-                                                     const PictureShape& panorama, double heading_rad = 0.0,
+                                                     const Projection& projection, double heading_rad = 0.0,
                                                      int side_px = 64) {
   std::vector<wire::ShowMessage> messages(1);
-  *messages[0].mutable_begin() = view_of(number, panorama, heading_rad);
+  *messages[0].mutable_begin() = view_of(number, projection, heading_rad);
   for (wire::Tile& tile : tiles_of(number, picture, side_px)) *messages.emplace_back().mutable_tile() = std::move(tile);
   const std::size_t tiles = messages.size() - 1;
   *messages.emplace_back().mutable_end() = end_of(number, tiles);
   return messages;
+}
+inline std::vector<wire::ShowMessage> frame_messages(std::uint64_t number, const RgbImage& picture,
+                                                     const PictureShape& panorama, double heading_rad = 0.0,
+                                                     int side_px = 64) {
+  return frame_messages(number, picture, Projection{panorama, {}}, heading_rad, side_px);
 }
 
 }  // namespace cyclorama

@@ -37,6 +37,19 @@ class PaintedHead {
     });
   }
 
+  /// The whole head, of both eyes' pictures one above the other, each of `shape`; or of one for both.
+  RgbImage drawn_for_two(const HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape, double shift,
+                         Eye now = Eye::kLeft) {
+    return drawn(plan, [&](const Gl& gl, const PictureProgram& program, const HeadPainter& painter, Output* output) {
+      PanoramaTexture texture(gl, program);
+      Frame both = frame(picture, shape, nullptr);
+      both.stacked = picture.height() / height_px(shape);
+      CHECK(texture.upload(both));
+      CHECK(output->draw_to(0));
+      painter.draw({&texture, shift}, now);
+    });
+  }
+
   static Frame frame(const PlanarPicture& picture, const PictureShape& shape, const std::vector<PixelRect>* parts) {
     Frame frame;
     frame.shape = shape;
@@ -48,8 +61,8 @@ class PaintedHead {
  private:
   template <typename Draw>
   RgbImage drawn(const HeadPlan& plan, const Draw& draw) {
-    const int width = width_px(plan.warp);
-    const int height = height_px(plan.warp);
+    const int width = width_px(plan.warp) * (plan.packing == StereoPacking::kSideBySide ? 2 : 1);
+    const int height = height_px(plan.warp) * (plan.packing == StereoPacking::kTopBottom ? 2 : 1);
     auto output = open_headless_output({{{"head", width, height}}, 100.0, {}, renderer_}, clock_);
     CHECK(output.has_value());
     const Gl& gl = (*output)->gl();

@@ -70,8 +70,12 @@ wire::ShowMessage message_from(FuzzInput* input) {
       const std::array<PictureShape, 3> shapes{Panorama{width, height, 1.0, 0.5, -0.5},
                                                Fisheye{width, height, 1.5, 0.5},
                                                Perspective{width, height, -1.0, 1.0, 0.5, -0.5, 0.5}};
-      const std::uint32_t number = input->byte() % 4;
-      *message.mutable_begin() = view_of(number, shapes[input->byte() % 3]);
+      const auto asked = input->byte();
+      *message.mutable_begin() = view_of(asked % 4U, shapes[input->byte() % 3]);
+      if (asked >= 128) {
+        message.mutable_begin()->mutable_panorama()->mutable_eyes()->set_distance_m(0.001 * asked);
+        message.mutable_begin()->mutable_panorama()->set_height_px(static_cast<std::uint32_t>(height / 32 * 32));
+      }
       return message;
     }
     case 2:
@@ -100,7 +104,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   TourClock tour_clock(std::chrono::system_clock::now);
   DecodePool pool(1);
   ShownByHeads shown = heads_that_see_all();
-  if (input.byte() % 2 != 0) shown.wall = Fisheye{64, 64, 1.0, 0.5};
+  const auto setting = input.byte();
+  if (setting % 2 != 0) shown.wall = Fisheye{64, 64, 1.0, 0.5};
+  shown.stereo = setting % 4 > 1;
   FrameAssembler assembler(&pool, &sink, &clock, std::move(shown));
   while (!input.is_empty()) {
     wire::ShowMessage message = message_from(&input);

@@ -9,13 +9,20 @@
 #include "common/geometry/guard_band.h"
 
 namespace cyclorama {
-Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string name, const PictureShape& wanted) {
+Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted) {
   const std::lock_guard lock(mutex_);
   if (closed_) return *closed_;
   if (members_.size() >= kMostDisplays)
     return Error(ErrorCode::kBusy, "as many displays as may dial in are here already");
   for (const Member& member : members_) {
-    if (covering(member.wanted, wanted)) continue;
+    if (member.wanted.viewing != wanted.viewing) {
+      return Error(
+          ErrorCode::kInvalidArgument,
+          fmt::format("display '{}' is here for other eyes, and one picture cannot serve both; give all displays "
+                      "of a room the same [stereo], [visitor] and [wall]",
+                      member.name));
+    }
+    if (covering(member.wanted.shape, wanted.shape)) continue;
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("display '{}' is here for a wall of another kind, and one picture cannot serve both; give "
                              "all displays of a room the same [wall]",
@@ -52,11 +59,11 @@ std::size_t DisplayHub::send(const SharedShowMessage& message) {
   return lost;
 }
 
-std::optional<PictureShape> DisplayHub::wanted() const {
+std::optional<Projection> DisplayHub::wanted() const {
   const std::lock_guard lock(mutex_);
   if (members_.empty()) return std::nullopt;
-  PictureShape all = members_.front().wanted;
-  for (const Member& member : members_) all = *covering(all, member.wanted);  // join() saw to it.
+  Projection all = members_.front().wanted;
+  for (const Member& member : members_) all.shape = *covering(all.shape, member.wanted.shape);  // join() saw to it.
   return all;
 }
 

@@ -37,8 +37,8 @@ class DisplayHub {
 
   /// The newest heading is sent to it at once, so that its stream starts with one.
   /// kBusy  kMostDisplays are there.     kUnavailable  close() was called.     kInvalidArgument  its wall wants another
-  /// kind of picture than those that are here.
-  Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const PictureShape& wanted);
+  /// kind of picture than those that are here, or one for other eyes.
+  Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted);
   /// Idempotent.
   void leave(const DisplayLink* link);
 
@@ -46,7 +46,7 @@ class DisplayHub {
   /// How many displays lost a whole frame by it, being slow.
   std::size_t send(const SharedShowMessage& message);
   /// What all displays want; nothing without displays.
-  [[nodiscard]] std::optional<PictureShape> wanted() const;
+  [[nodiscard]] std::optional<Projection> wanted() const;
   [[nodiscard]] std::size_t count() const;
   /// Ends all streams, now and later.
   void close(const Error& reason);
@@ -55,7 +55,7 @@ class DisplayHub {
   struct Member {
     std::shared_ptr<DisplayLink> link;
     std::string name;
-    PictureShape wanted;
+    Projection wanted;
   };
   mutable std::mutex mutex_;  ///< Guards the following.
   std::vector<Member> members_;

@@ -88,7 +88,7 @@ void Tour::send_heading(TimePoint now) {
 }
 
 std::optional<wire::View> Tour::next_view() const {
-  const std::optional<PictureShape> wanted = hub_.wanted();
+  const std::optional<Projection> wanted = hub_.wanted();
   if (!visit_ || farm_away_ || !wanted) return std::nullopt;
   const Navigation& navigation = visit_->navigation;
   wire::View view;

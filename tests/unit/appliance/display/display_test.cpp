@@ -108,7 +108,7 @@ TEST_F(Displaying, says_hello_and_shows_a_dim_sky_before_the_first_frame) {
   ASSERT_TRUE(tour->wait_for_display());
   EXPECT_EQ(tour->hello.heads(), 3U);
   EXPECT_EQ(tour->hello.refresh_hz(), 60.0);
-  EXPECT_EQ(*from_wire(tour->hello.wanted()), PictureShape(wanted_));
+  EXPECT_EQ(*from_wire(tour->hello.wanted()), (Projection{wanted_, {}}));
   ASSERT_TRUE(wait_until([&] { return middle_colour()[0] > 0; }));
   const RgbImage picture = head("middle");
   EXPECT_LT(*std::ranges::max_element(picture.data()), 70);

@@ -410,5 +410,96 @@ TEST_F(FrameAssembling, survives_every_bad_jpeg_of_the_shared_data_as_a_tile) {
   ASSERT_TRUE(sink_.wait_for(outcomes));
 }
 
+/// A display whose heads show two eyes' pictures.
+class StereoFrameAssembling : public FrameAssembling {
+ protected:
+  static ShownByHeads heads_for_two() {
+    ShownByHeads shown = heads_that_see_all();
+    shown.stereo = true;
+    return shown;
+  }
+  static Projection for_two(int width = 150, int height = 96) {
+    return {Panorama{width, height, 2.0, 0.5, -0.5}, {Eyes::kOverUnder, 0.063, 3.0}};
+  }
+  void send_for_two(const Messages& messages) {
+    for (const wire::ShowMessage& message : messages) stereo_.take(message);
+  }
+  FrameAssembler stereo_{&pool_, &sink_, &clock_, heads_for_two()};
+};
+
+TEST_F(StereoFrameAssembling, gives_a_frame_when_both_eyes_pictures_are_whole) {
+  const RgbImage picture = gradient(150, 192);
+  send_for_two(frame_messages(1, picture, for_two()));
+  send_for_two(frame_messages(2, gradient(), kPanorama));
+  ASSERT_TRUE(sink_.wait_for(2));
+  ASSERT_THAT(sink_.frames, ::testing::SizeIs(2));
+  const Frame& two = *std::ranges::find(sink_.frames, 1U, &Frame::number);
+  EXPECT_EQ(two.stacked, 2);
+  EXPECT_EQ(two.shape, for_two().shape);
+  EXPECT_LE(largest_difference(*two.picture, picture), 12);
+  EXPECT_EQ(std::ranges::find(sink_.frames, 2U, &Frame::number)->stacked, 1) << "one picture is good for both eyes";
+}
+
+TEST_F(StereoFrameAssembling, drops_a_frame_that_lacks_any_tile_of_either_eye) {
+  const Messages whole = frame_messages(1, gradient(150, 192), for_two());
+  for (std::size_t lost = 1; lost + 1 < whole.size(); ++lost) {
+    Messages messages = whole;
+    messages.erase(messages.begin() + static_cast<std::ptrdiff_t>(lost));
+    messages.back().mutable_end()->set_tiles(static_cast<std::uint32_t>(whole.size() - 3));
+    send_for_two(messages);
+    ASSERT_TRUE(sink_.wait_for(lost));
+    ASSERT_THAT(sink_.drops, ::testing::SizeIs(lost));
+    EXPECT_THAT(sink_.drops.back().second, HasSubstr("cells of the picture are empty"));
+  }
+  EXPECT_THAT(sink_.frames, ::testing::IsEmpty());
+}
+
+TEST_F(StereoFrameAssembling, never_mixes_one_eye_of_a_frame_with_the_other_of_the_next) {
+  Messages mixed = frame_messages(1, gradient(150, 192), for_two());
+  const Messages next = frame_messages(2, gradient(150, 192), for_two());
+  for (std::size_t i = 1; i + 1 < mixed.size(); ++i) {
+    if (mixed[i].tile().y_px() >= 96) mixed[i] = next[i];
+  }
+  send_for_two(mixed);
+  send_for_two(next);
+  ASSERT_TRUE(sink_.wait_for(2));
+  ASSERT_THAT(sink_.drops, ::testing::SizeIs(1));
+  EXPECT_THAT(sink_.drops[0].second, HasSubstr("a tile of frame 2 came between its own"));
+  ASSERT_THAT(sink_.frames, ::testing::SizeIs(1));
+  EXPECT_EQ(sink_.frames[0].number, 2U);
+}
+
+TEST_F(StereoFrameAssembling, decodes_of_both_eyes_what_a_head_shows) {
+  // A head that lights the lower half of what the wall shows.
+  PixelMap map(2, 64);
+  for (int y = 0; y < 64; ++y) {
+    for (const int x : {0, 1}) {
+      map.at(x, y)[0] = x == 0 ? -0.9f : 0.9f;
+      map.at(x, y)[1] = -0.5f * static_cast<float>(y) / 64.0f;
+    }
+  }
+  ShownByHeads shown{{HeadFootprint(map, MaskImage(2, 64, 1.0f))}, Panorama{150, 192, 2.0, 0.5, -0.5}, true};
+  FrameAssembler assembler(&pool_, &sink_, &clock_, std::move(shown));
+  for (const wire::ShowMessage& message : frame_messages(1, gradient(150, 384), for_two(150, 192), 0.0, 32)) {
+    assembler.take(message);
+  }
+  ASSERT_TRUE(sink_.wait_for(1));
+  ASSERT_THAT(sink_.frames, ::testing::SizeIs(1));
+  const Frame& frame = sink_.frames[0];
+  EXPECT_EQ(frame.tiles, 5U * 12U);
+  EXPECT_EQ(frame.decoded, 5U * 2U * 4U) << "the lower half and what filters need above it";
+  int rows[2] = {0, 0};
+  for (const PixelRect& part : *frame.parts) {
+    EXPECT_TRUE(part.y >= 192 || part.y + part.height <= 192) << "never across the seam";
+    rows[part.y >= 192 ? 1 : 0] += part.height;
+  }
+  EXPECT_EQ(rows[0], rows[1]);
+}
+
+TEST_F(FrameAssembling, of_heads_for_one_eye_drops_a_frame_for_two) {
+  const Projection two{Panorama{150, 96, 2.0, 0.5, -0.5}, {Eyes::kOverUnder, 0.063, 3.0}};
+  expect_dropped(frame_messages(7, gradient(150, 192), two), "a picture for two eyes");
+}
+
 }  // namespace
 }  // namespace cyclorama

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "appliance/display/presenter.h"
 #include "tests/doubles/manual_clock.h"
 #include "tests/doubles/painted_head.h"
@@ -55,7 +58,8 @@ class PresentingInStep : public ::testing::Test {
     WarpMesh mesh{kSide, kSide, 1, 1, {}, 0.0};
     mesh.vertices = {
         {0, 0, -0.5f, 0.5f}, {kSide, 0, 0.5f, 0.5f}, {0, kSide, -0.5f, -0.5f}, {kSide, kSide, 0.5f, -0.5f}};
-    const std::vector<HeadPlan> plans(1, {mesh, MaskImage(kSide, kSide, 1.0f)});
+    std::vector<HeadPlan> plans(1, {mesh, MaskImage(kSide, kSide, 1.0f)});
+    plans.front().packing = packing_;
     const AttractTimes no_fade{std::chrono::hours(1), 1ms};
     auto presenter = Presenter::make(output_.get(), plans, *frame(0, 0), no_fade, &mailbox_, &clock_);
     ASSERT_TRUE(presenter) << presenter.error().message();
@@ -91,6 +95,7 @@ class PresentingInStep : public ::testing::Test {
     return numbers;
   }
 
+  std::optional<StereoPacking> packing_;
   ManualClock clock_;
   PresentMailbox mailbox_{1};
   std::unique_ptr<RasterOutput> output_;
@@ -205,6 +210,71 @@ TEST_F(PresentingInStep, keeps_frames_that_wait_within_bounds) {
   EXPECT_EQ(untaken, 40U - 8 - 4) << "8 wait with the presenter, 4 before it";
   firsts(30);
   EXPECT_EQ(unseen_.size() + untaken + 2, 40U) << "each has one outcome";
+}
+
+/// A head that shows the left and the right eye's picture by turns.
+class PresentingByTurns : public PresentingInStep {
+ protected:
+  PresentingByTurns() { packing_ = StereoPacking::kFrameSequential; }
+  static std::unique_ptr<Frame> frame_for_two(std::uint64_t order) {
+    PlanarPicture picture(32, 32, false);
+    const auto luma = picture.luma().data();
+    std::fill(luma.begin(), luma.begin() + 512, std::uint8_t{200});
+    std::fill(luma.begin() + 512, luma.end(), std::uint8_t{50});
+    auto frame = std::make_unique<Frame>(PaintedHead::frame(picture, Panorama{32, 16, 1.4, 0.5, -0.5}, nullptr));
+    frame->stacked = 2;
+    frame->order = frame->number = order;
+    frame->reach_rad = 0.2;
+    return frame;
+  }
+  /// Of the next refresh.
+  Eye shown() {
+    mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
+    event_ = refresh();
+    const int code = mailbox_.heads[0].take()->at(8, 8)[1];
+    EXPECT_TRUE(std::abs(code - 200) <= 2 || std::abs(code - 50) <= 2) << code;
+    return code > 120 ? Eye::kLeft : Eye::kRight;
+  }
+  RefreshEvent event_;
+};
+
+TEST_F(PresentingByTurns, shows_the_left_eye_at_even_refreshes_as_all_displays_count_them) {
+  mailbox_.frames.put(frame_for_two(1));
+  // From now on the tour's count is 1 ahead of this output's.
+  mailbox_.clock.put({true, static_cast<std::uint64_t>(-to_nanoseconds(clock_.now()) + 2 * kPeriod_ns), 0ns});
+  mailbox_.headings.put({0.0, 0, {1, kPeriod_ns, 0}});
+  int turns[2] = {0, 0};
+  for (int n = 0; n < 20; ++n) {
+    const Eye eye = shown();
+    ASSERT_TRUE(event_.shared_refresh);
+    EXPECT_EQ(eye, eye_at(*event_.shared_refresh)) << *event_.shared_refresh;
+    ++turns[eye == Eye::kLeft ? 0 : 1];
+  }
+  EXPECT_EQ(turns[0], 10);
+  EXPECT_EQ(turns[1], 10);
+}
+
+TEST_F(PresentingByTurns, finds_the_turn_again_after_missed_refreshes) {
+  mailbox_.frames.put(frame_for_two(1));
+  mailbox_.headings.put({0.0, 0, {1, kPeriod_ns, 0}});
+  for (const std::uint64_t missed : {0U, 1U, 2U, 3U, 0U}) {
+    output_->missed = missed;
+    shown();  // What was drawn for one refresh is seen at a later one.
+    for (int n = 0; n < 3; ++n) {
+      const Eye eye = shown();
+      EXPECT_EQ(eye, eye_at(*event_.shared_refresh)) << missed << " missed";
+    }
+  }
+}
+
+TEST_F(PresentingByTurns, counts_by_itself_while_nobody_shares_numbers) {
+  mailbox_.clock.put({});
+  mailbox_.frames.put(frame_for_two(1));
+  for (int n = 0; n < 8; ++n) {
+    const Eye eye = shown();
+    EXPECT_FALSE(event_.shared_refresh);
+    EXPECT_EQ(eye, eye_at(static_cast<std::int64_t>(event_.presented.refresh)));
+  }
 }
 
 }  // namespace

@@ -185,5 +185,12 @@ TEST(ShownParts, are_none_of_a_head_that_lights_nothing) {
   }
 }
 
+TEST(ShownParts, are_the_same_of_both_eyes_pictures) {
+  const ShownParts one{0.2, {{0, 16, 64, 32}, {96, 0, 4, 80}}};
+  const ShownParts both = shown_by_both_eyes(one, 80);
+  EXPECT_EQ(both.reach_rad, 0.2);
+  EXPECT_EQ(both.parts, (std::vector<PixelRect>{{0, 16, 64, 32}, {96, 0, 4, 80}, {0, 96, 64, 32}, {96, 80, 4, 80}}));
+}
+
 }  // namespace
 }  // namespace cyclorama

@@ -78,7 +78,8 @@ TEST(GuardBand, ends_where_the_reach_does) {
     EXPECT_LT(reach, 1.5 * kGuard) << shown.index();
     bool leaves = false;
     for (const double turn : {-1.05 * reach, 1.05 * reach}) {
-      for (const PicturePlace& place : places(shown)) leaves = leaves || !contains(wide, *turned(shown, place, turn), 0.0);
+      for (const PicturePlace& place : places(shown))
+        leaves = leaves || !contains(wide, *turned(shown, place, turn), 0.0);
     }
     EXPECT_TRUE(leaves) << shown.index();
   }
@@ -145,6 +146,28 @@ TEST(Covering, holds_both_with_the_finer_pixels) {
   ASSERT_TRUE(domes);
   EXPECT_NEAR(std::get<Fisheye>(*domes).field_rad, kPi, 1e-12);
   EXPECT_NEAR(width_px(*domes), 512 * kPi / 1.5, 1.0);
+}
+
+TEST(GuardBand, parts_two_eyes_pictures_by_a_cut_and_changes_no_field) {
+  for (const PictureShape& shape :
+       {PictureShape(Panorama{700, 301, 2.0, 0.4, -0.5}),
+        PictureShape(Perspective{700, 313, -0.9, 1.1, 0.4, -0.4, 0.2}), PictureShape(Fisheye{500, 480, 2.9, 0.3})}) {
+    for (const double guard : {0.0, 0.1, 0.3}) {
+      Projection picture{shape, {}};
+      EXPECT_EQ(with_guard_band(picture, guard), (Projection{with_guard_band(shape, guard), {}}));
+      picture.viewing = {Eyes::kOverUnder, 0.063, 3.0};
+      const Projection both = with_guard_band(picture, guard);
+      const PictureShape one = with_guard_band(shape, guard);
+      EXPECT_EQ(height_px(both.shape) % 16, 0);
+      EXPECT_GE(height_px(both.shape), height_px(one));
+      EXPECT_LT(height_px(both.shape), height_px(one) + 16);
+      EXPECT_EQ(with_pixels(both.shape, width_px(one), height_px(one)), one);
+      EXPECT_EQ(both.viewing, picture.viewing);
+      EXPECT_TRUE(both.validate());
+    }
+  }
+  const Projection largest{cut_for_two_eyes(Panorama{100, 16384, 2.0, 0.4, -0.5}), {Eyes::kOverUnder, 0.063, 3.0}};
+  EXPECT_TRUE(largest.validate());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 #include <string>
 
@@ -170,6 +171,51 @@ TEST(Installation, mistakes_name_their_line) {
   EXPECT_THAT(complaint(with(kRoom, "name = \"left\"", "nane = \"left\"")), HasSubstr("did you mean 'name'"));
   EXPECT_THAT(complaint(kRoom + kRoom.substr(kRoom.find("[[projector]]"))), HasSubstr("another projector"));
   EXPECT_THAT(complaint(kRoom.substr(0, kRoom.find("[[projector]]"))), HasSubstr("at least one [[projector]]"));
+}
+
+std::string in_stereo(const std::string& lines) { return with(kRoom, "[wall]", "[stereo]\n" + lines + "\n[wall]"); }
+
+TEST(Installation, heads_for_two_eyes_are_read) {
+  EXPECT_FALSE(parse_installation(kRoom, "room.toml")->stereo.has_value());
+  for (const auto& [word, packing] :
+       {std::pair("side-by-side", StereoPacking::kSideBySide), std::pair("top-bottom", StereoPacking::kTopBottom),
+        std::pair("frame-sequential", StereoPacking::kFrameSequential)}) {
+    const auto room = parse_installation(in_stereo(std::string("packing = '") + word + "'"), "room.toml");
+    ASSERT_TRUE(room.has_value()) << room.error().message();
+    ASSERT_TRUE(room->stereo.has_value());
+    EXPECT_EQ(room->stereo->packing, packing);
+    EXPECT_EQ(room->stereo->eye_distance_m, 0.063);
+  }
+  EXPECT_THAT(complaint(in_stereo("packing = 'anaglyph'")), AllOf(HasSubstr("room.toml:3"), HasSubstr("packing")));
+  EXPECT_THAT(complaint(in_stereo("eye_distance_m = 0.06")), HasSubstr("packing"));
+  EXPECT_THAT(complaint(in_stereo("packing = 'top-bottom'\neye_distance_m = 0")), HasSubstr("eye_distance_m"));
+}
+
+TEST(Installation, two_eyes_want_a_side_that_they_can_share) {
+  const std::string odd = with(in_stereo("packing = 'side-by-side'"), "width_px = 1280", "width_px = 1281");
+  EXPECT_THAT(complaint(odd), AllOf(HasSubstr("width_px"), HasSubstr("even")));
+  const std::string high = with(in_stereo("packing = 'top-bottom'"), "height_px = 800", "height_px = 801");
+  EXPECT_THAT(complaint(high), AllOf(HasSubstr("height_px"), HasSubstr("even")));
+  EXPECT_EQ(complaint(with(odd, "side-by-side", "frame-sequential")), "");
+  EXPECT_EQ(complaint(with(high, "top-bottom", "side-by-side")), "");
+}
+
+TEST(Installation, eyes_converge_on_the_wall) {
+  auto room = *parse_installation(in_stereo("packing = 'side-by-side'\neye_distance_m = 0.06"), "room.toml");
+  const Projection picture = room.projection(1000);
+  EXPECT_EQ(picture.viewing.eyes, Eyes::kOverUnder);
+  EXPECT_EQ(picture.viewing.eye_distance_m, 0.06);
+  EXPECT_NEAR(picture.viewing.screen_distance_m, 3.0, 1e-9);
+  EXPECT_EQ(height_px(picture.shape) % 16, 0);
+  EXPECT_LT(height_px(picture.shape) - height_px(room.picture(1000)), 16);
+  EXPECT_EQ(width_px(picture.shape), 1000);
+  EXPECT_TRUE(picture.validate());
+  room.stereo.reset();
+  EXPECT_EQ(room.projection(1000), (Projection{room.picture(1000), {}}));
+  // A wall that is tilted by 0.3 rad and stands 2 m away along its axis, whichever of its points is looked at.
+  const Point<frame::Room> middle{Eigen::Vector3d(0.0, 1.6 + 2.0 * std::sin(0.3), -2.0 * std::cos(0.3))};
+  room.wall = PlanesWall{{WallRectangle::facing(middle, 0.0, 0.3, 3.0, 2.0)}};
+  EXPECT_NEAR(room.screen_distance_m(room.picture(800)), 2.0, 1e-9);
 }
 
 }  // namespace

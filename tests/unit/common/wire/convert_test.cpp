@@ -30,7 +30,7 @@ TEST(Convert, pictures_of_every_projection_cross_unchanged) {
     to_wire(shape, &wire);  // Over what the last one left there.
     const auto back = from_wire(wire);
     ASSERT_TRUE(back) << back.error().message();
-    EXPECT_EQ(*back, shape);
+    EXPECT_EQ(*back, (Projection{shape, {}}));
   }
 }
 
@@ -38,6 +38,58 @@ TEST(Convert, a_panorama_is_the_same_bytes_as_before_there_were_other_pictures) 
   wire::Panorama wire;
   to_wire(Panorama{16, 8, 0.0, 0.0, 0.0}, &wire);
   EXPECT_EQ(wire.SerializeAsString(), std::string("\x08\x10\x10\x08"));
+}
+
+Projection for_two(const PictureShape& shape) {
+  Projection picture{shape, {}};
+  picture.viewing.eyes = Eyes::kOverUnder;
+  picture.viewing.eye_distance_m = 0.063;
+  picture.viewing.screen_distance_m = 3.0;
+  return picture;
+}
+
+TEST(Convert, two_eyes_cross_unchanged_and_one_costs_no_byte) {
+  for (const PictureShape& shape :
+       {PictureShape(Panorama{1920, 1088, 2.2, 0.41, -0.42}),
+        PictureShape(Perspective{1200, 704, -0.9, 1.1, 0.6, -0.5, 0.2}), PictureShape(Fisheye{1024, 1008, 2.9, 0.7})}) {
+    wire::Panorama one;
+    to_wire(shape, &one);
+    wire::Panorama wire;
+    to_wire(Projection{shape, {}}, &wire);
+    EXPECT_EQ(wire.SerializeAsString(), one.SerializeAsString());
+    Projection both = for_two(shape);
+    to_wire(both, &wire);
+    EXPECT_EQ(wire.height_px(), 2 * one.height_px()) << "who only counts pixels need not know of eyes";
+    EXPECT_EQ(*from_wire(wire), both);
+    both.viewing.screen_distance_m = std::numeric_limits<double>::infinity();
+    to_wire(both, &wire);
+    EXPECT_EQ(*from_wire(wire), both);
+    to_wire(shape, &wire);
+    EXPECT_EQ(*from_wire(wire), (Projection{shape, {}})) << "over what was left there";
+  }
+}
+
+TEST(Convert, wrong_eyes_are_named) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](auto&& damage) {
+    wire::View view = good_view();
+    to_wire(for_two(Panorama{640, 320, 2.0, 0.5, -0.5}), view.mutable_panorama());
+    EXPECT_TRUE(validate(view));
+    damage(view.mutable_panorama());
+    const Status status = validate(view);
+    return status ? std::string("accepted") : status.error().message();
+  };
+  for (const std::uint32_t height : {0U, 16U, 631U, 656U, 4294967295U}) {
+    EXPECT_THAT(refused([&](auto* p) { p->set_height_px(height); }), HasSubstr("height_px")) << height;
+  }
+  EXPECT_THAT(refused([](auto* p) { p->set_height_px(32768); }), HasSubstr("height_px"));
+  for (const double distance : {0.0, -0.063, 1.5, nan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THAT(refused([&](auto* p) { p->mutable_eyes()->set_distance_m(distance); }), HasSubstr("eyes.distance_m"));
+  }
+  for (const double distance : {-1.0, 0.03, nan}) {  // 0.03 m: the eyes would be behind the screen.
+    EXPECT_THAT(refused([&](auto* p) { p->mutable_eyes()->set_screen_distance_m(distance); }),
+                HasSubstr("screen_distance_m"));
+  }
 }
 
 TEST(Convert, an_unknown_projection_is_one_clear_error) {
@@ -105,14 +157,13 @@ TEST(Convert, each_wrong_field_of_a_view_is_named) {
 }
 
 TEST(Convert, a_tile_must_lie_inside_the_picture_on_the_grid) {
-  const Panorama picture{100, 60, 2.0, 0.5, -0.5};
   const auto fits = [&](std::uint32_t x, std::uint32_t y, std::uint32_t w, std::uint32_t h) {
     wire::Tile tile;
     tile.set_x_px(x);
     tile.set_y_px(y);
     tile.set_width_px(w);
     tile.set_height_px(h);
-    return validate(tile, picture).has_value();
+    return validate(tile, 100, 60).has_value();
   };
   EXPECT_TRUE(fits(0, 0, 100, 60));
   EXPECT_TRUE(fits(96, 48, 4, 12));

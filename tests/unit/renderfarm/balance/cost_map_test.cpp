@@ -164,5 +164,43 @@ TEST(CostMap, spreads_costs_when_the_view_has_moved_and_keeps_all_of_them) {
   EXPECT_NEAR(work.total(), block.cpu_seconds, 0.02 * block.cpu_seconds);
 }
 
+TEST(CostMap, keeps_two_eyes_pictures_apart) {
+  // The left eye's costs nothing to speak of, the right eye's, below it, a thousand times as much.
+  const auto density = [](double, double y) { return y < 160.0 ? 1e-6 : 1e-3; };
+  CostMap map;  // It spreads what moves.
+  const MeasuredBlock block = measured(kSize, density);
+  MeasuredFrame frame{kSize, {&block, 1}};
+  frame.stacked = 2;
+  map.learn(frame);
+  for (const PictureSize& size : {kSize, PictureSize{640, 160}, PictureSize{480, 224}, PictureSize{960, 640}}) {
+    SplitRequest request = view(size, 0.3, 0.1);
+    request.stacked = 2;
+    const WorkGrid work = map.predict(request);
+    const int seam = work.rows() / 2;
+    const auto per_px = [&](int y) { return work.at(7, y) / static_cast<float>(16 * work.height_px(y)); };
+    for (int y = 0; y < work.rows(); ++y) {
+      if (y < seam) {
+        EXPECT_LT(per_px(y), 1e-5f) << size.height << ", row " << y << ": it is lifted to a hundredth of the mean";
+      } else {
+        EXPECT_NEAR(per_px(y), 1e-3f, 1e-6f) << size.height << ", row " << y;
+      }
+    }
+  }
+  CostMap of_one;
+  learn(&of_one, block);
+  EXPECT_GT(of_one.predict(view(kSize, 0.3, 0.1)).at(7, 9), 3e-5f * 256.0f) << "in one picture costs spread";
+}
+
+TEST(CostMap, begins_the_second_eye_with_what_the_first_one_costs) {
+  CostMap map(kSharp);
+  learn(&map, measured({640, 160}, [](double, double y) { return 1e-6 * (1.0 + y); }));
+  SplitRequest request = view(kSize);
+  request.stacked = 2;
+  const WorkGrid work = map.predict(request);
+  for (int y = 0; y < 10; ++y) EXPECT_EQ(work.at(3, y), work.at(3, y + 10)) << y;
+  request.stacked = 3;  // No such cells: taken for one picture.
+  EXPECT_GT(map.predict(request).at(3, 19), map.predict(request).at(3, 10));
+}
+
 }  // namespace
 }  // namespace cyclorama

@@ -117,6 +117,26 @@ TEST(ViewWindow, refuses_a_frame_from_where_nobody_stands) {
   EXPECT_TRUE(window.take(begin_of(1)));
 }
 
+TEST(ViewWindow, wants_both_eyes_of_a_frame_and_the_eyes_that_were_asked_for) {
+  const auto two = [](std::uint64_t number, int height_px, double distance_m) {
+    wire::View view = view_of(number);
+    Projection picture{Panorama{64, height_px, 1.0, 0.5, -0.5}, {}};
+    picture.viewing = {Eyes::kOverUnder, distance_m, 3.0};
+    to_wire(picture, view.mutable_panorama());
+    return view;
+  };
+  ViewWindow window = open_window();
+  window.put(two(1, 32, 0.063));
+  ASSERT_TRUE(window.take_sendable());
+  EXPECT_THAT(window.take(begin_of(view_of(1, 64, 64))).error().message(), HasSubstr("another shape"));
+  EXPECT_THAT(window.take(begin_of(two(1, 32, 0.07))).error().message(), HasSubstr("another shape"));
+  ASSERT_TRUE(window.take(begin_of(two(1, 16, 0.063)))) << "fewer pixels";
+  ASSERT_TRUE(window.take(tile_of(1, 0, 32))) << "a tile may have pixels of both";
+  EXPECT_FALSE(window.take(end_of(1, 1)));
+  ASSERT_TRUE(window.take(tile_of(1, 32, 32)));
+  EXPECT_TRUE(window.take(end_of(1, 2)));
+}
+
 TEST(ViewWindow, lets_two_out_and_keeps_only_the_newest_of_the_rest) {
   ViewWindow window = open_window();
   EXPECT_FALSE(window.put(view_of(1)));

@@ -148,17 +148,69 @@ TEST_F(DenoisingRendererTest, stops_when_it_is_cancelled) {
   EXPECT_EQ(picture, RgbImage(200, 150));
 }
 
-TEST_F(DenoisingRendererTest, knows_pictures_for_one_eye_only) {
-  EXPECT_TRUE(check_denoisable(view()));
-  PanoramaView other = view();
-  for (const PictureShape& shape : {PictureShape(view().panorama), PictureShape(Fisheye{64, 64, 3.0})}) {
-    other.projection = Projection{shape, {}};
-    EXPECT_TRUE(check_denoisable(other));
-    other.projection->viewing.eyes = Eyes::kLeft;
-    const Status refused = check_denoisable(other);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code(), ErrorCode::kInvalidArgument);
+PanoramaView for_eyes(PanoramaView view, Eyes eyes, int height_px) {
+  view.panorama.height_px = height_px;
+  view.projection = Projection{view.panorama, {}};
+  view.projection->viewing = {eyes, 0.3, 2.0};
+  return view;
+}
+
+TEST_F(DenoisingRendererTest, lets_nothing_of_one_eyes_picture_into_the_others) {
+  constexpr int kHeight = 96;
+  const PanoramaView both = for_eyes(view(), Eyes::kOverUnder, kHeight);
+  ASSERT_TRUE(check_denoisable(both));
+  DenoisingRenderer denoising(*renderer_, 2);
+  RadianceImage all;
+  const PixelRect whole{0, 0, 200, 2 * kHeight};
+  const RenderCost cost = denoising.render_radiance(both, whole, &all, nullptr);
+  EXPECT_EQ(cost.cell_cpu_seconds.size(), 13u * 12u);
+  // The left eye's has the samples of a picture of its own, and no row of the other comes into it.
+  RadianceImage left;
+  denoising.render_radiance(for_eyes(view(), Eyes::kLeft, kHeight), {0, 0, 200, kHeight}, &left, nullptr);
+  EXPECT_EQ(cropped(all, {0, 0, 200, kHeight}), left);
+  // Whatever part is asked for, across the seam or beside it.
+  for (const PixelRect& rect : {PixelRect{0, kHeight, 200, kHeight}, PixelRect{32, 80, 64, 32},
+                                PixelRect{0, 95, 200, 2}, PixelRect{160, 96, 40, 16}}) {
+    RadianceImage part;
+    denoising.render_radiance(both, rect, &part, nullptr);
+    EXPECT_EQ(part, cropped(all, rect)) << rect.y;
   }
+  const RadianceImage right = cropped(all, {0, kHeight, 200, kHeight});
+  EXPECT_NE(right, left);
+}
+
+TEST_F(DenoisingRendererTest, takes_noise_out_of_both_eyes_pictures) {
+  constexpr int kHeight = 96;
+  const PanoramaView noisy = for_eyes(view(), Eyes::kOverUnder, kHeight);
+  PanoramaView clean = noisy;
+  clean.quality.samples = 256;
+  RadianceImage reference, plain, smooth;
+  const PixelRect whole{0, 0, 200, 2 * kHeight};
+  renderer_->render_radiance(clean, whole, &reference, nullptr);
+  renderer_->render_radiance(noisy, whole, &plain, nullptr);
+  DenoisingRenderer(*renderer_, 1).render_radiance(noisy, whole, &smooth, nullptr);
+  for (const int top : {0, kHeight}) {
+    double before = 0.0, after = 0.0;
+    for (int y = top; y < top + kHeight; ++y) {
+      for (int c = 0; c < 600; ++c) {
+        const auto off = [&](const RadianceImage& image) {
+          return std::pow(static_cast<double>(image.at(0, y)[c] - reference.at(0, y)[c]), 2);
+        };
+        before += off(plain);
+        after += off(smooth);
+      }
+    }
+    EXPECT_LT(after, 0.7 * before) << top;
+  }
+}
+
+TEST_F(DenoisingRendererTest, wants_two_eyes_pictures_parted_by_a_cut) {
+  for (const Eyes eyes : {Eyes::kMono, Eyes::kLeft, Eyes::kRight}) {
+    EXPECT_TRUE(check_denoisable(for_eyes(view(), eyes, 150)));
+  }
+  const Status refused = check_denoisable(for_eyes(view(), Eyes::kOverUnder, 150));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), ErrorCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
+#include "common/wire/convert.h"
 #include "tests/doubles/farm_simulation.h"
 
 namespace cyclorama {
@@ -265,6 +267,24 @@ TEST_F(GovernedVisit, refuses_budgets_and_views_out_of_range) {
   view.set_first_sample(1);
   s.ask(id, view);
   EXPECT_EQ(s.peers.ended_visits.count(id), 1u);
+}
+
+TEST_F(GovernedVisit, cuts_two_eyes_pictures_of_any_size_between_them) {
+  open(20.0, 64);
+  std::set<std::uint32_t> heights;
+  for (int frame = 0; frame < 80; ++frame) {
+    wire::View view = view_of(++number);
+    view.mutable_panorama()->mutable_eyes()->set_distance_m(0.063);
+    view.mutable_panorama()->set_height_px(608);  // 19 cells each.
+    s.ask(visit, view);
+    s.clock.advance(frame < 40 ? 1ms : 60ms);
+    s.settle(nodes);
+    heights.insert(s.begun.back().panorama().height_px());
+    ASSERT_TRUE(s.begun.back().panorama().has_eyes());
+    ASSERT_TRUE(validate(s.begun.back())) << validate(s.begun.back()).error().message();
+  }
+  EXPECT_GT(heights.size(), 1u);
+  for (const std::uint32_t height : heights) EXPECT_EQ(height % 32, 0u);
 }
 
 }  // namespace

@@ -104,10 +104,10 @@ TEST(Tour, shows_frames_on_a_display_with_the_guard_band_around_what_it_wants) {
   EXPECT_THAT(display.wrongs(), IsEmpty());
   const auto picture = from_wire(display.frames().front().view.panorama());
   ASSERT_TRUE(picture);
-  EXPECT_EQ(*picture, PictureShape(fake_wall().with_guard_band(default_guard_rad({}))));
+  EXPECT_EQ(*picture, (Projection{fake_wall().with_guard_band(default_guard_rad({})), {}}));
   const auto shown = from_wire(display.headings().front().shown());
   ASSERT_TRUE(shown);
-  EXPECT_EQ(*shown, PictureShape(fake_wall()));
+  EXPECT_EQ(*shown, (Projection{fake_wall(), {}}));
   EXPECT_EQ(display.frames().front().view.eye_m().y(), 1.6);
 }
 

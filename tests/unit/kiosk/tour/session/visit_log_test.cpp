@@ -186,17 +186,37 @@ TEST(DisplayHub, asks_for_one_picture_for_all_and_refuses_a_display_that_none_se
   const auto right = std::make_shared<SilentDisplay>();
   const auto dome = std::make_shared<SilentDisplay>();
   EXPECT_FALSE(hub.wanted());
-  ASSERT_TRUE(hub.join(left, "left", Perspective{500, 400, -1.0, 0.2, 0.5, -0.5, 0.1}));
-  ASSERT_TRUE(hub.join(right, "right", Perspective{500, 400, -0.2, 1.0, 0.5, -0.5, 0.1}));
-  EXPECT_EQ(std::get<Perspective>(*hub.wanted()).tan_right, 1.0);
-  EXPECT_EQ(std::get<Perspective>(*hub.wanted()).tan_left, -1.0);
-  const Status refused = hub.join(dome, "dome", Fisheye{512, 512});
+  ASSERT_TRUE(hub.join(left, "left", Projection{Perspective{500, 400, -1.0, 0.2, 0.5, -0.5, 0.1}, {}}));
+  ASSERT_TRUE(hub.join(right, "right", Projection{Perspective{500, 400, -0.2, 1.0, 0.5, -0.5, 0.1}, {}}));
+  EXPECT_EQ(std::get<Perspective>(hub.wanted()->shape).tan_right, 1.0);
+  EXPECT_EQ(std::get<Perspective>(hub.wanted()->shape).tan_left, -1.0);
+  const Status refused = hub.join(dome, "dome", Projection{Fisheye{512, 512}, {}});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code(), ErrorCode::kInvalidArgument);
   EXPECT_NE(refused.error().message().find("'left' is here for a wall of another kind"), std::string::npos);
   hub.leave(left.get());
   hub.leave(right.get());
-  EXPECT_TRUE(hub.join(dome, "dome", Fisheye{512, 512}));
+  EXPECT_TRUE(hub.join(dome, "dome", Projection{Fisheye{512, 512}, {}}));
+}
+
+TEST(DisplayHub, asks_for_both_eyes_only_if_all_displays_show_the_same_two) {
+  DisplayHub hub;
+  const auto first = std::make_shared<SilentDisplay>();
+  const auto second = std::make_shared<SilentDisplay>();
+  const Panorama panorama{640, 320, 2.0, 0.5, -0.5};
+  Projection two{panorama, {}};
+  two.viewing = {Eyes::kOverUnder, 0.063, 3.0};
+  ASSERT_TRUE(hub.join(first, "first", two));
+  Projection narrower = two;
+  narrower.viewing.eye_distance_m = 0.06;
+  for (const Projection& other : {Projection{panorama, {}}, narrower}) {
+    const Status refused = hub.join(second, "second", other);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code(), ErrorCode::kInvalidArgument);
+    EXPECT_NE(refused.error().message().find("'first' is here for other eyes"), std::string::npos);
+  }
+  EXPECT_TRUE(hub.join(second, "second", two));
+  EXPECT_EQ(*hub.wanted(), two);
 }
 
 TEST(Site, puts_start_and_stops_inside_and_says_when_nobody_can_walk) {

@@ -216,7 +216,7 @@ TEST_F(PresentingInStep, keeps_frames_that_wait_within_bounds) {
 class PresentingByTurns : public PresentingInStep {
  protected:
   PresentingByTurns() { packing_ = StereoPacking::kFrameSequential; }
-  static std::unique_ptr<Frame> frame_for_two(std::uint64_t order) {
+  static std::unique_ptr<Frame> frame_for_two(std::uint64_t order, std::int64_t refresh) {
     PlanarPicture picture(32, 32, false);
     const auto luma = picture.luma().data();
     std::fill(luma.begin(), luma.begin() + 512, std::uint8_t{200});
@@ -225,6 +225,7 @@ class PresentingByTurns : public PresentingInStep {
     frame->stacked = 2;
     frame->order = frame->number = order;
     frame->reach_rad = 0.2;
+    if (refresh != 0) frame->show_at = {refresh, kPeriod_ns, 0};
     return frame;
   }
   /// Of the next refresh.
@@ -239,10 +240,10 @@ class PresentingByTurns : public PresentingInStep {
 };
 
 TEST_F(PresentingByTurns, shows_the_left_eye_at_even_refreshes_as_all_displays_count_them) {
-  mailbox_.frames.put(frame_for_two(1));
+  mailbox_.frames.put(frame_for_two(1, 1));
+  refresh();  // The attract picture goes.
   // From now on the tour's count is 1 ahead of this output's.
   mailbox_.clock.put({true, static_cast<std::uint64_t>(-to_nanoseconds(clock_.now()) + 2 * kPeriod_ns), 0ns});
-  mailbox_.headings.put({0.0, 0, {1, kPeriod_ns, 0}});
   int turns[2] = {0, 0};
   for (int n = 0; n < 20; ++n) {
     const Eye eye = shown();
@@ -255,13 +256,14 @@ TEST_F(PresentingByTurns, shows_the_left_eye_at_even_refreshes_as_all_displays_c
 }
 
 TEST_F(PresentingByTurns, finds_the_turn_again_after_missed_refreshes) {
-  mailbox_.frames.put(frame_for_two(1));
-  mailbox_.headings.put({0.0, 0, {1, kPeriod_ns, 0}});
+  mailbox_.frames.put(frame_for_two(1, 1));
+  refresh();  // The attract picture goes.
   for (const std::uint64_t missed : {0U, 1U, 2U, 3U, 0U}) {
     output_->missed = missed;
     shown();  // What was drawn for one refresh is seen at a later one.
     for (int n = 0; n < 3; ++n) {
       const Eye eye = shown();
+      ASSERT_TRUE(event_.shared_refresh);
       EXPECT_EQ(eye, eye_at(*event_.shared_refresh)) << missed << " missed";
     }
   }
@@ -269,7 +271,8 @@ TEST_F(PresentingByTurns, finds_the_turn_again_after_missed_refreshes) {
 
 TEST_F(PresentingByTurns, counts_by_itself_while_nobody_shares_numbers) {
   mailbox_.clock.put({});
-  mailbox_.frames.put(frame_for_two(1));
+  mailbox_.frames.put(frame_for_two(1, 0));
+  refresh();  // The attract picture goes.
   for (int n = 0; n < 8; ++n) {
     const Eye eye = shown();
     EXPECT_FALSE(event_.shared_refresh);

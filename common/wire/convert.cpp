@@ -190,6 +190,13 @@ Status validate(const wire::SceneDescription& scene) {
   for (const wire::GroundPoint& corner : scene.walkable()) {
     if (!std::isfinite(corner.x_m()) || !std::isfinite(corner.z_m())) return refuse_scene("walkable is not finite");
   }
+  for (const wire::GroundPolygon& hole : scene.walkable_holes()) {
+    if (hole.corners_size() < 3) return refuse_scene("walkable_holes has one of fewer than 3 corners");
+    for (const wire::GroundPoint& corner : hole.corners()) {
+      if (!std::isfinite(corner.x_m()) || !std::isfinite(corner.z_m()))
+        return refuse_scene("walkable_holes is not finite");
+    }
+  }
   for (const wire::TourStop& stop : scene.stops()) {
     if (!is_pose(stop.eye_m(), stop.heading_rad())) return refuse_scene("stops: '" + stop.title() + "' is not finite");
   }

@@ -2,15 +2,19 @@
 /// cyclorama-tour: leads the visit.
 #include <fmt/format.h>
 
+#include <cstdio>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/base/file.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
 #include "common/wire/channel.h"
+#include "kiosk/tour/navigation/walk_record.h"
 #include "kiosk/tour/session/tour.h"
 #include "kiosk/tour/session/tour_service.h"
 
@@ -26,6 +30,8 @@ struct Options {
   std::optional<int> samples;
   std::optional<int> quality;
   std::optional<double> guard_deg;
+  std::optional<std::string> record;
+  std::optional<std::string> replay;
 };
 
 void add_options(CLI::App& app, Options* options) {
@@ -47,6 +53,14 @@ void add_options(CLI::App& app, Options* options) {
       ->excludes(budget);
   app.add_option("--guard-deg", options->guard_deg, "Degrees rendered beyond each side of the wall, for quick turns")
       ->check(CLI::Range(0.0, 90.0));
+  app.add_option("--record", options->record,
+                 "Write the walk, every pose, key and step with its time, to this new file")
+      ->type_name("FILE");
+  app.add_option(
+         "--replay", options->replay,
+         "Walk what --record wrote once more, without a farm, and tell whether every view is the same to the bit")
+      ->type_name("FILE")
+      ->excludes("--record");
 }
 
 Result<TourSettings> settings_of(const Options& options) {
@@ -64,8 +78,56 @@ Result<TourSettings> settings_of(const Options& options) {
   return settings;
 }
 
+/// The file that the walk is written to. A disk that is full ends the recording, not the visit.
+class RecordFile {
+ public:
+  static Result<RecordFile> open(const std::string& path) {
+    RecordFile file;
+    // Never over another one: a recording is made because something is being looked for.
+    file.file_.reset(std::fopen(path.c_str(), "wx"));
+    if (file.file_ == nullptr) return Error::from_errno(fmt::format("recording to '{}'", path));
+    return file;
+  }
+  void write(const std::string& text) {
+    if (file_ == nullptr) return;
+    if (std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size() && std::fflush(file_.get()) == 0) return;
+    log(LogLevel::kWarning, "the recording cannot be written any further (is the disk full?), ignoring");
+    file_.reset();
+  }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Close> file_;
+};
+
+Status replay(const std::string& path) {
+  constexpr std::size_t kLargestBytes = std::size_t{1} << 30;
+  TRY_ASSIGN(const std::string text, read_text_file(path, kLargestBytes));
+  TRY_ASSIGN(const WalkRecord record, parse_walk_record(text, path));
+  const WalkReplay walk = replayed(record);
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const ViewPeaks& peaks = walk.peaks;
+  fmt::print(
+      "{} views and {} pictures of {:.1f} s; {:.1f} m walked; at most {:.2f} m/s and {:.1f} deg/s, "
+      "{:.2f} m/s2 and {:.0f} deg/s2\n",
+      walk.ticks, walk.poses, to_seconds(walk.length), peaks.distance_m, peaks.speed_m_per_s,
+      peaks.turn_rad_per_s / kDegree, peaks.acceleration_m_per_s2, peaks.turn_acceleration_rad_per_s2 / kDegree);
+  if (walk.difference)
+    return Error(ErrorCode::kBadData, fmt::format("'{}' walks otherwise: {}", path, *walk.difference));
+  fmt::print("the same to the bit\n");
+  return Done{};
+}
+
 Status run(const Options& options, const StopSignal& stop) {
+  if (options.replay) return replay(*options.replay);
   TRY_ASSIGN(TourSettings settings, settings_of(options));
+  RecordFile record;
+  if (options.record) {
+    TRY_ASSIGN(record, RecordFile::open(*options.record));
+  }
+  settings.record = options.record.has_value();
   InspectionService inspection("tour");
   TRY_ASSIGN(const std::unique_ptr<Tour> tour, Tour::start(std::move(settings), &inspection));
   TourService service(tour->displays(), tour.get());
@@ -78,9 +140,11 @@ Status run(const Options& options, const StopSignal& stop) {
     if (tour->rounds() != rounds) notify.keep_alive(SteadyClock().now());
     rounds = tour->rounds();
     notify.status(inspection.status().state());
+    record.write(tour->take_recording());
   }
   notify.stopping();
   tour->stop();
+  record.write(tour->take_recording());
   server->stop(std::chrono::milliseconds(500));
   return Done{};
 }

@@ -58,6 +58,14 @@ class EmbreeBlockRenderer final : public BlockRenderer {
       point->set_x_m(corner.x());
       point->set_z_m(corner.y());
     }
+    for (const std::vector<Eigen::Vector2d>& hole : scene.info.walkable_holes) {
+      wire::GroundPolygon* const polygon = out.add_walkable_holes();
+      for (const Eigen::Vector2d& corner : hole) {
+        wire::GroundPoint* const point = polygon->add_corners();
+        point->set_x_m(corner.x());
+        point->set_z_m(corner.y());
+      }
+    }
     for (const SceneTourStop& stop : scene.info.stops) {
       wire::TourStop* const out_stop = out.add_stops();
       out_stop->set_title(stop.title);

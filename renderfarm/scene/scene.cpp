@@ -117,6 +117,7 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   scene.info.eye_height_m = package.eye_height_m.value_or(found.eye_height_m);
   scene.info.walking_scale = package.walking_scale.value_or(found.walking_scale);
   scene.info.walkable = package.walkable.empty() ? found.walkable : std::move(package.walkable);
+  scene.info.walkable_holes = std::move(package.walkable_holes);
   scene.info.stops = std::move(package.stops);
   scene.bounces = package.bounces;
   scene.sky = package.sky.value_or(Sky{});

@@ -41,7 +41,8 @@ struct SceneInfo {
   Eigen::Vector3d start_eye = Eigen::Vector3d::Zero();
   double start_heading_rad = 0.0;
   double eye_height_m = 1.6;
-  std::vector<Eigen::Vector2d> walkable;  ///< (x, z) corners; at least three.
+  std::vector<Eigen::Vector2d> walkable;                     ///< (x, z) corners; at least three.
+  std::vector<std::vector<Eigen::Vector2d>> walkable_holes;  ///< Corners each; in it, and not walkable.
   double walking_scale = 1.0;
   std::vector<SceneTourStop> stops;
 };

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <system_error>
@@ -194,21 +195,45 @@ std::optional<PackageEnvironment> environment_if_given(ConfigTable* root, const 
   return environment;
 }
 
+/// Returns how many corners the area has in all.
+std::size_t read_holes(ConfigTable* visitor, ScenePackage* package) {
+  std::size_t corners = package->walkable.size();
+  for (ConfigTable& hole : visitor->tables("hole")) {
+    std::vector<Eigen::Vector2d>& polygon = package->walkable_holes.emplace_back();
+    for (const std::vector<double>& corner : hole.points("corners_m", 2, kMetres)) {
+      polygon.emplace_back(corner[0], corner[1]);
+    }
+    corners += polygon.size();
+    if (!(area_of(polygon) > 0.0)) {
+      hole.refuse("corners_m", "must be the [x, z] corners of what is in the way: three or more, not all on a line");
+    } else if (package->walkable.empty()) {
+      hole.refuse("corners_m", "is a hole in nothing; give walkable_m as well");
+    }
+  }
+  return corners;
+}
+
+bool may_stand(const ScenePackage& package, const Eigen::Vector2d& place) {
+  const auto holds = [&](const std::vector<Eigen::Vector2d>& polygon) { return is_inside(polygon, place); };
+  return holds(package.walkable) && std::none_of(package.walkable_holes.begin(), package.walkable_holes.end(), holds);
+}
+
 void read_visitor(ConfigTable table, ScenePackage* package) {
   package->eye_height_m = number_if_given(&table, "eye_height_m", {0.01, 100.0});
   package->walking_scale = number_if_given(&table, "walking_scale", {1e-4, 1e4});
   for (const std::vector<double>& corner : table.points("walkable_m", 2, kMetres)) {
     package->walkable.emplace_back(corner[0], corner[1]);
   }
-  if (package->walkable.size() > kMostCorners) {
+  const std::size_t corners = read_holes(&table, package);
+  if (corners > kMostCorners) {
     table.refuse("walkable_m",
-                 fmt::format("has {} corners; at most {} are accepted", package->walkable.size(), kMostCorners));
+                 fmt::format("has {} corners with its holes; at most {} are accepted", corners, kMostCorners));
   } else if (table.has("walkable_m") && !(area_of(package->walkable) > 0.0)) {
     table.refuse("walkable_m", "must be the [x, z] corners of an area: three or more, not all on a line");
   } else if (table.has("walkable_m") && !package->start_eye) {
     table.refuse("walkable_m", "needs a place to start in it; give [start] eye_m as well");
   } else if (package->start_eye && !package->walkable.empty() &&
-             !is_inside(package->walkable, {package->start_eye->x(), package->start_eye->z()})) {
+             !may_stand(*package, {package->start_eye->x(), package->start_eye->z()})) {
     table.refuse("walkable_m", "does not hold the start: [start] eye_m is outside of walkable_m; move one of them");
   }
 }

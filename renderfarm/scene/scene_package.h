@@ -42,6 +42,7 @@ struct ScenePackage {
   std::optional<double> eye_height_m;
   std::optional<double> walking_scale;
   std::vector<Eigen::Vector2d> walkable;
+  std::vector<std::vector<Eigen::Vector2d>> walkable_holes;  ///< Only beside `walkable`.
   std::optional<Sky> sky;
   std::optional<PackageEnvironment> environment;  ///< Not beside a sky.
   std::optional<Eigen::Vector3f> ambient;

@@ -16,14 +16,30 @@ bool held(const std::optional<TimePoint>& since, Duration how_long, TimePoint no
 /// Below a thousandth of the limit nothing is asked for: the filter's tail would otherwise keep the view creeping.
 double settled(double wish) { return std::abs(wish) < kLeastWish ? 0.0 : wish; }
 
+/// Begins and ends the turns of visitors.
+void keep_turns(Navigation* state, const NavigationSettings& settings, TimePoint now) {
+  if (state->turn_ended_at) {
+    const bool put_down = !held(state->tag_seen_at, kPutDown, now);
+    if (now - *state->turn_ended_at < settings.turn_pause && !put_down) return;
+    state->turn_ended_at.reset();
+    state->turn_began_at.reset();
+  }
+  if (state->turn_began_at && !held(state->tag_seen_at, kTurnOver, now)) state->turn_began_at.reset();
+  if (!state->turn_began_at && held(state->tag_seen_at, kTagHeld, now) && !state->tag_wish.is_rest())
+    state->turn_began_at = now;
+  if (settings.turn_longest > Duration::zero() && state->turn_began_at &&
+      now - *state->turn_began_at > settings.turn_longest)
+    state->turn_ended_at = now;
+}
+
 Steerer steerer_at(const Navigation& state, const NavigationSettings& settings, TimePoint now) {
   if (held(state.keys_at, kKeysHeld, now) && !state.keys_wish.is_rest()) return Steerer::kKeys;
+  const bool has_guide = settings.guide_after > Duration::zero();
+  if (state.turn_ended_at) return has_guide ? Steerer::kGuide : Steerer::kNobody;
   const bool tag = held(state.tag_seen_at, kTagHeld, now);
   const Duration patience = settings.guide_after * (tag ? kQuietTagPatience : 1);
   const bool asked = tag && !state.tag_wish.is_rest();
-  if (!asked && settings.guide_after > Duration::zero() && state.steered_at && now - *state.steered_at > patience) {
-    return Steerer::kGuide;
-  }
+  if (!asked && has_guide && state.steered_at && now - *state.steered_at > patience) return Steerer::kGuide;
   return tag ? Steerer::kTag : Steerer::kNobody;
 }
 
@@ -41,6 +57,11 @@ const char* to_text(Steerer steerer) {
       break;
   }
   return "nobody";
+}
+
+std::optional<Duration> turn_left(const Navigation& state, const NavigationSettings& settings, TimePoint now) {
+  if (settings.turn_longest <= Duration::zero() || !state.turn_began_at) return std::nullopt;
+  return *state.turn_began_at + settings.turn_longest - now;
 }
 
 Navigation started(const Site& site) {
@@ -82,6 +103,7 @@ Navigation advanced(Navigation state, const Site& site, const NavigationSettings
   if (now <= *state.advanced_at) return state;
   const Duration elapsed = now - *state.advanced_at;
   state.advanced_at = now;
+  keep_turns(&state, settings, now);
   state.steerer = steerer_at(state, settings, now);
   SteeringWish wish;
   switch (state.steerer) {

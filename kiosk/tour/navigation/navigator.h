@@ -5,9 +5,14 @@
 /// clock when a measurement ARRIVED: a tracker's shutter times may come from another machine.
 ///
 ///       keys pressed ───────────────► kKeys     wins while pressed; each request holds for kKeysHeld
-///       tag seen within kTagHeld ───► kTag      several trackers are sorted out before (session/tracker_choice.h)
+///       tag seen within kTagHeld ───► kTag      several trackers are sorted out before (wand_choice.h)
 ///       nobody for guide_after ─────► kGuide    never while a tag is in sight, unless it lies still very long
 ///       otherwise ──────────────────► kNobody   glides to rest
+///
+/// Where people queue, a turn is limited:
+///
+///       no turn ── a tag asks for something ──► turn ── turn_longest is over ──► pause (the guide leads) ──► no turn
+///          ◄────────── no tag for kTurnOver ─────┘                 turn_pause, or the tag was away for a second
 ///
 /// All four are wishes under the same limits, so a change of hands is never a jump.
 #pragma once
@@ -30,13 +35,21 @@ struct NavigationSettings {
   Duration tag_smoothing = std::chrono::milliseconds(60);
   /// Zero: no guide.
   Duration guide_after = std::chrono::seconds(45);
+  /// Of one visitor, where others wait. Zero: no limit. Keys, which are the operator's, have none.
+  Duration turn_longest = Duration::zero();
+  /// Between two turns, so that it is felt that one is over, also when the wand changes hands in sight of the camera.
+  Duration turn_pause = std::chrono::seconds(10);
 };
 
 /// As museum.proto says of Steer.
 inline constexpr Duration kKeysHeld = std::chrono::milliseconds(300);
 /// A tag is still held this long after it was last seen: missed pictures, and a tracker that makes only five a second,
 /// must not be felt. With the longest glide (kLongestGlide) it stays below one second from lost to rest.
-inline constexpr Duration kTagHeld = std::chrono::milliseconds(300);
+inline constexpr Duration kTagHeld = std::chrono::milliseconds(250);
+/// Without a tag for so long, the next one is another visitor's.
+inline constexpr Duration kTurnOver = std::chrono::seconds(10);
+/// In a pause, a wand that was put down for so long ends it.
+inline constexpr Duration kPutDown = std::chrono::seconds(1);
 /// A tag that lies in sight and asks for nothing keeps the guide away this many times longer: somebody may just be
 /// looking, but a tag forgotten on its stand must not silence the guide for good.
 inline constexpr int kQuietTagPatience = 8;
@@ -51,8 +64,14 @@ struct Navigation {
   std::optional<TimePoint> keys_at;
   SteeringWish keys_wish;
   std::optional<TimePoint> steered_at;  ///< When a visitor last asked for anything; at first, the start.
+  std::optional<TimePoint> turn_began_at;
+  std::optional<TimePoint> turn_ended_at;  ///< While it pauses.
   GuideState guide;
 };
+
+/// What is left of the visitor's turn; nothing without a limit or a turn. Below zero: the pause.
+[[nodiscard]] std::optional<Duration> turn_left(const Navigation& state, const NavigationSettings& settings,
+                                                TimePoint now);
 
 [[nodiscard]] Navigation started(const Site& site);
 

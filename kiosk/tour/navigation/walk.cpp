@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kiosk/tour/navigation/brake.h"
+
 namespace cyclorama {
 namespace {
 
@@ -11,13 +13,31 @@ using Eigen::Vector2d;
 
 double part_of(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, -1.0, 1.0); }
 
-Vector2d towards(const Vector2d& from, const Vector2d& to, double most) {
-  const Vector2d change = to - from;
-  const double length = change.norm();
-  return length <= most ? to : Vector2d(from + change * (most / length));
-}
+constexpr double kLeastSpeed = 0.05;  // Who may not walk at all is still led out of a corner.
 
-double towards(double from, double to, double most) { return from + std::clamp(to - from, -most, most); }
+// Of the acceleration that the walk has. The rest is for turning: beside a wall a visitor who turns has to change
+// speeds by up to turn rate times speed (0.7 m/s²) to go on along the wall.
+constexpr double kBraking = 0.5;
+
+/// What is wished, in the visitor's axes, without what the walls ahead do not allow any more.
+Vector2d wanted_velocity(const Walker& walker, const SteeringWish& wish, const WalkLimits& limits, double scale,
+                         const WalkableArea& area) {
+  const Vector2d wished(wish.right * limits.sideways_m_per_s, wish.forward * limits.forward_m_per_s);
+  if (wished.isZero(0.0)) return wished;  // Rest is rest, also where it is narrow.
+  const Vector2d right = right_of(walker.heading_rad);
+  const Vector2d forward = forward_of(walker.heading_rad);
+  const auto in_scene = [&](const Vector2d& v) { return Vector2d(v.x() * right + v.y() * forward); };
+  const double share = std::min(limits.forward().acceleration, limits.sideways().acceleration);
+  const RampLimits braking{kBraking * share, limits.jerk_m_per_s3 * share / limits.acceleration_m_per_s2};
+  const Motion motion{in_scene(walker.velocity_m_per_s), in_scene(walker.acceleration_m_per_s2)};
+  const Vector2d free = braked(area, walker.place_m, in_scene(wished), motion, braking, scale);
+  const Vector2d wanted(free.dot(right), free.dot(forward));
+  if (wanted == wished) return wanted;
+  // Along a wall one may be led sideways faster than one may walk sideways.
+  const double excess = std::max(std::abs(wanted.x()) / std::max(limits.sideways_m_per_s, kLeastSpeed),
+                                 std::abs(wanted.y()) / std::max(limits.forward_m_per_s, kLeastSpeed));
+  return excess > 1.0 ? Vector2d(wanted / excess) : wanted;
+}
 
 }  // namespace
 
@@ -41,22 +61,33 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
   const SteeringWish limited = wish.limited();
   Walker next = walker;
 
-  next.turn_rate_rad_per_s = towards(walker.turn_rate_rad_per_s, limited.turn * limits.turn_rad_per_s,
-                                     limits.turn_acceleration_rad_per_s2 * seconds);
-  const double turned = 0.5 * (walker.turn_rate_rad_per_s + next.turn_rate_rad_per_s) * seconds;
+  const Ramp turn = ramped({walker.turn_rate_rad_per_s, walker.turn_acceleration_rad_per_s2},
+                           limited.turn * limits.turn_rad_per_s, seconds, limits.turning());
+  next.turn_rate_rad_per_s = turn.speed;
+  next.turn_acceleration_rad_per_s2 = turn.acceleration;
+  const double turned = 0.5 * (walker.turn_rate_rad_per_s + turn.speed) * seconds;
   next.heading_rad = walker.heading_rad + turned;
+  if (area == nullptr) {
+    next.velocity_m_per_s.setZero();
+    next.acceleration_m_per_s2.setZero();
+    return next;
+  }
 
-  const Vector2d wanted(limited.right * limits.sideways_m_per_s, limited.forward * limits.forward_m_per_s);
-  next.velocity_m_per_s = area == nullptr
-                              ? Vector2d::Zero().eval()
-                              : towards(walker.velocity_m_per_s, wanted, limits.acceleration_m_per_s2 * seconds);
-  if (next.velocity_m_per_s.isZero(0.0)) return next;
+  const Vector2d wanted = wanted_velocity(walker, limited, limits, walking_scale, *area);
+  const Ramp sideways =
+      ramped({walker.velocity_m_per_s.x(), walker.acceleration_m_per_s2.x()}, wanted.x(), seconds, limits.sideways());
+  const Ramp ahead =
+      ramped({walker.velocity_m_per_s.y(), walker.acceleration_m_per_s2.y()}, wanted.y(), seconds, limits.forward());
+  next.velocity_m_per_s = {sideways.speed, ahead.speed};
+  next.acceleration_m_per_s2 = {sideways.acceleration, ahead.acceleration};
+  const Vector2d mean = 0.5 * (walker.velocity_m_per_s + next.velocity_m_per_s);
+  if (mean.isZero(0.0)) return next;
 
   const double middle_heading = walker.heading_rad + 0.5 * turned;
   const Vector2d right = right_of(middle_heading);
   const Vector2d forward = forward_of(middle_heading);
   const double metres = seconds * walking_scale;  // In the scene, per metre per second of the visitor.
-  const Vector2d step = metres * (next.velocity_m_per_s.x() * right + next.velocity_m_per_s.y() * forward);
+  const Vector2d step = metres * (mean.x() * right + mean.y() * forward);
   next.place_m = area->walk(walker.place_m, step);
   const Vector2d walked = next.place_m - walker.place_m;
   // Only an edge changes a step by more than rounding; without one the velocity stays exactly as it is.
@@ -64,6 +95,7 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
     const Vector2d left(walked.dot(right) / metres, walked.dot(forward) / metres);
     const double speed = next.velocity_m_per_s.norm();
     next.velocity_m_per_s = left.norm() > speed ? Vector2d(left * (speed / left.norm())) : left;
+    next.acceleration_m_per_s2.setZero();
   }
   return next;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How a visitor's wish becomes movement: limited speed, limited acceleration, and never out of the walkable area.
+/// How a visitor's wish becomes movement: limited speed, acceleration and jerk, slower towards walls, and never out of
+/// the walkable area.
 ///
 ///              forward                 The visitor's own frame: right and forward. A heading is positive to the right
 ///                 ▲                    (clockwise seen from above), and 0 looks along -z of the Scene frame:
@@ -8,8 +9,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "common/base/clock.h"
+#include "kiosk/tour/navigation/comfort.h"
+#include "kiosk/tour/navigation/ramp.h"
 #include "kiosk/tour/navigation/walkable_area.h"
 
 namespace cyclorama {
@@ -26,16 +30,33 @@ struct SteeringWish {
   friend bool operator==(const SteeringWish&, const SteeringWish&) = default;
 };
 
-/// From full speed to rest, so that a lost tag ends in rest within a second; settings are checked for it.
-inline constexpr Duration kLongestGlide = std::chrono::milliseconds(650);
+/// The most that may pass from a wish for rest to rest, so that a lost tag ends in rest within a second; settings are
+/// checked for it by longest_stop_s().
+inline constexpr Duration kLongestGlide = std::chrono::milliseconds(700);
 
 /// Of a visitor who walks in the museum; a scene's walking_scale multiplies lengths.
 struct WalkLimits {
-  double forward_m_per_s = 1.0;
-  double sideways_m_per_s = 0.7;
-  double turn_rad_per_s = 0.7;  ///< 40 degrees.
-  double acceleration_m_per_s2 = 1.6;
-  double turn_acceleration_rad_per_s2 = 1.75;  ///< 100 degrees.
+  double forward_m_per_s = kComfort.speed_m_per_s;
+  double sideways_m_per_s = 0.7 * kComfort.speed_m_per_s;
+  double turn_rad_per_s = kComfort.turn_rad_per_s;
+  /// Of the faster of forward and sideways; the other one has the same share of it as of the speed, so that both start
+  /// and stop together, and a straight way is straight from its first step.
+  double acceleration_m_per_s2 = kComfort.acceleration_m_per_s2;
+  double jerk_m_per_s3 = kComfort.jerk_m_per_s3;
+  double turn_acceleration_rad_per_s2 = kComfort.turn_acceleration_rad_per_s2;
+  double turn_jerk_rad_per_s3 = kComfort.turn_jerk_rad_per_s3;
+
+  [[nodiscard]] RampLimits forward() const { return share_of(forward_m_per_s); }
+  [[nodiscard]] RampLimits sideways() const { return share_of(sideways_m_per_s); }
+  [[nodiscard]] RampLimits turning() const { return {turn_acceleration_rad_per_s2, turn_jerk_rad_per_s3}; }
+
+ private:
+  /// At least a hundredth: who may not walk sideways still has to stop there after sliding along a wall.
+  [[nodiscard]] RampLimits share_of(double speed) const {
+    const double fastest = std::max(forward_m_per_s, sideways_m_per_s);
+    const double share = fastest > 0.0 ? std::max(speed / fastest, 0.01) : 1.0;
+    return {share * acceleration_m_per_s2, share * jerk_m_per_s3};
+  }
 };
 
 /// A visitor seen from above, in the Scene frame. A value.
@@ -44,16 +65,22 @@ struct Walker {
   double heading_rad = 0.0;                                    ///< Not wrapped, so that it never jumps.
   Eigen::Vector2d velocity_m_per_s = Eigen::Vector2d::Zero();  ///< (right, forward), in the visitor's metres.
   double turn_rate_rad_per_s = 0.0;
+  Eigen::Vector2d acceleration_m_per_s2 = Eigen::Vector2d::Zero();  ///< (right, forward), with which it came so far.
+  double turn_acceleration_rad_per_s2 = 0.0;
 
-  [[nodiscard]] bool is_at_rest() const { return velocity_m_per_s.isZero(0.0) && turn_rate_rad_per_s == 0.0; }
+  [[nodiscard]] bool is_at_rest() const {
+    return velocity_m_per_s.isZero(0.0) && turn_rate_rad_per_s == 0.0 && acceleration_m_per_s2.isZero(0.0) &&
+           turn_acceleration_rad_per_s2 == 0.0;
+  }
 };
 
 [[nodiscard]] Eigen::Vector2d forward_of(double heading_rad);
 [[nodiscard]] Eigen::Vector2d right_of(double heading_rad);
 
 /// The walker a moment later. `elapsed` below zero counts as zero, and above kLongestStep as kLongestStep: after a
-/// stall the walk goes on instead of leaping. Without an `area` the walker only turns. Where an edge takes speed away,
-/// it is gone. Precondition: area == nullptr or area->allows(walker.place_m).
+/// stall the walk goes on instead of leaping. Without an `area` the walker only turns. Towards an edge it slows down in
+/// time (brake.h); what an edge takes away of the speed all the same is gone. Precondition: area == nullptr or
+/// area->allows(walker.place_m).
 [[nodiscard]] Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, const WalkLimits& limits,
                             double walking_scale, const WalkableArea* area);
 inline constexpr Duration kLongestStep = std::chrono::milliseconds(100);

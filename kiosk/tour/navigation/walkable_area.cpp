@@ -25,13 +25,6 @@ constexpr int kRingPlaces = 48;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-Vector2d nearest_on_segment(const Vector2d& place, const Vector2d& a, const Vector2d& b) {
-  const Vector2d edge = b - a;
-  const double length2 = edge.squaredNorm();
-  const double t = length2 > 0.0 ? std::clamp((place - a).dot(edge) / length2, 0.0, 1.0) : 0.0;
-  return a + t * edge;
-}
-
 /// Touching counts as crossing.
 bool segments_cross(const Vector2d& p, const Vector2d& q, const Vector2d& a, const Vector2d& b) {
   const Vector2d way = q - p;
@@ -51,14 +44,49 @@ bool segments_cross(const Vector2d& p, const Vector2d& q, const Vector2d& a, con
 
 }  // namespace
 
-Result<WalkableArea> WalkableArea::make(std::vector<Vector2d> corners) {
-  if (corners.size() < 3 || corners.size() > kMostCorners) {
+Vector2d WalkableArea::Edge::nearest_to(const Vector2d& place) const {
+  const Vector2d edge = b - a;
+  const double length2 = edge.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((place - a).dot(edge) / length2, 0.0, 1.0) : 0.0;
+  return a + t * edge;
+}
+
+void WalkableArea::add(const std::vector<Vector2d>& polygon) {
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    corners_.push_back(polygon[i]);
+    edges_.push_back({polygon[j], polygon[i]});
+  }
+  polygon_ends_.push_back(edges_.size());
+}
+
+std::vector<std::vector<Vector2d>> WalkableArea::polygons() const {
+  std::vector<std::vector<Vector2d>> polygons;
+  std::size_t begin = 0;
+  for (const std::size_t end : polygon_ends_) {
+    polygons.emplace_back(corners_.begin() + static_cast<std::ptrdiff_t>(begin),
+                          corners_.begin() + static_cast<std::ptrdiff_t>(end));
+    begin = end;
+  }
+  return polygons;
+}
+
+Result<WalkableArea> WalkableArea::make(std::vector<Vector2d> corners,
+                                        const std::vector<std::vector<Vector2d>>& holes) {
+  WalkableArea area;
+  area.add(corners);
+  bool are_polygons = corners.size() >= 3;
+  for (const std::vector<Vector2d>& hole : holes) {
+    are_polygons = are_polygons && hole.size() >= 3;
+    if (area.corners_.size() <= kMostCorners) area.add(hole);
+  }
+  if (!are_polygons || area.corners_.size() > kMostCorners) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("the walkable area has {} corners; it needs 3 to {}", corners.size(), kMostCorners));
+                 fmt::format("the walkable area has {} corners, and {} holes; it needs 3 to {}, and 3 for each hole",
+                             area.corners_.size(), holes.size(), kMostCorners));
   }
   Vector2d least = corners.front();
   Vector2d most = corners.front();
-  for (const Vector2d& corner : corners) {
+  for (const Vector2d& corner : area.corners_) {
     if (!(corner.cwiseAbs().maxCoeff() <= kFarthestM) || !corner.allFinite()) {
       return Error(ErrorCode::kInvalidArgument,
                    fmt::format("the walkable area has a corner at ({}, {})", corner.x(), corner.y()));
@@ -66,7 +94,6 @@ Result<WalkableArea> WalkableArea::make(std::vector<Vector2d> corners) {
     least = least.cwiseMin(corner);
     most = most.cwiseMax(corner);
   }
-  WalkableArea area(std::move(corners));
   area.size_m_ = (most - least).norm();
   area.margin_m_ = std::min(kLargestMarginM, kMarginBySize * area.size_m_);
   for (int attempt = 0; attempt < 3 && area.margin_m_ > 0.0; ++attempt, area.margin_m_ /= 10.0) {
@@ -75,21 +102,29 @@ Result<WalkableArea> WalkableArea::make(std::vector<Vector2d> corners) {
   return Error(ErrorCode::kInvalidArgument, "the walkable area leaves no room to stand; is it folded to a line?");
 }
 
-bool WalkableArea::contains(const Vector2d& place) const {
+bool WalkableArea::is_within(const Vector2d& place, std::size_t first_edge, std::size_t end_edge) const {
   bool inside = false;
-  for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
-    const Vector2d& a = corners_[i];
-    const Vector2d& b = corners_[j];
+  for (std::size_t i = first_edge; i < end_edge; ++i) {
+    const Vector2d& a = edges_[i].b;
+    const Vector2d& b = edges_[i].a;
     if ((a.y() > place.y()) == (b.y() > place.y())) continue;
     if (place.x() < (b.x() - a.x()) * (place.y() - a.y()) / (b.y() - a.y()) + a.x()) inside = !inside;
   }
   return inside;
 }
 
+bool WalkableArea::contains(const Vector2d& place) const {
+  if (!is_within(place, 0, polygon_ends_.front())) return false;
+  for (std::size_t hole = 1; hole < polygon_ends_.size(); ++hole) {
+    if (is_within(place, polygon_ends_[hole - 1], polygon_ends_[hole])) return false;
+  }
+  return true;
+}
+
 WalkableArea::Contact WalkableArea::nearest_edge(const Vector2d& place) const {
   Contact nearest{corners_.front(), std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
-    const Vector2d point = nearest_on_segment(place, corners_[j], corners_[i]);
+  for (const Edge& edge : edges_) {
+    const Vector2d point = edge.nearest_to(place);
     const double distance = (place - point).norm();
     if (distance < nearest.distance) nearest = {point, distance};
   }
@@ -101,8 +136,8 @@ bool WalkableArea::allows(const Vector2d& place) const {
 }
 
 bool WalkableArea::sees(const Vector2d& from, const Vector2d& to) const {
-  for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
-    if (segments_cross(from, to, corners_[j], corners_[i])) return false;
+  for (const Edge& edge : edges_) {
+    if (segments_cross(from, to, edge.a, edge.b)) return false;
   }
   return true;
 }
@@ -159,14 +194,14 @@ bool WalkableArea::find_place_near(const Vector2d& place, Vector2d* ret_found) c
 
 bool WalkableArea::find_some_place() {
   // Beside an edge, ever farther along its normal: few questions, since a hostile polygon has none to find.
-  for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
-    const Vector2d edge = corners_[i] - corners_[j];
+  for (const Edge& beside : edges_) {
+    const Vector2d edge = beside.b - beside.a;
     if (edge.norm() <= 0.0) continue;
     const Vector2d normal = Vector2d(-edge.y(), edge.x()).normalized();
     for (const double along : {0.5, 0.2, 0.8}) {
       for (double distance = 1.01 * margin_m_; distance < size_m_; distance *= 2.0) {
         for (const double side : {distance, -distance}) {
-          some_place_ = corners_[j] + along * edge + side * normal;
+          some_place_ = beside.a + along * edge + side * normal;
           if (allows(some_place_)) return true;
         }
       }

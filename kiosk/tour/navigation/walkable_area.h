@@ -4,26 +4,28 @@
 ///        -z (ahead at heading 0)
 ///         ▲        A corner is (x, z), in metres of the Scene frame. The polygon closes by itself, may turn either way
 ///         │        round, and need not be convex.
-///   ──────┼────► x
+///   ──────┼────► x    Holes, such as pillars, are polygons of the same kind inside of it.
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "common/base/result.h"
 
 namespace cyclorama {
 
-/// A polygon that an eye never leaves. Immutable after make(); reentrant.
+/// A polygon, perhaps with holes, that an eye never leaves. Immutable after make(); reentrant.
 ///
 /// A place is *allowed* when it is inside and at least margin_m() from every edge: far more than rounding, so that
 /// "inside" has one answer whichever way it is computed.
 class WalkableArea {
  public:
-  /// kInvalidArgument  fewer than three corners, more than kMostCorners, a corner that is not finite or beyond 10 000
-  /// km,
-  ///                   or a polygon in which there is no room to stand.
-  static Result<WalkableArea> make(std::vector<Eigen::Vector2d> corners);
+  /// kInvalidArgument  a polygon of fewer than three corners, more than kMostCorners in all, a corner that is not
+  /// finite
+  ///                   or beyond 10 000 km, or no room to stand.
+  static Result<WalkableArea> make(std::vector<Eigen::Vector2d> corners,
+                                   const std::vector<std::vector<Eigen::Vector2d>>& holes = {});
   static constexpr std::size_t kMostCorners = 1024;
 
   [[nodiscard]] bool allows(const Eigen::Vector2d& place) const;
@@ -35,12 +37,33 @@ class WalkableArea {
   /// True when the straight line between two allowed places crosses no edge.
   [[nodiscard]] bool sees(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
 
+  /// Calls `use(point, distance)` for each edge that is nearer than `within_m`, with its point that is nearest. A place
+  /// ON an edge, which is never allowed, has no direction to it and is passed over.
+  template <typename Use>
+  void for_edges_within(const Eigen::Vector2d& place, double within_m, const Use& use) const {
+    for (const Edge& edge : edges_) {
+      const Eigen::Vector2d point = edge.nearest_to(place);
+      const double distance = (place - point).norm();
+      if (distance < within_m && distance > 0.0) use(point, distance);
+    }
+  }
+
+  /// Of the outline, then of the holes.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& corners() const { return corners_; }
+  /// The outline, then the holes.
+  [[nodiscard]] std::vector<std::vector<Eigen::Vector2d>> polygons() const;
   /// How far the eye keeps from edges: 1 cm in a room of 20 m or more, 1/2000 of the size of smaller ones.
   [[nodiscard]] double margin_m() const { return margin_m_; }
 
  private:
-  explicit WalkableArea(std::vector<Eigen::Vector2d> corners) : corners_(std::move(corners)) {}
+  struct Edge {
+    Eigen::Vector2d a;
+    Eigen::Vector2d b;
+    [[nodiscard]] Eigen::Vector2d nearest_to(const Eigen::Vector2d& place) const;
+  };
+  WalkableArea() = default;
+  void add(const std::vector<Eigen::Vector2d>& polygon);
+  [[nodiscard]] bool is_within(const Eigen::Vector2d& place, std::size_t first_edge, std::size_t end_edge) const;
   struct Contact {
     Eigen::Vector2d point;
     double distance = 0.0;
@@ -53,6 +76,8 @@ class WalkableArea {
   [[nodiscard]] bool find_some_place();
 
   std::vector<Eigen::Vector2d> corners_;
+  std::vector<Edge> edges_;
+  std::vector<std::size_t> polygon_ends_;  ///< Edges of the outline end at the first, of each hole at the next.
   double margin_m_ = 0.0;
   double size_m_ = 0.0;  ///< Diagonal of the box around it.
   Eigen::Vector2d some_place_ = Eigen::Vector2d::Zero();

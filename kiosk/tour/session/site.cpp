@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <utility>
-
-#include "common/wire/convert.h"
+#include <vector>
 
 namespace cyclorama {
 
@@ -18,7 +16,12 @@ Site site_of(const wire::SceneDescription& scene, std::string* ret_warning) {
   site.walking_scale = scene.walking_scale();
   std::vector<Eigen::Vector2d> corners;
   for (const wire::GroundPoint& corner : scene.walkable()) corners.emplace_back(corner.x_m(), corner.z_m());
-  auto area = WalkableArea::make(std::move(corners));
+  std::vector<std::vector<Eigen::Vector2d>> holes;
+  for (const wire::GroundPolygon& polygon : scene.walkable_holes()) {
+    std::vector<Eigen::Vector2d>& hole = holes.emplace_back();
+    for (const wire::GroundPoint& corner : polygon.corners()) hole.emplace_back(corner.x_m(), corner.z_m());
+  }
+  auto area = WalkableArea::make(std::move(corners), holes);
   if (!area) {
     *ret_warning =
         fmt::format("Nobody can walk here: {}. Correct 'walkable' in the scene's scene.toml.", area.error().message());
@@ -33,12 +36,15 @@ Site site_of(const wire::SceneDescription& scene, std::string* ret_warning) {
   return site;
 }
 
-std::optional<RigidTransform<frame::Camera, frame::Tag>> tag_pose_of(const wire::TrackedPose& pose) {
-  const Eigen::Quaterniond rotation(pose.rotation_w(), pose.rotation_x(), pose.rotation_y(), pose.rotation_z());
-  const Eigen::Vector3d position = from_wire(pose.position_m());
-  // The wire's quaternion is a unit one up to rounding; anything else is a tracker's fault and no pose.
-  if (!position.allFinite() || !(std::abs(rotation.norm() - 1.0) < 1e-3)) return std::nullopt;
-  return RigidTransform<frame::Camera, frame::Tag>(rotation, position);
+PoseSeen pose_seen(std::uint64_t tracker, const wire::TrackedPose& pose) {
+  PoseSeen seen;
+  seen.tracker = tracker;
+  seen.sequence = pose.sequence();
+  seen.shutter_ns = pose.shutter_ns();
+  seen.found = pose.found();
+  seen.position_m = {pose.position_m().x(), pose.position_m().y(), pose.position_m().z()};
+  seen.rotation = {pose.rotation_w(), pose.rotation_x(), pose.rotation_y(), pose.rotation_z()};
+  return seen;
 }
 
 }  // namespace cyclorama

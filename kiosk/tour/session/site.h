@@ -2,12 +2,13 @@
 /// From the wire to navigation's own types.
 #pragma once
 
-#include <optional>
+#include <cstdint>
+#include <string>
 
-#include "common/geometry/rigid_transform.h"
 #include "common/wire/farm.pb.h"
 #include "common/wire/museum.pb.h"
 #include "kiosk/tour/navigation/guide.h"
+#include "kiosk/tour/navigation/visit_walk.h"
 
 namespace cyclorama {
 
@@ -16,7 +17,7 @@ namespace cyclorama {
 /// validate(scene) in common/wire/convert.h.
 [[nodiscard]] Site site_of(const wire::SceneDescription& scene, std::string* ret_warning);
 
-/// Any value that is not a rigid transform gives nothing.
-[[nodiscard]] std::optional<RigidTransform<frame::Camera, frame::Tag>> tag_pose_of(const wire::TrackedPose& pose);
+/// As it came, unchecked.
+[[nodiscard]] PoseSeen pose_seen(std::uint64_t tracker, const wire::TrackedPose& pose);
 
 }  // namespace cyclorama

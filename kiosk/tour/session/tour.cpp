@@ -9,6 +9,7 @@
 #include "common/base/text.h"
 #include "common/geometry/guard_band.h"
 #include "common/wire/convert.h"
+#include "kiosk/tour/navigation/walk_record.h"
 #include "kiosk/tour/session/site.h"
 
 namespace cyclorama {
@@ -38,6 +39,7 @@ Tour::Tour(TourSettings settings, InspectionService* inspection)
       inspection_(*inspection),
       log_(inspection),
       farm_away_("it was not reached yet"),
+      record_(settings_.record ? record_head(settings_.navigation) : std::string()),
       pacer_(settings_.picture.frame_budget_ms > 0.0) {}
 
 Tour::~Tour() { stop(); }
@@ -66,21 +68,31 @@ void Tour::walk() {
   while (!stopping_) {
     const TimePoint now = SteadyClock().now();
     wake_ = false;
-    if (visit_) visit_->navigation = advanced(std::move(visit_->navigation), visit_->site, settings_.navigation, now);
+    if (visit_) change(Tick{}, now);
     send_heading(now);
     ask_farm(now);
     if (now - shown_at_ >= kRestingTick) show_state(now);
     ++rounds_;
     const bool resting =
-        !visit_ || (visit_->navigation.walker.is_at_rest() && visit_->navigation.steerer == Steerer::kNobody);
+        !visit_ || (walk_.navigation.walker.is_at_rest() && walk_.navigation.steerer == Steerer::kNobody);
     woken_.wait_until(lock, now + (resting ? kRestingTick : kTick), [this] { return wake_ || stopping_; });
   }
 }
 
+void Tour::change(const WalkEvent& event, TimePoint at) {
+  walk_ = after(std::move(walk_), event, at, settings_.navigation);
+  if (settings_.record) record_ += record_line(event, at, walk_);
+}
+
+std::string Tour::take_recording() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(record_, {});
+}
+
 void Tour::send_heading(TimePoint now) {
   if (!visit_) return;
-  const double heading = visit_->navigation.walker.heading_rad;
-  const std::int64_t shutter_ns = visit_->navigation.steerer == Steerer::kTag ? visit_->shutter_ns : 0;
+  const double heading = walk_.navigation.walker.heading_rad;
+  const std::int64_t shutter_ns = walk_.navigation.steerer == Steerer::kTag ? visit_->shutter_ns : 0;
   if (heading_sent_ == heading) return;
   heading_sent_ = heading;
   const std::optional<wire::ShowAt> show_at = schedule_.heading_at(now);
@@ -90,7 +102,7 @@ void Tour::send_heading(TimePoint now) {
 std::optional<wire::View> Tour::next_view() const {
   const std::optional<Projection> wanted = hub_.wanted();
   if (!visit_ || farm_away_ || !wanted) return std::nullopt;
-  const Navigation& navigation = visit_->navigation;
+  const Navigation& navigation = walk_.navigation;
   wire::View view;
   view.set_number(newest_number_ + 1);
   to_wire(
@@ -121,15 +133,11 @@ void Tour::ask_farm(TimePoint now) {
 void Tour::on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) {
   log_.add_pose(pose);
   const TimePoint now = SteadyClock().now();
-  const auto T_camera_tag = pose.found() ? tag_pose_of(pose) : std::nullopt;
   {
     const std::lock_guard lock(mutex_);
-    Tracker& last = trackers_[tracker];
-    const bool again = last.heard && pose.sequence() == last.sequence && pose.shutter_ns() == last.shutter_ns;
-    if (again || (last.heard && pose.shutter_ns() < last.shutter_ns)) return;
-    last = {pose.sequence(), pose.shutter_ns(), true};
-    if (!T_camera_tag || !visit_ || !choice_.sees_tag(tracker, now)) return;
-    visit_->navigation = with_tag(std::move(visit_->navigation), *T_camera_tag, now, settings_.navigation);
+    const auto before = walk_.navigation.tag_seen_at;
+    change(pose_seen(tracker, pose), now);
+    if (!visit_ || walk_.navigation.tag_seen_at == before) return;  // Old, without a tag, or another's.
     visit_->shutter_ns = pose.shutter_ns();
     visit_->pose_received_at = now;
   }
@@ -138,20 +146,20 @@ void Tour::on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) {
 
 void Tour::on_tracker_joined(std::uint64_t tracker) {
   const std::lock_guard lock(mutex_);
-  trackers_.try_emplace(tracker);
+  trackers_.insert(tracker);
 }
 
 void Tour::on_tracker_left(std::uint64_t tracker) {
   const std::lock_guard lock(mutex_);
   trackers_.erase(tracker);
-  choice_.leaves(tracker);
+  change(TrackerLeft{tracker}, SteadyClock().now());
 }
 
 void Tour::on_keys(const SteeringWish& wish) {
   const TimePoint now = SteadyClock().now();
   {
     const std::lock_guard lock(mutex_);
-    if (visit_) visit_->navigation = with_keys(std::move(visit_->navigation), wish, now);
+    change(KeysPressed{wish}, now);
   }
   wake();
 }
@@ -190,14 +198,8 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
     const std::lock_guard lock(mutex_);
     Visit visit;
     visit.scene = scene;
-    visit.site = site_of(scene, &visit.warning);
-    const bool same = visit_ && visit_->scene.name() == scene.name();
-    visit.navigation = same ? visit_->navigation : started(visit.site);
-    // The same scene may have come back with another area.
-    Walker& walker = visit.navigation.walker;
-    walker.place_m =
-        visit.site.area == nullptr ? visit.site.start.place_m : visit.site.area->nearest_allowed(walker.place_m);
-    visit.navigation.guide = {};
+    SceneOpened opened{scene.name(), site_of(scene, &visit.warning)};
+    change(opened, SteadyClock().now());
     visit_ = std::move(visit);
     farm_away_.reset();
     pacer_.ask_again();

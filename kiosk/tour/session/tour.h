@@ -4,22 +4,21 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 
 #include "common/base/clock.h"
 #include "common/wire/inspection_service.h"
-#include "kiosk/tour/navigation/navigator.h"
+#include "kiosk/tour/navigation/visit_walk.h"
 #include "kiosk/tour/session/display_hub.h"
 #include "kiosk/tour/session/display_roster.h"
 #include "kiosk/tour/session/show_schedule.h"
 #include "kiosk/tour/session/tour_events.h"
 #include "kiosk/tour/session/tour_settings.h"
-#include "kiosk/tour/session/tracker_choice.h"
 #include "kiosk/tour/session/view_pacer.h"
 #include "kiosk/tour/session/visit_log.h"
 #include "renderfarm/client/farm_client.h"
@@ -48,6 +47,10 @@ class Tour final : public TourEvents, private FarmListener {
   /// Grows while the thread `walk` is alive: for the watchdog.
   [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
 
+  /// What was recorded since the last time, as walk_record.h has it; empty unless the settings say record. Take it
+  /// every second or so, for it is kept in memory until then.
+  [[nodiscard]] std::string take_recording();
+
   void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) override;
   void on_tracker_joined(std::uint64_t tracker) override;
   void on_tracker_left(std::uint64_t tracker) override;
@@ -59,18 +62,10 @@ class Tour final : public TourEvents, private FarmListener {
   void on_dropped(const wire::FrameDropped& dropped) override;
 
  private:
-  /// Of each tracker, its newest picture: what is older, or the same again, is no measurement.
-  struct Tracker {
-    std::uint64_t sequence = 0;
-    std::int64_t shutter_ns = 0;
-    bool heard = false;
-  };
-  /// What steers, and the newest pose behind it.
+  /// The scene, and the newest pose behind what steers.
   struct Visit {
     wire::SceneDescription scene;
-    Site site;
     std::string warning;
-    Navigation navigation;
     std::int64_t shutter_ns = 0;
     std::optional<TimePoint> pose_received_at;  ///< Until a view follows it.
   };
@@ -84,6 +79,8 @@ class Tour final : public TourEvents, private FarmListener {
 
   void walk();
   void wake();
+  /// With the lock held: the one way in which the walk changes.
+  void change(const WalkEvent& event, TimePoint at);
   void send_heading(TimePoint now);
   void ask_farm(TimePoint now);
   [[nodiscard]] std::optional<wire::View> next_view() const;
@@ -106,8 +103,9 @@ class Tour final : public TourEvents, private FarmListener {
   bool stopping_ = false;
   std::optional<Visit> visit_;  ///< Kept while the farm is away: the walk goes on, and comes back to the same place.
   std::optional<std::string> farm_away_;
-  std::map<std::uint64_t, Tracker> trackers_;
-  TrackerChoice choice_;
+  std::set<std::uint64_t> trackers_;
+  VisitWalk walk_;
+  std::string record_;  ///< What was not taken yet.
   ViewPacer pacer_;
   std::uint64_t newest_number_ = 0;
   std::optional<double> heading_sent_;

@@ -30,13 +30,13 @@ void read_gain(ConfigTable& walk, const std::string& name, const std::string& un
   if (ret_curve->full <= ret_curve->dead) walk.refuse(full, fmt::format("must be above '{}'", dead));
 }
 
-void refuse_long_glide(ConfigTable& walk, const std::string& key, double speed, double acceleration) {
+void refuse_long_glide(ConfigTable& walk, const std::string& key, double speed, const RampLimits& limits) {
+  const double seconds = longest_stop_s(speed, limits);
   // The millionth forgives the rounding of degrees.
-  if (speed <= kLongestGlideS * acceleration * (1.0 + 1e-6)) return;
-  walk.refuse(key,
-              fmt::format("is too low: from full speed to rest takes {:.2f} s and may take {} s, so that a lost tag "
-                          "stops the walk; raise it, or lower the speed",
-                          speed / acceleration, kLongestGlideS));
+  if (speed == 0.0 || seconds <= kLongestGlideS * (1.0 + 1e-6)) return;
+  walk.refuse(key, fmt::format("is too low: from full speed to rest takes up to {:.2f} s and may take {} s, so that a "
+                               "lost tag stops the walk; raise it or the jerk, or lower the speed",
+                               seconds, kLongestGlideS));
 }
 
 void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
@@ -45,11 +45,14 @@ void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
   limits.sideways_m_per_s = walk.number("sideways_m_per_s", {0.0, 10.0}, limits.sideways_m_per_s);
   limits.turn_rad_per_s = kDegree * walk.number("turn_deg_per_s", {0.0, 180.0}, degrees(limits.turn_rad_per_s));
   limits.acceleration_m_per_s2 = walk.number("acceleration_m_per_s2", {0.01, 100.0}, limits.acceleration_m_per_s2);
+  limits.jerk_m_per_s3 = walk.number("jerk_m_per_s3", {0.01, 10000.0}, limits.jerk_m_per_s3);
   limits.turn_acceleration_rad_per_s2 = kDegree * walk.number("turn_acceleration_deg_per_s2", {1.0, 1800.0},
                                                               degrees(limits.turn_acceleration_rad_per_s2));
+  limits.turn_jerk_rad_per_s3 =
+      kDegree * walk.number("turn_jerk_deg_per_s3", {1.0, 180000.0}, degrees(limits.turn_jerk_rad_per_s3));
   refuse_long_glide(walk, "acceleration_m_per_s2", std::max(limits.forward_m_per_s, limits.sideways_m_per_s),
-                    limits.acceleration_m_per_s2);
-  refuse_long_glide(walk, "turn_acceleration_deg_per_s2", limits.turn_rad_per_s, limits.turn_acceleration_rad_per_s2);
+                    {limits.acceleration_m_per_s2, limits.jerk_m_per_s3});
+  refuse_long_glide(walk, "turn_acceleration_deg_per_s2", limits.turn_rad_per_s, limits.turning());
 
   TagSteeringSettings& tag = ret_settings->tag;
   tag.neutral_distance_m = walk.number("neutral_distance_m", {0.1, 20.0}, tag.neutral_distance_m);
@@ -61,6 +64,9 @@ void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
       seconds(1e-3 * walk.number("tag_smoothing_ms", {0.0, 1000.0}, to_milliseconds(ret_settings->tag_smoothing)));
   ret_settings->guide_after =
       seconds(walk.number("guide_after_s", {0.0, 86400.0}, to_seconds(ret_settings->guide_after)));
+  ret_settings->turn_longest =
+      seconds(60.0 * walk.number("longest_turn_minutes", {0.0, 1440.0}, to_seconds(ret_settings->turn_longest) / 60.0));
+  ret_settings->turn_pause = seconds(walk.number("turn_pause_s", {0.0, 3600.0}, to_seconds(ret_settings->turn_pause)));
 }
 
 std::optional<TlsFiles> read_tls(ConfigTable& farm, const std::filesystem::path& folder) {

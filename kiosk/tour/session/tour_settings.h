@@ -4,13 +4,10 @@
 ///   [farm]                                          [walk]
 ///   heads = ["[2001:db8::1]:7401"]                  forward_m_per_s = 1.0        neutral_distance_m = 1.0
 ///   scene = "grotto"      # empty: the first        turn_deg_per_s = 40          guide_after_s = 45   # 0: never
-///   museum = "Hall 3"                               ...
-///   authority = "tls/authority.crt"     # All three, or none: not encrypted.
-///   certificate = "tls/certificate.crt" # Files are sought in site.toml's folder.
-///   key = "tls/key.pem"
-///   [picture]
-///   frame_budget_ms = 50        # The farm chooses the quality that fits, and refines at rest;
-///   reference_samples = 1024    # up to so many samples per pixel.
+///   museum = "Hall 3"                               longest_turn_minutes = 0   # Of one visitor in a queue. 0: no
+///   limit authority = "tls/authority.crt"     # All three, or none: not encrypted. certificate = "tls/certificate.crt"
+///   # Files are sought in site.toml's folder. key = "tls/key.pem" [picture] frame_budget_ms = 50        # The farm
+///   chooses the quality that fits, and refines at rest; reference_samples = 1024    # up to so many samples per pixel.
 ///   guard_deg = 8
 ///
 /// or, for a picture of always the same quality, instead of the budget:
@@ -48,6 +45,7 @@ struct TourSettings {
   std::optional<TlsFiles> tls{};  ///< Towards the farm.
   PictureSettings picture;
   NavigationSettings navigation;
+  bool record = false;  ///< Not of the file: keep the walk, to be taken.
 };
 
 /// The guard band that a turn at full speed eats up within 0.2 s: a frame's whole way and the next frame's wait at 10

@@ -2,6 +2,7 @@
 /// What the tour says of itself: Tour's sentences and gauges, apart from what it does.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "common/base/text.h"
@@ -41,7 +42,7 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
   const auto in_step = displays > 1 ? roster_.in_step() : std::nullopt;
   const std::string step = in_step ? fmt::format(" in step ({:.2f} %)", 100.0 * *in_step) : "";
   return fmt::format("Visiting '{}', {}, {} display{}{}, steered by {}.{}", printable(visit_->scene.title()), picture,
-                     displays, displays == 1 ? "" : "s", step, to_text(visit_->navigation.steerer), hint);
+                     displays, displays == 1 ? "" : "s", step, to_text(walk_.navigation.steerer), hint);
 }
 
 void Tour::show_state(TimePoint now) {
@@ -58,14 +59,16 @@ void Tour::show_state(TimePoint now) {
   inspection_.set_gauge("trackers", static_cast<double>(trackers_.size()));
   inspection_.set_gauge("frames_in_flight", static_cast<double>(pacer_.in_flight()));
   if (!visit_) return;
-  const Walker& walker = visit_->navigation.walker;
+  const Walker& walker = walk_.navigation.walker;
   inspection_.set_gauge("heading_deg", kDegreesPerRadian * wrapped_angle(walker.heading_rad));
   inspection_.set_gauge("eye_x_m", walker.place_m.x());
   inspection_.set_gauge("eye_z_m", walker.place_m.y());
   inspection_.set_gauge("forward_m_per_s", walker.velocity_m_per_s.y());
   inspection_.set_gauge("sideways_m_per_s", walker.velocity_m_per_s.x());
   inspection_.set_gauge("turn_deg_per_s", kDegreesPerRadian * walker.turn_rate_rad_per_s);
-  inspection_.set_fact("steered_by", to_text(visit_->navigation.steerer));
+  if (const auto left = turn_left(walk_.navigation, settings_.navigation, now))
+    inspection_.set_gauge("turn_left_s", std::max(0.0, to_seconds(*left)));
+  inspection_.set_fact("steered_by", to_text(walk_.navigation.steerer));
 }
 
 }  // namespace cyclorama

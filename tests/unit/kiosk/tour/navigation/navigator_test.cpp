@@ -53,15 +53,17 @@ struct Walk {
     ASSERT_LE(std::abs(after.turn_rate_rad_per_s), limits.turn_rad_per_s + 1e-9);
     ASSERT_LE(std::abs(after.heading_rad - before.heading_rad), limits.turn_rad_per_s * seconds + 1e-9);
     ASSERT_LE(std::abs(after.turn_rate_rad_per_s - before.turn_rate_rad_per_s),
-              limits.turn_acceleration_rad_per_s2 * seconds + 1e-9);
+              limits.turn_acceleration_rad_per_s2 * seconds + 1e-6);
     // Only a wall may stop faster than the limit; nothing may push faster.
-    ASSERT_LE(after.velocity_m_per_s.norm(),
-              before.velocity_m_per_s.norm() + limits.acceleration_m_per_s2 * seconds + 1e-9);
+    const Vector2d change = after.velocity_m_per_s.cwiseAbs() - before.velocity_m_per_s.cwiseAbs();
+    ASSERT_LE(change.maxCoeff(), limits.acceleration_m_per_s2 * seconds + 1e-6);
     if (site.area) {
       ASSERT_TRUE(site.area->allows(after.place_m));
       if (is_far_from_walls(before.place_m)) {
-        ASSERT_LE((after.velocity_m_per_s - before.velocity_m_per_s).norm(),
-                  limits.acceleration_m_per_s2 * seconds + 1e-9);
+        ASSERT_LE((after.velocity_m_per_s - before.velocity_m_per_s).cwiseAbs().maxCoeff(),
+                  limits.acceleration_m_per_s2 * seconds + 1e-6);
+        ASSERT_LE((after.acceleration_m_per_s2 - before.acceleration_m_per_s2).cwiseAbs().maxCoeff(),
+                  limits.jerk_m_per_s3 * seconds + 0.0061);
       }
     }
   }

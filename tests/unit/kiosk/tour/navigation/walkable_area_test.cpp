@@ -125,6 +125,36 @@ TEST(WalkableArea, never_lets_a_walk_of_100000_random_steps_out) {
   }
 }
 
+TEST(WalkableArea, goes_around_a_pillar_and_never_through) {
+  const Corners pillar{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  for (const Corners& hole : {pillar, reversed(pillar)}) {
+    const auto area = WalkableArea::make(kSquare, {hole});
+    ASSERT_TRUE(area) << area.error().message();
+    EXPECT_FALSE(area->allows({0, 0}));
+    EXPECT_TRUE(area->allows({1.5, 0}));
+    EXPECT_FALSE(area->sees({-2, 0}, {2, 0.1}));
+    EXPECT_GE((area->nearest_allowed({0.3, 0})).cwiseAbs().maxCoeff(), 1.0);
+    EXPECT_EQ(area->polygons(), (std::vector<Corners>{kSquare, hole}));
+    Vector2d place(-3, 0.2);
+    for (int i = 0; i < 2000; ++i) {
+      place = area->walk(place, {0.01, 0.004});
+      ASSERT_TRUE(area->allows(place));
+      ASSERT_FALSE(winds_around(hole, place));
+    }
+    EXPECT_GT(place.x(), 2.0) << "slid along it, and on";
+  }
+}
+
+TEST(WalkableArea, refuses_holes_that_are_none_and_holes_that_leave_nothing) {
+  EXPECT_FALSE(WalkableArea::make(kSquare, {{{0, 0}, {1, 0}}}));
+  EXPECT_FALSE(WalkableArea::make(kSquare, {{{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}}));
+  EXPECT_FALSE(WalkableArea::make(kSquare, std::vector<Corners>(400, {{0, 0}, {1, 0}, {1, 1}})));
+  EXPECT_FALSE(WalkableArea::make({}, {kSquare}));
+  const auto beside = WalkableArea::make(kSquare, {{{20, 20}, {30, 20}, {30, 30}}});
+  ASSERT_TRUE(beside) << "in nobody's way";
+  EXPECT_FALSE(beside->allows({28, 22}));
+}
+
 TEST(WalkableArea, puts_any_start_inside_near_where_it_was) {
   for (const Corners& corners : {kSquare, kAngle, kDumbbell, star(5)}) {
     const WalkableArea area = area_of(corners);

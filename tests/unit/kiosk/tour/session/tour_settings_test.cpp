@@ -43,7 +43,11 @@ forward_m_per_s = 1.2
 sideways_m_per_s = 0.5
 turn_deg_per_s = 30
 acceleration_m_per_s2 = 3
+jerk_m_per_s3 = 30
 turn_acceleration_deg_per_s2 = 120
+turn_jerk_deg_per_s3 = 900
+longest_turn_minutes = 5
+turn_pause_s = 3
 neutral_distance_m = 1.5
 neutral_right_m = -0.1
 yaw_dead_deg = 5
@@ -67,6 +71,10 @@ guide_after_s = 0
   EXPECT_NEAR(settings->navigation.tag.yaw_rad.full, 40 * kDegree, 1e-12);
   EXPECT_EQ(settings->navigation.tag_smoothing, std::chrono::milliseconds(80));
   EXPECT_EQ(settings->navigation.guide_after, Duration::zero());
+  EXPECT_EQ(settings->navigation.limits.jerk_m_per_s3, 30.0);
+  EXPECT_NEAR(settings->navigation.limits.turn_jerk_rad_per_s3, 900 * kDegree, 1e-12);
+  EXPECT_EQ(settings->navigation.turn_longest, std::chrono::minutes(5));
+  EXPECT_EQ(settings->navigation.turn_pause, std::chrono::seconds(3));
 }
 
 TEST(TourSettings, hold_a_frame_budget_unless_the_quality_is_fixed) {
@@ -101,6 +109,7 @@ TEST(TourSettings, name_line_and_remedy_of_every_mistake) {
            {"[walk]\nyaw_dead_deg = 50\nyaw_full_deg = 40", "site.toml:3", "must be above 'yaw_dead_deg'"},
            {"[walk]\nacceleration_m_per_s2 = 0.5", "site.toml:2", "lost tag"},
            {"[walk]\nturn_deg_per_s = 170", "site.toml:1", "lost tag"},
+           {"[walk]\njerk_m_per_s3 = 3", "site.toml:1", "raise it or the jerk"},
            {"[walks]", "site.toml:1", "not a setting"},
            {"[walk\n", "site.toml:1", "not TOML"}}) {
     const auto settings = parse_tour_settings(wrong.text, "site.toml");

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kiosk/tour/navigation/walk_record.h"
 #include "kiosk/tour/session/tour_service.h"
 #include "tests/doubles/fake_display.h"
 #include "tests/doubles/fake_farm.h"
@@ -39,6 +40,7 @@ class TourProcess {
     server_->stop(200ms);
   }
   [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
+  [[nodiscard]] std::string recording() { return tour_->take_recording(); }
   [[nodiscard]] wire::ProcessStatus status() const { return inspection_.status(); }
   [[nodiscard]] double gauge(const std::string& name) const {
     const wire::ProcessStatus now = status();
@@ -141,6 +143,29 @@ TEST(Tour, walks_with_keys_and_stops_when_they_are_released) {
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("eye_z_m") < -0.05; }));
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("forward_m_per_s") == 0.0; }));
   EXPECT_TRUE(farm.views().back().shutter_ns() == 0);
+}
+
+TEST(Tour, records_a_walk_that_replays_to_the_bit) {
+  FakeFarm farm;
+  TourSettings settings = settings_for(farm);
+  settings.record = true;
+  TourProcess tour(settings);
+  FakeDisplay display(tour.address());
+  FakeTracker tracker(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  while (!display.wait_until([](const auto& d) { return d.headings().back().heading_rad() > 0.3; }, 10ms)) {
+    ASSERT_TRUE(tracker.see(1.0, 0.7));
+  }
+  ASSERT_TRUE(tour.steer(1, 0, 0).ok());
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("forward_m_per_s") > 0.1; }));
+  tour.stop();
+  const auto record = parse_walk_record(tour.recording(), "visit.walk");
+  ASSERT_TRUE(record) << record.error().message();
+  const WalkReplay replay = replayed(*record);
+  EXPECT_FALSE(replay.difference) << *replay.difference;
+  EXPECT_GT(replay.ticks, 10u);
+  EXPECT_GT(replay.poses, 10u);
+  EXPECT_GT(replay.peaks.turn_rad_per_s, 0.3);
 }
 
 TEST(Tour, refuses_keys_out_of_range) {

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "kiosk/tour/session/tracker_choice.h"
-
 namespace cyclorama {
 namespace {
 
@@ -71,21 +69,6 @@ TEST(ViewPacer, keeps_the_newest_in_flight_when_the_farm_is_lost) {
   pacer.lost();
   EXPECT_EQ(pacer.in_flight(), 1u);
   EXPECT_EQ(pacer.began(2), 0u);
-}
-
-TEST(TrackerChoice, leaves_control_with_the_first_until_it_has_lost_the_tag_for_a_second) {
-  TrackerChoice choice;
-  const TimePoint now(10s);
-  EXPECT_TRUE(choice.sees_tag(1, now));
-  EXPECT_FALSE(choice.sees_tag(2, now + 500ms));
-  EXPECT_TRUE(choice.sees_tag(1, now + 900ms));
-  EXPECT_FALSE(choice.sees_tag(2, now + 1800ms));
-  EXPECT_TRUE(choice.sees_tag(2, now + 2s));
-  EXPECT_FALSE(choice.sees_tag(1, now + 2100ms));
-  choice.leaves(1);
-  EXPECT_FALSE(choice.sees_tag(1, now + 2200ms));
-  choice.leaves(2);
-  EXPECT_TRUE(choice.sees_tag(1, now + 2300ms));
 }
 
 }  // namespace

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/navigation/brake.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+// Near the edge the speed is proportional to the distance that is left: e-fold in a quarter of a second, well slower
+// than the ramp that has to follow it (WalkLimits: full acceleration within 0.12 s).
+constexpr double kPerSecond = 4.0;
+constexpr int kRounds = 3;  // In a corner, taking away the part to one wall gives some to the other.
+
+}  // namespace
+
+double approach_speed(double distance_m, double deceleration) {
+  if (!(distance_m > 0.0)) return 0.0;
+  const double linear_m = deceleration / (kPerSecond * kPerSecond);
+  if (distance_m <= linear_m) return kPerSecond * distance_m;
+  return std::sqrt(2.0 * deceleration * (distance_m - 0.5 * linear_m));  // Meets the line with the line's slope.
+}
+
+Eigen::Vector2d braked(const WalkableArea& area, const Eigen::Vector2d& place, const Eigen::Vector2d& wished,
+                       const Motion& motion, const RampLimits& braking, double scale) {
+  Eigen::Vector2d left = wished;
+  const double speed = std::max(wished.norm(), motion.velocity_m_per_s.norm());
+  if (!(speed > 0.0) || !(braking.acceleration > 0.0)) return left;
+  // Beyond it, even the whole speed can be stopped, after the longest reaction.
+  const double reaction_s = (braking.acceleration + motion.acceleration_m_per_s2.norm()) / braking.jerk;
+  const double far_m = kSoftM + 0.5 * speed * speed / braking.acceleration +
+                       0.5 * braking.acceleration / (kPerSecond * kPerSecond) + 2.0 * speed * reaction_s;
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::Vector2d before = left;
+    area.for_edges_within(place, area.margin_m() + far_m * scale, [&](const Eigen::Vector2d& point, double distance) {
+      const Eigen::Vector2d towards = (point - place) / distance;
+      const double free_m = (distance - area.margin_m()) / scale - kSoftM;
+      const double closing = std::max(0.0, motion.velocity_m_per_s.dot(towards));
+      const double gaining = std::max(0.0, motion.acceleration_m_per_s2.dot(towards));
+      const double seconds = (braking.acceleration + gaining) / braking.jerk;
+      const double reacted_m = free_m - (closing + 0.5 * gaining * seconds) * seconds;
+      // Led away at first only: between two edges that are too near to each other, nobody is pushed from one to the
+      // other.
+      const double most =
+          free_m < 0.0 ? (round == 0 ? kPerSecond * free_m : 0.0) : approach_speed(reacted_m, braking.acceleration);
+      const double excess = left.dot(towards) - most;
+      if (excess > 0.0) left -= excess * towards;
+    });
+    if (left == before) break;
+  }
+  return left;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/navigation/visit_walk.h"
+
+#include <cmath>
+#include <utility>
+
+namespace cyclorama {
+namespace {
+
+/// What each event does; the rest of the walk stays as it is.
+struct Apply {
+  VisitWalk& walk;
+  TimePoint at;
+  const NavigationSettings& settings;
+
+  void operator()(const SceneOpened& opened) const {
+    const bool same = walk.open && walk.scene == opened.name;
+    walk.scene = opened.name;
+    walk.site = opened.site;
+    if (!same) walk.navigation = started(walk.site);
+    walk.open = true;
+    // The same scene may have come back with another area.
+    Walker& walker = walk.navigation.walker;
+    walker.place_m =
+        walk.site.area == nullptr ? walk.site.start.place_m : walk.site.area->nearest_allowed(walker.place_m);
+    walk.navigation.guide = {};
+  }
+  void operator()(const PoseSeen& seen) const {
+    if (!walk.trackers[seen.tracker].is_news(seen.sequence, seen.shutter_ns, at)) return;
+    const auto T_camera_tag = tag_pose_of(seen);
+    if (!T_camera_tag || !walk.open || !walk.choice.sees_tag(seen.tracker, at)) return;
+    walk.navigation = with_tag(std::move(walk.navigation), *T_camera_tag, at, settings);
+  }
+  void operator()(const TrackerLeft& left) const {
+    walk.trackers.erase(left.tracker);
+    walk.choice.leaves(left.tracker);
+  }
+  void operator()(const KeysPressed& keys) const {
+    if (walk.open) walk.navigation = with_keys(std::move(walk.navigation), keys.wish, at);
+  }
+  void operator()(const Tick&) const {
+    if (walk.open) walk.navigation = advanced(std::move(walk.navigation), walk.site, settings, at);
+  }
+};
+
+}  // namespace
+
+VisitWalk after(VisitWalk walk, const WalkEvent& event, TimePoint at, const NavigationSettings& settings) {
+  std::visit(Apply{walk, at, settings}, event);
+  return walk;
+}
+
+std::optional<RigidTransform<frame::Camera, frame::Tag>> tag_pose_of(const PoseSeen& seen) {
+  if (!seen.found) return std::nullopt;
+  const Eigen::Vector3d position(seen.position_m[0], seen.position_m[1], seen.position_m[2]);
+  const Eigen::Quaterniond rotation(seen.rotation[0], seen.rotation[1], seen.rotation[2], seen.rotation[3]);
+  // A unit quaternion up to rounding; anything else is a tracker's fault and no pose.
+  if (!position.allFinite() || !(std::abs(rotation.norm() - 1.0) < 1e-3)) return std::nullopt;
+  return RigidTransform<frame::Camera, frame::Tag>(rotation, position);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/navigation/ramp.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace cyclorama {
+namespace {
+
+constexpr RampLimits kLimits{2.2, 18.0};
+
+TEST(Ramp, comes_to_the_wanted_speed_exactly_and_in_the_time_that_its_limits_need) {
+  for (const double step : {1e-4, 1e-3, 1.0 / 60.0}) {
+    Ramp ramp;
+    double seconds = 0.0;
+    for (; ramp != Ramp{1.0, 0.0} && seconds < 2.0; seconds += step) ramp = ramped(ramp, 1.0, step, kLimits);
+    EXPECT_EQ(ramp, (Ramp{1.0, 0.0})) << step;
+    const double ideal = 1.0 / kLimits.acceleration + kLimits.acceleration / kLimits.jerk;
+    EXPECT_GE(seconds, ideal - step);
+    EXPECT_LE(seconds, ideal + 0.02 + 4 * step);
+  }
+}
+
+TEST(Ramp, comes_to_rest_from_any_state_within_the_longest_stop) {
+  for (const double acceleration : {-2.2, -1.0, 0.0, 1.0, 2.2}) {
+    for (const double speed : {-1.0, -0.5, 0.0, 0.1, 0.7}) {
+      Ramp ramp{speed, acceleration};
+      // Only what could have come about: ramping the acceleration down again stays within the full speed.
+      if (std::abs(speed + acceleration * std::abs(acceleration) / (2 * kLimits.jerk)) > 1.0) continue;
+      double seconds = 0.0;
+      for (; ramp != Ramp{} && seconds < 3.0; seconds += 1e-3) ramp = ramped(ramp, 0.0, 1e-3, kLimits);
+      EXPECT_LE(seconds, longest_stop_s(1.0, kLimits) + 0.01) << speed << " " << acceleration;
+    }
+  }
+}
+
+TEST(Ramp, keeps_its_limits_and_never_overshoots_whatever_the_steps_are) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform;
+  Ramp ramp;
+  double wanted = 0.0;
+  double least = 0.0;  // All that was wanted so far lies between these.
+  double most = 0.0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    if (i % 37 == 0) wanted = 2.0 * uniform(random) - 1.0;
+    least = std::min(least, wanted);
+    most = std::max(most, wanted);
+    const double step = std::pow(10.0, -6.0 + 5.0 * uniform(random));  // A microsecond to a tenth of a second.
+    const Ramp next = ramped(ramp, wanted, step, kLimits);
+    ASSERT_LE(std::abs(next.acceleration), kLimits.acceleration + 1e-12);
+    ASSERT_LE(std::abs(next.acceleration - ramp.acceleration), kLimits.jerk * step + 0.0061)
+        << "0.006: when it settles";
+    ASSERT_NEAR(next.speed - ramp.speed, next.acceleration * step, 2e-6);
+    ASSERT_GE(next.speed, least - 1e-9);
+    ASSERT_LE(next.speed, most + 1e-9);
+    ramp = next;
+  }
+}
+
+TEST(Ramp, stays_where_it_is_without_time) {
+  const Ramp ramp{0.5, 1.0};
+  EXPECT_EQ(ramped(ramp, 1.0, 0.0, kLimits), ramp);
+  EXPECT_EQ(ramped(ramp, 1.0, std::nan(""), kLimits), ramp);
+}
+
+}  // namespace
+}  // namespace cyclorama

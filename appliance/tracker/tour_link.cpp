@@ -20,6 +20,18 @@ constexpr Duration kLongestPause = std::chrono::seconds(2);
 /// A stream that lasted this long was a good one, and the next is tried at once.
 constexpr Duration kGoodStream = std::chrono::seconds(5);
 
+PoseReport report_of(const wire::TrackedPose& pose) {
+  PoseReport report;
+  report.sensor = static_cast<std::int32_t>(pose.tag());
+  report.sequence = pose.sequence();
+  report.time_ns = pose.shutter_ns();
+  report.found = pose.found();
+  if (!report.found) return report;
+  report.position_m = {pose.position_m().x(), pose.position_m().y(), pose.position_m().z()};
+  report.rotation = {pose.rotation_w(), pose.rotation_x(), pose.rotation_y(), pose.rotation_z()};
+  return report;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<TourLink>> TourLink::open(const std::string& address) {
@@ -41,6 +53,11 @@ TourLink::~TourLink() {
     if (context_ != nullptr) context_->TryCancel();
   }
   thread_.join();
+}
+
+void TourLink::send(wire::TrackedPose pose) {
+  if (speaker_) speaker_->say(report_of(pose));
+  outbox_.put(std::move(pose));
 }
 
 void TourLink::run(const std::stop_token& stop) {

@@ -4,9 +4,11 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
+#include "appliance/tracker/interchange/pose_speaker.h"
 #include "common/base/latest_value.h"
 #include "common/base/result.h"
 #include "common/wire/museum.pb.h"
@@ -30,7 +32,9 @@ class TourLink {
   TourLink& operator=(const TourLink&) = delete;
 
   /// Never blocks for long.
-  void send(wire::TrackedPose pose) { outbox_.put(std::move(pose)); }
+  void send(wire::TrackedPose pose);
+  /// Other programs are told each pose, too. Before the first send().
+  void also_tell(PoseSpeaker speaker) { speaker_ = std::move(speaker); }
   [[nodiscard]] bool is_connected() const { return connected_; }
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
 
@@ -42,6 +46,7 @@ class TourLink {
 
   std::shared_ptr<grpc::Channel> channel_;
   LatestValue<wire::TrackedPose> outbox_;
+  std::optional<PoseSpeaker> speaker_;
   std::atomic<bool> connected_ = false;
   std::atomic<std::uint64_t> sent_ = 0;
   std::mutex mutex_;

@@ -34,6 +34,10 @@ Result<std::unique_ptr<Tracker>> Tracker::start(const TrackerSettings& settings,
   auto camera = make_camera(settings.camera, clock);
   if (!camera && camera.error().code() == ErrorCode::kInvalidArgument) return std::move(camera).error();
   TRY_ASSIGN(std::unique_ptr<TourLink> link, TourLink::open(settings.tour));
+  if (!settings.osc.empty() || !settings.vrpn.empty()) {
+    TRY_ASSIGN(PoseSpeaker speaker, PoseSpeaker::open(settings.osc, settings.vrpn, "Cyclorama0"));
+    link->also_tell(std::move(speaker));
+  }
   inspection->set_fact("camera", settings.camera);
   inspection->set_fact("tour", settings.tour);
   inspection->set_fact("tag",

@@ -23,6 +23,8 @@ struct Options {
   std::optional<std::string> camera;
   std::optional<std::string> tour;
   std::optional<std::string> listen;
+  std::optional<std::string> osc;
+  std::optional<std::string> vrpn;
   std::optional<double> tag_size_mm;
   std::optional<double> field_of_view_deg;
   std::optional<double> decimate;
@@ -34,6 +36,8 @@ void add_options(CLI::App* app, Options* ret) {
       ->type_name("CAMERA");
   app->add_option("--tour", ret->tour, "Where the tour listens")->type_name("HOST:PORT");
   app->add_option("--listen", ret->listen, "Where to show live state to the operator")->type_name("HOST:PORT");
+  app->add_option("--osc", ret->osc, "Send each pose here as well, as Open Sound Control")->type_name("HOST:PORT");
+  app->add_option("--vrpn", ret->vrpn, "Send each pose here as well, as VRPN's datagrams")->type_name("HOST:PORT");
   app->add_option("--tag-size-mm", ret->tag_size_mm, "Edge of the tag's black square")->check(CLI::Range(1.0, 10000.0));
   app->add_option("--field-of-view-deg", ret->field_of_view_deg, "Of the picture's width")
       ->check(CLI::Range(1.0, 170.0));
@@ -49,6 +53,8 @@ Result<TrackerSettings> settings_of(const Options& options) {
   if (options.camera) settings.camera = *options.camera;
   if (options.tour) settings.tour = *options.tour;
   if (options.listen) settings.listen = *options.listen;
+  if (options.osc) settings.osc = *options.osc;
+  if (options.vrpn) settings.vrpn = *options.vrpn;
   if (options.tag_size_mm) settings.tracking.tag_size_m = 1e-3 * *options.tag_size_mm;
   if (options.field_of_view_deg) {
     settings.lens.field_of_view_rad = *options.field_of_view_deg * std::numbers::pi / 180.0;

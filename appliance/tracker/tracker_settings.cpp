@@ -62,6 +62,8 @@ Result<TrackerSettings> from_config(Config* config) {
   read_filter(root.table("filter"), &settings.tracking);
   settings.tour = root.text("tour", settings.tour);
   settings.listen = root.text("listen", settings.listen);
+  settings.osc = root.text("osc", settings.osc);
+  settings.vrpn = root.text("vrpn", settings.vrpn);
   TRY(config->finish());
   return settings;
 }

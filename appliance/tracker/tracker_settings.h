@@ -30,6 +30,8 @@ struct TrackerSettings {
   TrackingSettings tracking;
   std::string tour = "[::1]:7403";
   std::string listen = "[::1]:7405";
+  std::string osc;   ///< Poses go here as well, as Open Sound Control; empty: nowhere.
+  std::string vrpn;  ///< And as VRPN's datagrams.
 
   /// tracker.toml, whose keys docs/design/tracker.md lists. kBadData  file, line and remedy.     Others as read_file().
   static Result<TrackerSettings> read(const std::filesystem::path& path);

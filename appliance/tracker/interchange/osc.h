@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Open Sound Control 1.0, which museums' other programs speak: packets of messages, big-endian, in units of four
+/// bytes. Source: opensoundcontrol.stanford.edu/spec-1_0.html, and of the types that 1.0 leaves open: i f s b h d t T F
+/// N I.
+///
+///   "/cyclorama/pose\0" ",iihddd...\0" arguments          or   "#bundle\0" time size packet size packet ...
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+struct OscNothing {
+  friend bool operator==(const OscNothing&, const OscNothing&) = default;
+};
+/// Fractions of a second since 1900, as NTP counts; 1 is "at once".
+struct OscTime {
+  std::uint64_t ntp = 1;
+  friend bool operator==(const OscTime&, const OscTime&) = default;
+};
+using OscArgument = std::variant<std::int32_t, float, std::string, std::vector<std::byte>, std::int64_t, double,
+                                 OscTime, bool, OscNothing>;
+
+struct OscMessage {
+  std::string address;
+  std::vector<OscArgument> arguments;
+
+  /// The argument as a number, whatever its type; nothing when it is none, or there is none.
+  [[nodiscard]] std::optional<double> number(std::size_t index) const;
+  friend bool operator==(const OscMessage&, const OscMessage&) = default;
+};
+
+/// Precondition: no NUL byte in a text.
+[[nodiscard]] std::vector<std::byte> encode_osc(const OscMessage& message);
+
+/// The messages of a packet; those of bundles, one in another, in their order. Strict: what is not padded with zeros to
+/// four bytes, a type that is none, what is too short or too long, or bundles in more than kDeepestOscBundle others are
+/// refused. kBadData.
+Result<std::vector<OscMessage>> decode_osc(std::span<const std::byte> packet);
+inline constexpr int kDeepestOscBundle = 8;
+
+}  // namespace cyclorama

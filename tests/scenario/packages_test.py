@@ -18,10 +18,10 @@ import sys
 import tempfile
 import time
 
-SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors"], "tools": []}
+SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand"], "tools": []}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
-            "museum": ["cyclorama", "cyclorama-display", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
-            "tools": ["cyclorama-balance", "cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-warp"]}
+            "museum": ["cyclorama", "cyclorama-display", "cyclorama-hand", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
+            "tools": ["cyclorama-balance", "cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
 problems = []
 
 

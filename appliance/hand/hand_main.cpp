@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cyclorama-hand: all that steers and is no camera. Gamepads, keyboards and 3D mice become wishes; poses that other
+/// trackers send by OSC or VRPN take the place of our tracker's.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <grpcpp/client_context.h>
+
+#include <optional>
+#include <string>
+
+#include "appliance/hand/pose_listener.h"
+#include "appliance/tracker/tour_link.h"
+#include "common/process/log.h"
+#include "common/process/notify.h"
+#include "common/process/program.h"
+#include "common/wire/channel.h"
+#include "common/wire/inspection_service.h"
+#include "common/wire/museum.grpc.pb.h"
+#include "drivers/input/evdev/evdev_device.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kRound = std::chrono::milliseconds(10);
+constexpr Duration kSteerEvery = std::chrono::milliseconds(50);  // The tour holds a wish for 300 ms.
+constexpr std::chrono::milliseconds kSteerDeadline(150);
+constexpr Duration kSay = std::chrono::milliseconds(500);
+
+struct Options {
+  std::string tour = "[::1]:7403";
+  std::string listen = "[::1]:7409";
+  std::string devices = "/dev/input";
+  std::string osc;
+  std::string vrpn;
+  std::string vrpn_device;
+  std::string axes = "camera";
+};
+
+void add_options(CLI::App& app, Options* options) {
+  app.add_option("--tour", options->tour, "Where the tour listens")->type_name("HOST:PORT")->capture_default_str();
+  app.add_option("--listen", options->listen, "Where to show live state to the operator")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--devices", options->devices, "Folder of the kernel's input devices; empty: none")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  app.add_option("--osc", options->osc, "Listen here for /cyclorama/pose, /cyclorama/lost and /cyclorama/steer")
+      ->type_name("HOST:PORT");
+  app.add_option("--vrpn", options->vrpn, "Listen here for a VRPN tracker's datagrams")->type_name("HOST:PORT");
+  app.add_option("--vrpn-device", options->vrpn_device, "Follow only the VRPN tracker of this name");
+  app.add_option("--axes", options->axes,
+                 "Of those poses: 'camera', as cyclorama-tracker's, or 'room', x to the visitor's right, y up")
+      ->check(CLI::IsMember({"camera", "room"}))
+      ->capture_default_str();
+}
+
+/// Wishes, told to the tour while there are some, and once that there is none any more.
+class SteerLink {
+ public:
+  static Result<SteerLink> open(const std::string& address) {
+    TRY_ASSIGN(std::shared_ptr<grpc::Channel> channel, make_channel(address));
+    return SteerLink(std::move(channel));
+  }
+  /// Blocks for at most kSteerDeadline.
+  void tell(const InputWish& wish, TimePoint now) {
+    if (wish.is_rest() && rested_) return;
+    if (wish == told_ && now - told_at_ < kSteerEvery) return;
+    wire::SteerRequest request;
+    request.set_forward(wish.forward);
+    request.set_right(wish.right);
+    request.set_turn(wish.turn);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kSteerDeadline);
+    wire::SteerReply reply;
+    reached_ = stub_->Steer(&context, request, &reply).ok();
+    told_ = wish;
+    told_at_ = now;
+    rested_ = wish.is_rest();  // A rest that is lost on the way comes about by itself, 300 ms later.
+  }
+  [[nodiscard]] bool reached() const { return reached_; }
+
+ private:
+  explicit SteerLink(std::shared_ptr<grpc::Channel> channel)
+      : channel_(std::move(channel)), stub_(wire::Tour::NewStub(channel_)) {}
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<wire::Tour::Stub> stub_;
+  InputWish told_;
+  TimePoint told_at_{};
+  bool rested_ = true;
+  bool reached_ = true;
+};
+
+wire::TrackedPose to_wire_pose(const PoseReport& report, TrackerAxes axes, TimePoint arrived_at) {
+  wire::TrackedPose pose;
+  pose.set_camera("another tracker");
+  pose.set_sequence(report.sequence);
+  pose.set_shutter_ns(to_nanoseconds(arrived_at));  // Its own clock means nothing here.
+  pose.set_tag(static_cast<std::uint32_t>(report.sensor));
+  const auto T_camera_tag = pose_of(report, axes);
+  pose.set_found(T_camera_tag.has_value());
+  if (!T_camera_tag) return pose;
+  const Eigen::Vector3d& position = T_camera_tag->translation();
+  pose.mutable_position_m()->set_x(position.x());
+  pose.mutable_position_m()->set_y(position.y());
+  pose.mutable_position_m()->set_z(position.z());
+  const Eigen::Quaterniond& rotation = T_camera_tag->rotation();
+  pose.set_rotation_w(rotation.w());
+  pose.set_rotation_x(rotation.x());
+  pose.set_rotation_y(rotation.y());
+  pose.set_rotation_z(rotation.z());
+  return pose;
+}
+
+Status run(const Options& options, const StopSignal& stop) {
+  const SteadyClock clock;
+  InspectionService inspection("hand");
+  TRY_ASSIGN(const std::unique_ptr<WireServer> server, WireServer::start(options.listen, {&inspection}));
+  TRY_ASSIGN(PoseListener listener, PoseListener::open(options.osc, options.vrpn, options.vrpn_device));
+  TRY_ASSIGN(SteerLink steer, SteerLink::open(options.tour));
+  const bool hears_poses = !options.osc.empty() || !options.vrpn.empty();
+  std::unique_ptr<TourLink> poses;
+  if (hears_poses) {
+    TRY_ASSIGN(poses, TourLink::open(options.tour));
+  }
+  InputWatch inputs(options.devices.empty() ? InputPlaces{[] { return std::vector<std::string>{}; }, open_evdev}
+                                            : evdev_places(options.devices));
+  const TrackerAxes axes = options.axes == "room" ? TrackerAxes::kRoom : TrackerAxes::kCamera;
+  Notify notify;
+  notify.ready();
+  TimePoint said_at{};
+  InputWish osc_wish;
+  TimePoint osc_wish_at{};
+  std::uint64_t heard_poses = 0;
+  std::string said;
+  do {
+    const TimePoint now = clock.now();
+    const Heard heard = listener.take(now);
+    for (const PoseReport& report : heard.poses) poses->send(to_wire_pose(report, axes, clock.now()));
+    heard_poses += heard.poses.size();
+    if (heard.steer) {
+      osc_wish = {(*heard.steer)[0], (*heard.steer)[1], (*heard.steer)[2]};
+      osc_wish_at = now;
+    }
+    inputs.update(now);
+    InputWish wish = inputs.wish(now);
+    // As with keys: who says nothing any more wants nothing any more.
+    if (wish.is_rest() && now - osc_wish_at < std::chrono::milliseconds(300)) wish = osc_wish;
+    steer.tell(wish, now);
+    if (now - said_at < kSay) continue;
+    said_at = now;
+    notify.keep_alive(now);
+    const auto sentences = inputs.sentences();
+    std::string sentence = sentences.empty() ? "No gamepad, keyboard or 3D mouse is plugged in"
+                                             : fmt::format("{}", fmt::join(sentences, ", "));
+    if (hears_poses) sentence += fmt::format("; {} poses heard from other trackers", heard_poses > 0 ? "some" : "no");
+    if (!steer.reached()) sentence += fmt::format("; the tour at {} does not answer", options.tour);
+    inspection.set_state(sentence + ".", steer.reached());
+    inspection.set_gauge("devices", static_cast<double>(inputs.open_count()));
+    inspection.set_gauge("poses_heard", static_cast<double>(heard_poses));
+    inspection.set_gauge("datagrams_refused", static_cast<double>(listener.refused()));
+    if (sentence == said) continue;
+    said = sentence;
+    notify.status(sentence);
+    log(LogLevel::kInfo, sentence);
+  } while (!stop.wait_until(clock.now() + kRound));
+  notify.stopping();
+  server->stop(std::chrono::milliseconds(200));
+  return Done{};
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  cyclorama::Program program("cyclorama-hand",
+                             "Steers the tour by gamepad, keyboard or 3D mouse, and by poses that other trackers send "
+                             "(OSC, VRPN).");
+  cyclorama::Options options;
+  cyclorama::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/hand/pose_listener.h"
+
+#include <utility>
+
+#include "appliance/tracker/interchange/osc_pose.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kMostDatagrams = 1000;  // At once: a flood may not keep it from its other work.
+
+}  // namespace
+
+Result<PoseListener> PoseListener::open(const std::string& osc, const std::string& vrpn,
+                                        const std::string& vrpn_device) {
+  PoseListener listener(vrpn_device);
+  if (!osc.empty()) {
+    TRY_ASSIGN(listener.osc_, DatagramReceiver::open(osc));
+  }
+  if (!vrpn.empty()) {
+    TRY_ASSIGN(listener.vrpn_, DatagramReceiver::open(vrpn));
+  }
+  return listener;
+}
+
+void PoseListener::add(const PoseReport& report, TimePoint now, Heard* ret_heard) {
+  if (sensor_ && *sensor_ != report.sensor && now - sensor_seen_at_ <= kKept) return;
+  if (report.found) {
+    sensor_ = report.sensor;
+    sensor_seen_at_ = now;
+  }
+  ret_heard->poses.push_back(report);
+}
+
+Heard PoseListener::take(TimePoint now) {
+  Heard heard;
+  for (int i = 0; osc_ && i < kMostDatagrams; ++i) {
+    const auto datagram = osc_->receive();
+    if (!datagram) break;
+    const auto messages = decode_osc(*datagram);
+    if (!messages) {
+      ++refused_;
+      continue;
+    }
+    for (const OscMessage& message : *messages) {
+      if (const auto pose = pose_from_osc(message)) add(*pose, now, &heard);
+      if (const auto steer = steer_from_osc(message)) heard.steer = steer;
+    }
+  }
+  for (int i = 0; vrpn_ && i < kMostDatagrams; ++i) {
+    const auto datagram = vrpn_->receive();
+    if (!datagram) break;
+    const auto reports = reader_.read(*datagram);
+    if (!reports) ++refused_;
+    if (!reports) continue;
+    for (const PoseReport& report : *reports) add(report, now, &heard);
+  }
+  return heard;
+}
+
+}  // namespace cyclorama

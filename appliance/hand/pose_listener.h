@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "appliance/tracker/interchange/datagram.h"
+#include "appliance/tracker/interchange/pose_report.h"
+#include "appliance/tracker/interchange/vrpn.h"
+#include "common/base/clock.h"
+
+namespace cyclorama {
+
+/// What other programs said: poses in place of our tracker's, and wishes.
+struct Heard {
+  std::vector<PoseReport> poses;
+  std::optional<std::array<double, 3>> steer;  ///< The newest: forward, right, turn.
+};
+
+/// Listens to OSC at one port and to VRPN at another. Of several sensors the first keeps control until it has said
+/// nothing for a second. What is no packet is counted, and changes nothing. Thread-bound.
+class PoseListener {
+ public:
+  /// Empty addresses are not listened at; `vrpn_device` as VrpnReader's. Errors as DatagramReceiver::open().
+  static Result<PoseListener> open(const std::string& osc, const std::string& vrpn, const std::string& vrpn_device);
+
+  /// All that has come. Does not block.
+  [[nodiscard]] Heard take(TimePoint now);
+  [[nodiscard]] std::uint64_t refused() const { return refused_; }
+  /// 0 where it does not listen.
+  [[nodiscard]] int osc_port() const { return osc_ ? osc_->port() : 0; }
+  [[nodiscard]] int vrpn_port() const { return vrpn_ ? vrpn_->port() : 0; }
+
+  static constexpr Duration kKept = std::chrono::seconds(1);
+
+ private:
+  explicit PoseListener(const std::string& vrpn_device) : reader_(vrpn_device) {}
+  void add(const PoseReport& report, TimePoint now, Heard* ret_heard);
+  std::optional<DatagramReceiver> osc_;
+  std::optional<DatagramReceiver> vrpn_;
+  VrpnReader reader_;
+  std::optional<std::int32_t> sensor_;
+  TimePoint sensor_seen_at_{};
+  std::uint64_t refused_ = 0;
+};
+
+}  // namespace cyclorama

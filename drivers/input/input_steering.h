@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Gamepads, keyboards and 3D mice as one thing: three numbers that say where somebody wants to go.
+///
+///              gamepad            keyboard             3D mouse (the cap)
+///   forward    left stick up      Up, W / Down, S      pushed away
+///   right      left stick right   D / A                pushed to the right
+///   turn       right stick right  Right, E / Left, Q   twisted clockwise
+///
+/// Event codes are the kernel's (linux/input-event-codes.h). Nothing here touches a device.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "common/base/clock.h"
+
+namespace cyclorama {
+
+/// As the kernel reports it.
+struct InputEvent {
+  std::uint16_t type = 0;
+  std::uint16_t code = 0;
+  std::int32_t value = 0;
+};
+
+struct AxisRange {
+  std::int32_t least = 0;
+  std::int32_t most = 0;
+};
+
+/// What a device says it has.
+struct InputDescription {
+  std::string name;
+  std::set<int> keys;
+  std::set<int> relative;
+  std::map<int, AxisRange> absolute;
+};
+
+enum class InputKind { kGamepad, kKeyboard, kSpaceMouse };
+/// Nothing: steers nothing, as a mouse or a power button.
+[[nodiscard]] std::optional<InputKind> kind_of(const InputDescription& description);
+[[nodiscard]] const char* to_text(InputKind kind);
+
+/// Each in [-1, 1].
+struct InputWish {
+  double forward = 0.0;
+  double right = 0.0;
+  double turn = 0.0;
+  [[nodiscard]] bool is_rest() const { return forward == 0.0 && right == 0.0 && turn == 0.0; }
+  friend bool operator==(const InputWish&, const InputWish&) = default;
+};
+
+/// What one device is doing. A value.
+class InputSteering {
+ public:
+  /// `description` must be of `kind`.
+  InputSteering(InputKind kind, InputDescription description) : kind_(kind), description_(std::move(description)) {}
+
+  [[nodiscard]] InputKind kind() const { return kind_; }
+  [[nodiscard]] const std::string& name() const { return description_.name; }
+  /// Events that mean nothing here are passed over.
+  void take(const InputEvent& event, TimePoint at);
+  [[nodiscard]] InputWish wish(TimePoint now) const;
+
+  /// A 3D mouse that reports relative axes says nothing any more when it is let go.
+  static constexpr Duration kRelativeHeld = std::chrono::milliseconds(150);
+
+ private:
+  [[nodiscard]] double stick(int code) const;
+  [[nodiscard]] double cap(int relative, int absolute, TimePoint now) const;
+  [[nodiscard]] double keys(std::initializer_list<int> forth, std::initializer_list<int> back) const;
+
+  struct Moved {
+    std::int32_t value = 0;
+    TimePoint at{};
+  };
+  InputKind kind_;
+  InputDescription description_;
+  std::set<int> pressed_;
+  std::map<int, std::int32_t> absolute_;
+  std::map<int, Moved> relative_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/input/input_watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kMostEvents = 4096;  // In one update: a device gone mad may not hold up the others.
+
+}  // namespace
+
+void InputWatch::look() {
+  const std::vector<std::string> listed = places_.list();
+  const std::set<std::string> there(listed.begin(), listed.end());
+  std::erase_if(open_, [&](const auto& entry) { return !there.contains(entry.first); });
+  std::erase_if(useless_, [&](const std::string& path) { return !there.contains(path); });
+  failures_.clear();
+  for (const std::string& path : there) {
+    if (open_.contains(path) || useless_.contains(path)) continue;
+    auto device = places_.open(path);
+    if (!device) {
+      failures_[path] = device.error().message();
+      continue;
+    }
+    const InputDescription& description = (*device)->description();
+    const std::optional<InputKind> kind = kind_of(description);
+    if (kind) {
+      InputSteering steering(*kind, description);
+      open_.emplace(path, Open{*std::move(device), std::move(steering)});
+    } else {
+      useless_.insert(path);
+    }
+  }
+}
+
+void InputWatch::update(TimePoint now) {
+  if (!looked_ || now - looked_at_ >= kLook) {
+    looked_ = true;
+    looked_at_ = now;
+    look();
+  }
+  for (auto entry = open_.begin(); entry != open_.end();)
+    entry = read(&entry->second, now) ? std::next(entry) : open_.erase(entry);
+}
+
+bool InputWatch::read(Open* open, TimePoint now) {
+  for (int i = 0; i < kMostEvents; ++i) {
+    const auto event = open->device->next();
+    if (!event) return false;
+    if (!*event) return true;
+    open->steering.take(**event, now);
+  }
+  return true;
+}
+
+InputWish InputWatch::wish(TimePoint now) const {
+  InputWish sum;
+  for (const auto& [path, open] : open_) {
+    const InputWish wish = open.steering.wish(now);
+    sum.forward += wish.forward;
+    sum.right += wish.right;
+    sum.turn += wish.turn;
+  }
+  const auto limited = [](double value) { return std::clamp(value, -1.0, 1.0); };
+  return {limited(sum.forward), limited(sum.right), limited(sum.turn)};
+}
+
+std::vector<std::string> InputWatch::sentences() const {
+  std::vector<std::string> sentences;
+  for (const auto& [path, open] : open_)
+    sentences.push_back(fmt::format("{} '{}'", to_text(open.steering.kind()), printable(open.steering.name())));
+  for (const auto& [path, failure] : failures_) sentences.push_back(failure);
+  return sentences;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <linux/input-event-codes.h>
+
+#include <cmath>
+#include <deque>
+#include <filesystem>
+
+#include "drivers/input/evdev/evdev_device.h"
+#include "drivers/input/input_watch.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const TimePoint kNow(10s);
+
+InputDescription gamepad() {
+  return {"Pad", {BTN_GAMEPAD}, {}, {{ABS_X, {-32768, 32767}}, {ABS_Y, {-32768, 32767}}, {ABS_RX, {-32768, 32767}}}};
+}
+InputDescription keyboard() {
+  return {"Keys", {KEY_UP, KEY_DOWN, KEY_LEFT, KEY_RIGHT, KEY_W, KEY_A, KEY_S, KEY_D, KEY_Q, KEY_E}, {}, {}};
+}
+InputDescription space_mouse() { return {"SpaceNavigator", {}, {REL_X, REL_Y, REL_Z, REL_RX, REL_RY, REL_RZ}, {}}; }
+
+TEST(InputKind, is_told_by_what_a_device_has) {
+  EXPECT_EQ(kind_of(gamepad()), InputKind::kGamepad);
+  EXPECT_EQ(kind_of(keyboard()), InputKind::kKeyboard);
+  EXPECT_EQ(kind_of(space_mouse()), InputKind::kSpaceMouse);
+  EXPECT_EQ(kind_of({"Mouse", {BTN_LEFT}, {REL_X, REL_Y, REL_WHEEL}, {}}), std::nullopt);
+  EXPECT_EQ(kind_of({"Power", {KEY_POWER}, {}, {}}), std::nullopt);
+  EXPECT_EQ(kind_of({"Touch pad", {BTN_TOUCH}, {}, {{ABS_X, {0, 100}}, {ABS_Y, {0, 100}}}}), std::nullopt);
+}
+
+TEST(InputSteering, follows_the_sticks_of_a_gamepad) {
+  InputSteering pad(InputKind::kGamepad, gamepad());
+  EXPECT_TRUE(pad.wish(kNow).is_rest());
+  pad.take({EV_ABS, ABS_Y, -32768}, kNow);
+  pad.take({EV_ABS, ABS_X, 32767}, kNow);
+  pad.take({EV_ABS, ABS_RX, -32768}, kNow);
+  const InputWish wish = pad.wish(kNow);
+  EXPECT_NEAR(wish.forward, 1.0, 1e-3);
+  EXPECT_NEAR(wish.right, 1.0, 1e-3);
+  EXPECT_NEAR(wish.turn, -1.0, 1e-3);
+  pad.take({EV_ABS, ABS_Y, 3000}, kNow);
+  EXPECT_EQ(pad.wish(kNow).forward, 0.0) << "a worn stick rests off its middle";
+}
+
+TEST(InputSteering, follows_keys_until_they_are_let_go) {
+  InputSteering keys(InputKind::kKeyboard, keyboard());
+  keys.take({EV_KEY, KEY_W, 1}, kNow);
+  keys.take({EV_KEY, KEY_LEFT, 1}, kNow);
+  keys.take({EV_KEY, KEY_D, 1}, kNow);
+  EXPECT_EQ(keys.wish(kNow + 60s), (InputWish{1.0, 1.0, -1.0}));
+  keys.take({EV_KEY, KEY_S, 2}, kNow);
+  EXPECT_EQ(keys.wish(kNow).forward, 0.0) << "both ways is none";
+  for (const auto key : {KEY_W, KEY_LEFT, KEY_D, KEY_S}) keys.take({EV_KEY, static_cast<std::uint16_t>(key), 0}, kNow);
+  EXPECT_TRUE(keys.wish(kNow).is_rest());
+}
+
+TEST(InputSteering, forgets_a_cap_that_says_nothing_any_more) {
+  InputSteering cap(InputKind::kSpaceMouse, space_mouse());
+  cap.take({EV_REL, REL_Y, -350}, kNow);
+  cap.take({EV_REL, REL_RZ, 200}, kNow);
+  EXPECT_NEAR(cap.wish(kNow).forward, 1.0, 1e-9);
+  EXPECT_GT(cap.wish(kNow + 100ms).turn, 0.3);
+  EXPECT_TRUE(cap.wish(kNow + 200ms).is_rest());
+}
+
+TEST(InputSteering, gives_no_more_than_one_and_no_nan_for_any_events) {
+  InputDescription broken = gamepad();
+  broken.absolute[ABS_X] = {0, 0};
+  broken.absolute[ABS_Y] = {5, -5};
+  for (const InputKind kind : {InputKind::kGamepad, InputKind::kSpaceMouse, InputKind::kKeyboard}) {
+    InputSteering steering(kind, broken);
+    for (const std::int32_t value : {0, 1, -1, 2147483647, -2147483647 - 1}) {
+      for (std::uint16_t type = 0; type < 5; ++type) {
+        for (std::uint16_t code = 0; code < 16; ++code) steering.take({type, code, value}, kNow);
+      }
+      const InputWish wish = steering.wish(kNow);
+      for (const double part : {wish.forward, wish.right, wish.turn}) EXPECT_LE(std::abs(part), 1.0);
+    }
+  }
+}
+
+/// Plugged in and out by the test.
+struct FakeMachine {
+  struct Plug {
+    InputDescription description;
+    std::deque<InputEvent> events;
+    bool gone = false;
+    bool locked = false;
+  };
+  std::map<std::string, std::shared_ptr<Plug>> plugs;
+  int opened = 0;
+
+  class Device final : public InputDevice {
+   public:
+    explicit Device(std::shared_ptr<Plug> plug) : plug_(std::move(plug)) {}
+    [[nodiscard]] const InputDescription& description() const override { return plug_->description; }
+    Result<std::optional<InputEvent>> next() override {
+      if (plug_->gone) return Error(ErrorCode::kUnavailable, "gone");
+      if (plug_->events.empty()) return std::optional<InputEvent>{};
+      const InputEvent event = plug_->events.front();
+      plug_->events.pop_front();
+      return std::optional<InputEvent>(event);
+    }
+
+   private:
+    std::shared_ptr<Plug> plug_;
+  };
+
+  InputPlaces places() {
+    return {[this] {
+              std::vector<std::string> paths;
+              for (const auto& [path, plug] : plugs) paths.push_back(path);
+              return paths;
+            },
+            [this](const std::string& path) -> Result<std::unique_ptr<InputDevice>> {
+              ++opened;
+              if (plugs[path]->locked) return Error(ErrorCode::kSystem, "opening '" + path + "': Permission denied");
+              return std::unique_ptr<InputDevice>(std::make_unique<Device>(plugs[path]));
+            }};
+  }
+};
+
+TEST(InputWatch, follows_devices_in_and_out_and_in_again) {
+  FakeMachine machine;
+  InputWatch watch(machine.places());
+  watch.update(kNow);
+  EXPECT_EQ(watch.open_count(), 0u);
+  auto plug = machine.plugs["event3"] =
+      std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{keyboard(), {}, false, false});
+  plug->events = {{EV_KEY, KEY_UP, 1}};
+  watch.update(kNow + 500ms);
+  EXPECT_TRUE(watch.wish(kNow).is_rest()) << "not looked yet";
+  watch.update(kNow + 1s);
+  EXPECT_EQ(watch.wish(kNow).forward, 1.0);
+  EXPECT_THAT(watch.sentences(), ElementsAre("keyboard 'Keys'"));
+  plug->gone = true;
+  machine.plugs.clear();
+  watch.update(kNow + 1100ms);
+  EXPECT_TRUE(watch.wish(kNow).is_rest()) << "pulled out with the key down";
+  machine.plugs["event3"] =
+      std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{gamepad(), {{EV_ABS, ABS_Y, -32768}}, false, false});
+  watch.update(kNow + 2s);
+  watch.update(kNow + 3s);
+  EXPECT_NEAR(watch.wish(kNow).forward, 1.0, 1e-3);
+}
+
+TEST(InputWatch, leaves_alone_what_steers_nothing_and_tries_again_what_does_not_open) {
+  FakeMachine machine;
+  machine.plugs["event0"] =
+      std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{{"Power", {KEY_POWER}, {}, {}}, {}, false, false});
+  auto locked = machine.plugs["event1"] =
+      std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{keyboard(), {}, false, true});
+  InputWatch watch(machine.places());
+  for (int i = 0; i < 5; ++i) watch.update(kNow + i * 1s);
+  EXPECT_EQ(machine.opened, 1 + 5);
+  EXPECT_THAT(watch.sentences(), ElementsAre(HasSubstr("Permission denied")));
+  locked->locked = false;
+  watch.update(kNow + 10s);
+  EXPECT_EQ(watch.open_count(), 1u);
+}
+
+TEST(InputWatch, adds_up_devices_and_survives_one_that_floods) {
+  FakeMachine machine;
+  auto keys = machine.plugs["a"] = std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{keyboard(), {}, false, false});
+  auto mad = machine.plugs["b"] = std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{gamepad(), {}, false, false});
+  keys->events = {{EV_KEY, KEY_UP, 1}};
+  mad->events.assign(100'000, {EV_ABS, ABS_Y, -32768});
+  InputWatch watch(machine.places());
+  watch.update(kNow);
+  EXPECT_GT(mad->events.size(), 90'000u);
+  EXPECT_EQ(watch.wish(kNow).forward, 1.0) << "limited";
+}
+
+TEST(Evdev, says_what_is_no_device) {
+  const std::string folder = testing::TempDir() + "/no_devices";
+  std::filesystem::create_directories(folder);
+  EXPECT_EQ(open_evdev(folder + "/event0").error().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(open_evdev("/dev/null").error().code(), ErrorCode::kBadData);
+  EXPECT_TRUE(evdev_places(folder).list().empty());
+  EXPECT_TRUE(evdev_places("/nowhere").list().empty());
+}
+
+}  // namespace
+}  // namespace cyclorama

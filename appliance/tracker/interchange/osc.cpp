@@ -24,8 +24,10 @@ std::string as_text(std::span<const std::byte> bytes) {
   return text;
 }
 
+// Into what the caller has: gcc 12 sees things in a std::variant or std::string that travels in a Result.
+
 /// A text with its NUL and the zeros up to the next unit.
-Result<std::string> read_text(PacketReader* reader, std::span<const std::byte> packet) {
+Status read_text(PacketReader* reader, std::span<const std::byte> packet, std::string* ret_text) {
   const auto rest = packet.last(reader->left());
   const auto end = std::find(rest.begin(), rest.end(), std::byte{0});
   if (end == rest.end()) return bad("a text without an end");
@@ -36,77 +38,79 @@ Result<std::string> read_text(PacketReader* reader, std::span<const std::byte> p
   for (const std::byte b : whole.subspan(length)) {
     if (b != std::byte{0}) return bad("a text that is padded with something");
   }
-  return as_text(whole.first(length));
+  *ret_text = as_text(whole.first(length));
+  return Done{};
 }
 
-Result<std::vector<std::byte>> read_blob(PacketReader* reader) {
+Status read_blob(PacketReader* reader, std::vector<std::byte>* ret_blob) {
   const std::uint32_t size = reader->u32();
   if (size > reader->left()) return bad("a blob that is longer than the packet");
   const auto bytes = reader->bytes(size);
   const auto padding = reader->bytes((kUnit - size % kUnit) % kUnit);
   if (reader->is_short() || std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{0}; }))
     return bad("a blob that is not padded with zeros");
-  return std::vector<std::byte>(bytes.begin(), bytes.end());
+  ret_blob->assign(bytes.begin(), bytes.end());
+  return Done{};
 }
 
-Result<OscArgument> read_argument(char type, PacketReader* reader, std::span<const std::byte> packet) {
+Status read_argument(char type, PacketReader* reader, std::span<const std::byte> packet, OscArgument* ret_argument) {
   switch (type) {
     case 'i':
-      return OscArgument(reader->i32());
+      *ret_argument = reader->i32();
+      return Done{};
     case 'f':
-      return OscArgument(reader->f32());
+      *ret_argument = reader->f32();
+      return Done{};
     case 'h':
-      return OscArgument(reader->i64());
+      *ret_argument = reader->i64();
+      return Done{};
     case 'd':
-      return OscArgument(reader->f64());
+      *ret_argument = reader->f64();
+      return Done{};
     case 't':
-      return OscArgument(OscTime{reader->u64()});
+      *ret_argument = OscTime{reader->u64()};
+      return Done{};
     case 'T':
-      return OscArgument(true);
     case 'F':
-      return OscArgument(false);
+      *ret_argument = type == 'T';
+      return Done{};
     case 'N':
     case 'I':
-      return OscArgument(OscNothing{});
-    case 's': {
-      TRY_ASSIGN(std::string text, read_text(reader, packet));
-      return OscArgument(std::move(text));
-    }
-    case 'b': {
-      TRY_ASSIGN(std::vector<std::byte> blob, read_blob(reader));
-      return OscArgument(std::move(blob));
-    }
+      *ret_argument = OscNothing{};
+      return Done{};
+    case 's':
+      return read_text(reader, packet, &ret_argument->emplace<std::string>());
+    case 'b':
+      return read_blob(reader, &ret_argument->emplace<std::vector<std::byte>>());
     default:
       return bad(fmt::format("an argument of the type with the code {}", static_cast<int>(type)));
   }
 }
 
-Result<OscMessage> read_message(std::span<const std::byte> packet) {
+Status read_message(std::span<const std::byte> packet, OscMessage* ret_message) {
   PacketReader reader(packet);
-  OscMessage message;
-  TRY_ASSIGN(message.address, read_text(&reader, packet));
-  if (!message.address.starts_with("/")) return bad("a message whose address does not begin with '/'");
-  TRY_ASSIGN(const std::string types, read_text(&reader, packet));
+  TRY(read_text(&reader, packet, &ret_message->address));
+  if (!ret_message->address.starts_with("/")) return bad("a message whose address does not begin with '/'");
+  std::string types;
+  TRY(read_text(&reader, packet, &types));
   if (!types.starts_with(",")) return bad("a message without types");
   for (const char type : std::string_view(types).substr(1)) {
-    TRY_ASSIGN(OscArgument argument, read_argument(type, &reader, packet));
+    TRY(read_argument(type, &reader, packet, &ret_message->arguments.emplace_back()));
     if (reader.is_short()) return bad("arguments that end too early");
-    message.arguments.push_back(std::move(argument));
   }
   if (!reader.is_empty()) return bad("bytes after the last argument");
-  return message;
+  return Done{};
 }
 
 Status read_packet(std::span<const std::byte> packet, int depth, std::vector<OscMessage>* ret_messages) {
   if (packet.empty() || packet.size() % kUnit != 0) return bad("its size is no multiple of four");
   if (packet.front() != std::byte{'#'}) {
-    TRY_ASSIGN(OscMessage message, read_message(packet));
-    ret_messages->push_back(std::move(message));
-    return Done{};
+    return read_message(packet, &ret_messages->emplace_back());
   }
   if (depth >= kDeepestOscBundle) return bad("bundles in bundles without end");
   PacketReader reader(packet);
-  TRY_ASSIGN(const std::string head, read_text(&reader, packet));
+  std::string head;
+  TRY(read_text(&reader, packet, &head));
   if (head != kBundle) return bad("'#' and no bundle");
   reader.u64();  // When to act: at once.
   while (!reader.is_short() && !reader.is_empty()) {

@@ -18,9 +18,11 @@ constexpr double kTurnPace = 0.45;          // Of the turn limit.
 constexpr double kSlowDownPerSecond = 0.9;  // Speed per metre that is left: arrives softly.
 constexpr double kPassedM = 0.25;           // A place on the way counts as reached, in the visitor's metres.
 constexpr double kArrivedM = 0.05;
+constexpr double kAlmostM = 0.15;  // Of a stop right beside a wall, which is not walked up to any further (brake.h),
+constexpr auto kAlmost = std::chrono::milliseconds(500);  // after so long.
 constexpr double kGlanceRad = 0.14;
 constexpr double kLookAroundRadPerSecond = 0.10;
-constexpr std::size_t kMostWayCorners = 64;
+constexpr std::size_t kMostWayCorners = 128;  // Some milliseconds, once for each stop.
 constexpr auto kDwell = std::chrono::seconds(8);
 constexpr auto kPatience = std::chrono::seconds(4);
 
@@ -82,7 +84,8 @@ SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& sit
 
   const double left_m = (state->way.front() - walker.place_m).norm() / site.walking_scale;
   const bool last = state->way.size() == 1;
-  if (left_m < (last ? kArrivedM : kPassedM)) {
+  const bool almost = last && left_m < kAlmostM && now - state->nearer_at > kAlmost;
+  if (almost || left_m < (last ? kArrivedM : kPassedM)) {
     state->nearest_m = std::numeric_limits<double>::infinity();
     if (last) {
       state->dwelling = true;

@@ -14,7 +14,8 @@ namespace {
 libevdev_uinput* plug_keyboard() {
   libevdev* const device = libevdev_new();
   libevdev_set_name(device, "cyclorama test keys");
-  for (const unsigned key : {KEY_UP, KEY_LEFT, KEY_W}) libevdev_enable_event_code(device, EV_KEY, key, nullptr);
+  for (const int key : {KEY_UP, KEY_LEFT, KEY_W})
+    libevdev_enable_event_code(device, EV_KEY, static_cast<unsigned>(key), nullptr);
   libevdev_uinput* made = nullptr;
   libevdev_uinput_create_from_device(device, LIBEVDEV_UINPUT_OPEN_MANAGED, &made);
   libevdev_free(device);

@@ -51,7 +51,7 @@ TEST(GroundSearch, finds_an_empty_room_up_to_a_body_from_its_walls) {
   EXPECT_TRUE(ground.holes.empty());
   EXPECT_LE(ground.outline.size(), 12u);
   EXPECT_NEAR(reach(ground, 1), 4 - kRadius, kNear);
-  EXPECT_NEAR(ground.radius_m, kRadius, 1e-9);
+  EXPECT_NEAR(ground.radius_m, kRadius, 1e-6);
   EXPECT_NEAR(ground.floor_m, 0.0, 1e-5);
 }
 

@@ -26,6 +26,11 @@ MAY_INCLUDE = {
     "kiosk": ["common", "renderfarm/client", "kiosk"],
     "tests": ["common", "drivers", "renderfarm", "appliance", "kiosk", "tests"],
 }
+# The truth of a simulated museum. Who calibrates may meet neither these headers, also by way of others, nor the file's
+# name; the appliance and the kiosk hold all that a museum runs.
+TRUTH_HEADERS = {f"drivers/simulated_room/{name}.h" for name in ("truth", "true_museum", "presets", "flaws")}
+TRUTH_FILE = re.compile(r"truth\.(toml|json)")
+BLIND = ("appliance", "kiosk")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"')
 
 
@@ -33,9 +38,47 @@ def under(path, folder):
     return path == folder or path.startswith(folder + "/")
 
 
+def includes(root, path):
+    file = root / path
+    if not file.is_file():
+        return []
+    lines = file.read_text(encoding="utf-8").splitlines()
+    return [(n, m[1]) for n, line in enumerate(lines, 1) if (m := INCLUDE.match(line))]
+
+
+def way_to_truth(root, path, known):
+    """The headers from `path` to one that tells the truth, or nothing."""
+    if path in TRUTH_HEADERS:
+        return [path]
+    if path not in known:
+        known[path] = []
+        for _, header in includes(root, path):
+            if way := way_to_truth(root, header, known):
+                known[path] = [path] + way
+                break
+    return known[path]
+
+
+def told_truths(root):
+    """Places in the appliance and the kiosk that could learn a simulated museum's truth."""
+    bad, known = [], {}
+    for top in BLIND:
+        for f in sorted((root / top).rglob("*")):
+            if f.suffix not in (".h", ".cpp", ".py", ".js", ".html", ".txt", ".toml") or not f.is_file():
+                continue
+            here = f.relative_to(root).as_posix()
+            for n, header in includes(root, here):
+                if way := way_to_truth(root, header, known):
+                    bad.append(f"{here}:{n}: {top}/ may not know a simulated museum's truth: {' -> '.join(way)}")
+            for n, line in enumerate(f.read_text(encoding="utf-8").splitlines(), 1):
+                if TRUTH_FILE.search(line):
+                    bad.append(f"{here}:{n}: {top}/ may not name the file of a simulated museum's truth")
+    return bad
+
+
 def main(root):
     root = pathlib.Path(root)
-    bad = []
+    bad = told_truths(root)
     for top in sorted({k.split("/")[0] for k in MAY_INCLUDE}):
         for f in sorted((root / top).rglob("*")):
             if f.suffix not in (".h", ".cpp"):

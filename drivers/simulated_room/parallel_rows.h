@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <thread>
+#include <vector>
+
+namespace cyclorama {
+
+/// Calls work(begin, end) for consecutive ranges that cover [0, rows), on so many threads, and waits for all of them.
+/// What the ranges write must not meet.
+template <typename Work>
+void for_rows(int rows, int threads, const Work& work) {
+  std::vector<std::jthread> others;
+  for (int i = 1; i < threads; ++i)
+    others.emplace_back([&work, rows, i, threads] { work(rows * i / threads, rows * (i + 1) / threads); });
+  work(0, threads > 0 ? rows / threads : rows);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/turnplate/make_turnplate.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "common/base/text.h"
+#include "drivers/turnplate/manual/manual_turnplate.h"
+#include "drivers/turnplate/serial/serial_turnplate.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+Error refuse(std::string_view spec, std::string_view what) {
+  return Error(ErrorCode::kInvalidArgument, fmt::format("turn-plate '{}': {}", printable(spec, 200), what));
+}
+
+/// Cuts `text` at the first `separator`; the rest is empty when there is none.
+std::string_view cut(std::string_view* text, char separator) {
+  const std::size_t at = text->find(separator);
+  const std::string_view first = text->substr(0, at);
+  *text = at == std::string_view::npos ? std::string_view() : text->substr(at + 1);
+  return first;
+}
+
+/// Whether `key` was one that is known, and its value one that it can have.
+bool take(std::string_view key, std::string_view value, SerialTurnplateOptions* ret) {
+  if (key == "axis") {
+    if (value.size() != 1) return false;
+    ret->axis = value[0];
+    return true;
+  }
+  const auto number = parse_double(value);
+  if (!number) return false;
+  if (key == "baud") {
+    if (!(*number >= 1.0 && *number <= 1e7)) return false;
+    ret->baud = static_cast<int>(*number);
+  } else if (key == "units_per_turn") {
+    ret->units_per_turn = *number;
+  } else if (key == "degrees_per_second") {
+    ret->speed_rad_s = *number * kDegree;
+  } else if (key == "least_deg") {
+    ret->range.least_rad = *number * kDegree;
+  } else if (key == "most_deg") {
+    ret->range.most_rad = *number * kDegree;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec) {
+  std::string_view rest = spec;
+  const std::string_view kind = cut(&rest, ':');
+  if (kind == "manual" && rest.empty()) {
+    return std::unique_ptr<Turnplate>(
+        std::make_unique<ManualTurnplate>(std::make_unique<TerminalOperator>(STDIN_FILENO, STDERR_FILENO)));
+  }
+  if (kind != "serial") return refuse(spec, "no such kind of turn-plate; the kinds are serial:DEVICE and manual");
+  SerialTurnplateOptions options;
+  options.device = std::string(cut(&rest, '?'));
+  if (options.device.empty()) return refuse(spec, "names no device; write serial:/dev/serial/by-id/...");
+  while (!rest.empty()) {
+    std::string_view value = cut(&rest, '&');
+    const std::string_view key = cut(&value, '=');
+    if (!take(key, value, &options)) {
+      return refuse(spec, fmt::format("'{}' is wrong; the options are baud, axis (one letter), units_per_turn, "
+                                      "degrees_per_second, least_deg and most_deg",
+                                      printable(key)));
+    }
+  }
+  return SerialTurnplate::open(options);
+}
+
+}  // namespace cyclorama

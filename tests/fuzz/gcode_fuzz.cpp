@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a turn-plate's controller says over the serial line.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "common/base/check.h"
+#include "drivers/turnplate/serial/gcode.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  gcode::LineCutter lines;
+  // In pieces, as a serial line delivers them.
+  for (std::size_t i = 0; i < text.size(); i += 7) {
+    lines.add(text.substr(i, 7));
+    while (const auto line = lines.next()) {
+      CHECK(line->find('\n') == std::string::npos);
+      const gcode::Answer answer = gcode::parse_answer(*line, 'X');
+      CHECK(std::isfinite(answer.position));
+    }
+  }
+  return 0;
+}

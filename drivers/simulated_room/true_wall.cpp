@@ -26,26 +26,9 @@ Eigen::Matrix3d axes_of(const DomeWall& dome) {
   return axes;
 }
 
-/// Follows a ray to the first place where `above` turns negative, from `nearest` on. `above` is as steep as a distance
-/// at most, and the ray goes towards the wall at first.
+/// In steps of two centimetres or so: for rays that graze, which may meet another side of a bump first.
 template <typename Above>
-std::optional<double> first_crossing(const Above& above, double guess, double farthest) {
-  // Secant from the shape without relief: a handful of steps, unless the ray grazes.
-  double t0 = guess;
-  double f0 = above(t0);
-  double t1 = t0 + f0;
-  for (int i = 0; i < 12; ++i) {
-    if (std::abs(f0) < 1e-12) return t0 > 1e-9 ? std::optional(t0) : std::nullopt;
-    const double f1 = above(t1);
-    const double slope = (f1 - f0) / (t1 - t0);
-    t0 = t1;
-    f0 = f1;
-    if (!(slope < -1e-3) || !std::isfinite(slope)) break;
-    t1 = t0 - f0 / slope;
-    if (!(t1 > 0.0 && t1 < farthest)) break;
-    if (t1 == t0) return t0;
-  }
-  if (std::abs(f0) < 1e-11) return t0 > 1e-9 ? std::optional(t0) : std::nullopt;
+std::optional<double> marched(const Above& above, double farthest) {
   constexpr int kSteps = 400;
   double inside = 0.0;
   if (!(above(inside) > 0.0)) return std::nullopt;
@@ -62,6 +45,29 @@ std::optional<double> first_crossing(const Above& above, double guess, double fa
     return inside;
   }
   return std::nullopt;
+}
+
+/// Follows a ray to the first place where `above` turns negative; `guess` is where it meets the shape without relief.
+template <typename Above>
+std::optional<double> first_crossing(const Above& above, double guess, double farthest, bool is_grazing) {
+  if (is_grazing) return marched(above, farthest);
+  // Secant from the shape without relief: a handful of steps.
+  double t0 = guess;
+  double f0 = above(t0);
+  double t1 = t0 + f0;
+  for (int i = 0; i < 12; ++i) {
+    if (std::abs(f0) < 1e-12) return t0 > 1e-9 ? std::optional(t0) : std::nullopt;
+    const double f1 = above(t1);
+    const double slope = (f1 - f0) / (t1 - t0);
+    t0 = t1;
+    f0 = f1;
+    if (!(slope < -1e-3) || !std::isfinite(slope)) break;
+    t1 = t0 - f0 / slope;
+    if (!(t1 > 0.0 && t1 < farthest)) break;
+    if (t1 == t0) return t0;
+  }
+  if (std::abs(f0) < 1e-11) return t0 > 1e-9 ? std::optional(t0) : std::nullopt;
+  return marched(above, farthest);
 }
 
 }  // namespace
@@ -86,7 +92,17 @@ TrueWall::TrueWall(Wall shape, const RigidTransform<frame::Room, frame::Room>& T
     : shape_(std::move(shape)),
       T_room_wall_(T_room_wall),
       T_wall_room_(T_room_wall.inverse()),
-      relief_(std::move(relief)) {}
+      relief_(std::move(relief)) {
+  if (relief_.is_flat()) return;
+  constexpr int kSamples = 200;
+  for (int j = 0; j <= kSamples; ++j) {
+    for (int i = 0; i <= kSamples; ++i) {
+      const Surface at = surface_of(WallPlace{0, static_cast<double>(i) / kSamples, static_cast<double>(j) / kSamples});
+      const Relief::Height height = relief_.at(at.s_m, at.t_m);
+      steepest_ = std::max(steepest_, std::hypot(height.by_s, height.by_t));
+    }
+  }
+}
 
 std::size_t TrueWall::part_count() const {
   const auto* planes = std::get_if<PlanesWall>(&shape_);
@@ -207,7 +223,11 @@ std::optional<Eigen::Vector3d> TrueWall::meet(const RoomRay& ray, std::size_t pa
     return at.above_m - relief_.at(at.s_m, at.t_m).m;
   };
   const double straight = (guess->xyz - unit.origin.xyz).dot(unit.direction);
-  const auto t = first_crossing(above, straight, straight + 20.0 * relief_.bound_m() + 0.1);
+  constexpr double kStep_m = 1e-4;
+  const Eigen::Vector3d before = guess->xyz - kStep_m * unit.direction;
+  const double steepness = surface_of(before, part).above_m / kStep_m;
+  const bool is_grazing = steepness < 1.2 * steepest_ + 0.02;
+  const auto t = first_crossing(above, straight, straight + 20.0 * relief_.bound_m() + 0.1, is_grazing);
   if (!t) return std::nullopt;
   return unit.origin.xyz + *t * unit.direction;
 }

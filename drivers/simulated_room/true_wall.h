@@ -68,6 +68,7 @@ class TrueWall {
   RigidTransform<frame::Room, frame::Room> T_room_wall_;
   RigidTransform<frame::Room, frame::Room> T_wall_room_;
   Relief relief_;
+  double steepest_ = 0.0;  ///< Slope of the relief, anywhere.
 };
 
 }  // namespace cyclorama

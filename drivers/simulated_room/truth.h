@@ -36,7 +36,7 @@ struct TrueProjector {
   std::array<ResponseCurve, 3> response{};                    ///< Of red, green, blue.
   ColourMatrix primaries{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< Each channel's room colour, in the unit of white.
   RoomColour black{};                                         ///< The part of each channel that leaks at code 0.
-  double blur_px = 0.3;  ///< Standard deviation in focus; a square pixel alone has 0.29.
+  double blur_px = 0.3;  ///< Standard deviation in focus. Less than 0.41 is 0.41, a pixel's own.
   double focus_distance_m = 4.0;
   double defocus_px_per_dioptre = 0.0;
   double latency_s = 0.0;  ///< From show() to the light.

@@ -57,7 +57,9 @@ ManualTurnplate::ManualTurnplate(std::unique_ptr<TurnplateOperator> operated_by,
 Status ManualTurnplate::ask_for(const std::string& what, double angle_rad) {
   std::string question = fmt::format("{}, then press Enter (or type the angle that it stands at; q to stop): ", what);
   for (;;) {
-    TRY_ASSIGN(const std::string line, operator_->answer(question, timeout_));
+    const auto answered = operator_->answer(question, timeout_);
+    if (!answered) return answered.error();
+    const std::string_view line = *answered;
     if (line.empty()) {
       angle_rad_ = angle_rad;
       return Done{};

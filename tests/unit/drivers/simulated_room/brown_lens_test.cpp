@@ -31,7 +31,8 @@ TEST(BrownLens, moves_a_known_point_as_opencv_does) {
 TEST(BrownLens, its_derivative_is_that_of_differences) {
   const BrownLens lens(kPinhole, {-0.1, 0.02, 0.005}, {0.001, -0.002});
   constexpr double kStep = 1e-6;
-  for (const Eigen::Vector2d at : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.4, -0.2), Eigen::Vector2d(-0.1, 0.5)}) {
+  for (const Eigen::Vector2d& at :
+       {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.4, -0.2), Eigen::Vector2d(-0.1, 0.5)}) {
     for (int axis = 0; axis < 2; ++axis) {
       Eigen::Vector2d step = Eigen::Vector2d::Zero();
       step[axis] = kStep;
@@ -61,7 +62,9 @@ TEST(BrownLens, each_pixel_comes_back_or_has_no_ray) {
         }
       }
       // A pincushion without a turning point has a ray for every pixel.
-      if (k1 >= 0.0 && k2 >= 0.0) EXPECT_EQ(refused, 0) << k1 << " " << k2;
+      if (k1 >= 0.0 && k2 >= 0.0) {
+        EXPECT_EQ(refused, 0) << k1 << " " << k2;
+      }
     }
   }
 }

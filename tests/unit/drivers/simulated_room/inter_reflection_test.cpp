@@ -87,7 +87,7 @@ TEST(InterReflection, keeps_energy_on_every_wall) {
     }
     std::mt19937 random(3);
     InterReflection::Light direct(cells.count());
-    for (auto& lux : direct) lux = {1e-3 * (random() % 1000), 1.0, 1.0};
+    for (auto& lux : direct) lux = {1e-3 * static_cast<double>(random() % 1000), 1.0, 1.0};
     const auto indirect = walls.indirect(direct);
     for (std::size_t c = 0; c < 3; ++c) {
       // What bounces once is less than what arrives: the series is at most the integrating sphere's.

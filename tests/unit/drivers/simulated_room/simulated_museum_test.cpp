@@ -91,7 +91,7 @@ TEST(SimulatedMuseum, a_pixel_lands_where_both_lenses_distortion_takes_it) {
     const double along = (kDistance_m + 0.1) / ray.z();
     const Eigen::Vector3d on_wall(0.3 + along * ray.x(), 1.8 - along * ray.y(), -kDistance_m);
     const Eigen::Vector2d expected = *camera.pixel_of({on_wall.x(), -(on_wall.y() - 1.6), kDistance_m});
-    EXPECT_LT((centroid(photograph(room, dot(x, y), 2.0)) - expected).norm(), 0.03) << x << ", " << y;
+    EXPECT_LT((centroid(photograph(room, dot(x, y), 0.1)) - expected).norm(), 0.03) << x << ", " << y;
   }
 }
 
@@ -294,7 +294,7 @@ double spread(const Room& room, int column) {
   for (int y = 0; y < 180; ++y) {
     for (int c = 0; c < 3; ++c) picture.at(column, y)[c] = 255;
   }
-  const GreyPhotograph seen = photograph(room, picture, 0.3);
+  const GreyPhotograph seen = photograph(room, picture, 0.1);
   double sum = 0.0;
   double first = 0.0;
   double second = 0.0;

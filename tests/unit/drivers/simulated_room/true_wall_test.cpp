@@ -34,7 +34,9 @@ TEST(TrueWall, without_relief_is_the_wall_of_the_installation) {
       const auto expected = hit(shape, ray);
       const auto got = wall.hit(ray);
       ASSERT_EQ(expected.has_value(), got.has_value());
-      if (got) EXPECT_LT((expected->xyz - got->point.xyz).norm(), 1e-12);
+      if (got) {
+        EXPECT_LT((expected->xyz - got->point.xyz).norm(), 1e-12);
+      }
     }
   }
 }

@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Each, TurnplateContract,
                          ::testing::Values(Kind{"serial", make_place<SerialPlace>},
                                            Kind{"manual", make_place<ManualPlace>},
                                            Kind{"simulated", make_place<SimulatedPlace>}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& kind) { return kind.param.name; });
 
 TEST_P(TurnplateContract, knows_no_angle_before_it_was_home) {
   EXPECT_FALSE(plate_->id().empty());

@@ -111,7 +111,7 @@ std::string dome_text(const PresetOptions& options) {
   const Share share = shares(field, options.projectors, options.overlap);
   const double behind = 0.8;
   const double half =
-      std::max(0.5 * share.width, 0.5 * field * options.projector_width_px / options.projector_height_px * 0.62);
+      std::max(0.5 * share.width, 0.5 * field * options.projector_width_px / options.projector_height_px * 0.7);
   const double fov = 2.0 * std::atan(kDome_m * std::sin(half) / (kDome_m * std::cos(half) + behind));
   for (int i = 0; i < options.projectors; ++i) {
     const double pan = (i - 0.5 * (options.projectors - 1)) * share.step;

@@ -47,7 +47,7 @@ Result<SerialPort> SerialPort::open(const std::filesystem::path& device, int bau
     return Error(ErrorCode::kInvalidArgument, doing + ": it is no serial line");
   ::cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
-  settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS | PARENB);
+  settings.c_cflag &= ~(CSTOPB | CRTSCTS | PARENB);
   settings.c_cc[VMIN] = 0;
   settings.c_cc[VTIME] = 0;
   if (::cfsetispeed(&settings, rate->second) != 0 || ::cfsetospeed(&settings, rate->second) != 0 ||

@@ -116,13 +116,13 @@ TEST(Sensor, neighbours_noise_is_independent) {
 }
 
 TEST(ResponseCurve, stays_between_dark_and_bright) {
-  const ResponseCurve odd{2.2, 0.3, 0.9, 0.2};
+  const ResponseCurve odd{2.2, 0.3, 0.9, 0.5};
   for (double x = -1.0; x < 2.0; x += 0.01) {
     EXPECT_GE(odd.at(x), 0.0);
     EXPECT_LE(odd.at(x), 1.0);
   }
   EXPECT_EQ(odd.at(std::nan("")), 0.0);
-  EXPECT_LT(odd.at(0.86), odd.at(0.7));  // What a calibration must report.
+  EXPECT_LT(odd.at(0.85), odd.at(0.75));  // What a calibration must report.
 }
 
 }  // namespace

@@ -128,19 +128,26 @@ Status Display::prepare() {
 
 void Display::describe(const std::vector<HeadPlan>& heads) {
   std::size_t vertices = 0;
+  std::size_t patches = 0;
   std::size_t maps = 0;
   double worst_px = 0.0;
   for (const HeadPlan& head : heads) {
-    const WarpMesh* const mesh = std::get_if<WarpMesh>(&head.warp);
-    maps += mesh == nullptr ? 1 : 0;
-    vertices += mesh == nullptr ? 0 : mesh->vertices.size();
-    worst_px = std::max(worst_px, mesh == nullptr ? 0.0 : mesh->worst_error_px);
+    maps += std::holds_alternative<PixelMap>(head.warp) ? 1U : 0U;
+    if (const auto* const mesh = std::get_if<WarpMesh>(&head.warp)) {
+      vertices += mesh->vertices.size();
+      worst_px = std::max(worst_px, mesh->worst_error_px);
+    }
+    if (const auto* const patched = std::get_if<WarpPatches>(&head.warp)) {
+      patches += patched->patches.size();
+      worst_px = std::max(worst_px, patched->worst_error_px);
+    }
   }
   inspection_.set_fact("heads", fmt::format("{}", heads.size()));
   inspection_.set_fact("heads_with_pixel_maps", fmt::format("{}", maps));
   inspection_.set_fact("panorama", fmt::format("{}x{} px{}", wanted_.width_px(), height_px(wanted_.shape),
                                                wanted_.stacked() == 2 ? " for each eye" : ""));
   inspection_.set_fact("warp_vertices", fmt::format("{}", vertices));
+  inspection_.set_fact("warp_patches", fmt::format("{}", patches));
   inspection_.set_fact("warp_error_px", fmt::format("{:.3f}", worst_px));
   inspection_.set_fact("wall_unlit_percent", fmt::format("{:.2f}", 100.0 * unlit_fraction(options_.installation)));
 }

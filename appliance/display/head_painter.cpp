@@ -3,8 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <numbers>
+#include <string>
 
+#include "appliance/display/lit_rects.h"
 #include "appliance/display/lit_triangles.h"
 #include "common/geometry/picture_place.h"
 
@@ -14,6 +17,7 @@ namespace {
 // As many that the nearest is within a 30th of a code value on an sRGB curve; ./bench.sh display-trade has the others.
 constexpr int kResponseSteps = 4096;
 constexpr std::size_t kCornerFloats = 4;
+constexpr std::size_t kTermFloats = 12;
 
 GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
 
@@ -58,6 +62,39 @@ std::vector<float> corners_of(const PixelRect& part, int width, int height) {
   return corners;
 }
 
+/// Two triangles of a rectangle whose four corners begin at `first`.
+std::array<std::uint32_t, 6> halves_of(std::uint32_t first) {
+  return {first, first + 2, first + 1, first + 1, first + 2, first + 3};
+}
+
+/// Four corners for each rectangle, each with all the terms of its patch: GL keeps nothing per triangle.
+void add_corners(const WarpPatches& warp, const LitRect& rect, std::vector<float>* ret_corners) {
+  const int across = warp.across();
+  const auto index = static_cast<int>(rect.patch);
+  const int left = index % across * warp.patch_width_px;
+  const int top = index / across * warp.patch_height_px;
+  const WarpPatch& patch = warp.patches[rect.patch];
+  for (const int corner : {0, 1, 2, 3}) {
+    const int x = corner % 2 == 0 ? rect.part.x : rect.part.x + rect.part.width;
+    const int y = corner < 2 ? rect.part.y : rect.part.y + rect.part.height;
+    ret_corners->insert(ret_corners->end(),
+                        {clip_x(static_cast<float>(x), warp.width_px), clip_y(static_cast<float>(y), warp.height_px),
+                         static_cast<float>(x - left) / static_cast<float>(warp.patch_width_px),
+                         static_cast<float>(y - top) / static_cast<float>(warp.patch_height_px)});
+    for (const std::size_t term : {0U, 1U, 2U, 3U, 4U, 5U})
+      ret_corners->insert(ret_corners->end(), {patch.across[term], patch.up[term]});
+  }
+}
+
+/// Whether places beyond the picture, or the other side of a whole turn, need more than the sampler's own clamping.
+bool needs_edges(const TurnedPicture& turned) {
+  const PanoramaTexture& picture = *turned.picture;
+  const auto* const panorama = std::get_if<Panorama>(&picture.shape());
+  return (panorama != nullptr && is_whole_turn(*panorama)) ||
+         picture.texture_width() != width_px(picture.shape()) + 2 * PanoramaTexture::kFirstColumn ||
+         picture.texture_height() != height_px(picture.shape());
+}
+
 /// A texture of one value per pixel of the head, read at pixel centres.
 void upload_nearest(const Gl& gl, const GlTexture& texture, GLint kept_as, GLenum channels, int width, int height,
                     const std::vector<float>& values) {
@@ -76,6 +113,12 @@ std::vector<float> upside_down(int width, int height, const auto& values) {
     for (int x = 0; x < width; ++x) values(x, y, &rows);
   }
   return rows;
+}
+
+std::vector<std::uint32_t> together(const LitTriangles& triangles) {
+  std::vector<std::uint32_t> all = triangles.whole;
+  all.insert(all.end(), triangles.masked.begin(), triangles.masked.end());
+  return all;
 }
 
 Turning turning_of(const PictureShape& shape) {
@@ -100,44 +143,79 @@ Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen:
 
 }  // namespace
 
-HeadPainter::HeadPainter(const Gl& gl, const HeadPlan& plan)
+Texels texels_for(const Gl& gl, const std::vector<HeadPlan>& plans) {
+  const std::string renderer = gl.renderer();
+  const bool is_software =
+      std::ranges::any_of(std::array{"llvmpipe", "softpipe", "SwiftShader"},
+                          [&](const char* name) { return renderer.find(name) != std::string::npos; });
+  const bool is_plain = std::ranges::none_of(plans, [](const HeadPlan& plan) {
+    return plan.depth_bits > 8 || plan.colour.matrix || plan.colour.lift || plan.colour.response;
+  });
+  if (!is_software || !is_plain) return Texels::kHalves;
+  HeadFeatures features;
+  features.texels = Texels::kPacked;
+  return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;  // Not with OpenGL ES 3.0.
+}
+
+HeadPainter::HeadPainter(const Gl& gl, const HeadPlan& plan, Texels texels)
     : gl_(&gl),
       width_px_(width_px(plan.warp)),
       height_px_(height_px(plan.warp)),
       picture_(plan.picture),
       packing_(plan.packing),
       colour_{plan.colour.matrix, plan.colour.black, {}, {}},
-      code_step_(1.0f / static_cast<float>((1 << plan.depth_bits) - 1)),
       mesh_(gl),
       vertices_(gl),
       indices_(gl),
       mask_(gl),
       map_(gl),
-      response_(gl) {}
+      response_(gl),
+      texels_(texels) {
+  set_depth(plan.depth_bits);
+}
 
-Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan) {
+void HeadPainter::set_depth(int depth_bits) {
+  CHECK(depth_bits >= 1 && depth_bits <= 16);
+  code_step_ = 1.0f / static_cast<float>((1 << depth_bits) - 1);
+}
+
+Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels) {
   CHECK(plan.mask.width() == width_px(plan.warp) && plan.mask.height() == height_px(plan.warp));
   CHECK(!plan.colour.lift ||
         (plan.colour.lift->width() == plan.mask.width() && plan.colour.lift->height() == plan.mask.height()));
-  CHECK(plan.depth_bits >= 1 && plan.depth_bits <= 16);
-  HeadPainter painter(gl, plan);
+  HeadPainter painter(gl, plan, texels);
   painter.upload_textures(plan);
+  const LiftImage* const lift = plan.colour.lift ? &*plan.colour.lift : nullptr;
+  HeadFeatures features;
   LitTriangles triangles;
   if (const WarpMesh* const mesh = std::get_if<WarpMesh>(&plan.warp)) {
-    triangles = lit_triangles(*mesh, plan.mask, plan.colour.lift ? &*plan.colour.lift : nullptr);
-    painter.upload_triangles(corners_of(*mesh), [&] {
-      std::vector<std::uint32_t> all = triangles.whole;
-      all.insert(all.end(), triangles.masked.begin(), triangles.masked.end());
-      return all;
-    }());
+    triangles = lit_triangles(*mesh, plan.mask, lift);
+    painter.upload_triangles(corners_of(*mesh), together(triangles));
+  } else if (const WarpPatches* const patches = std::get_if<WarpPatches>(&plan.warp)) {
+    features.places = Places::kPatches;
+    const LitRects rects = lit_rects(*patches, plan.mask, lift);
+    std::vector<float> corners;
+    std::uint32_t first = 0;
+    const auto add = [&](const std::vector<LitRect>& from, std::vector<std::uint32_t>* ret_indices) {
+      for (const LitRect& rect : from) {
+        add_corners(*patches, rect, &corners);
+        for (const std::uint32_t corner : halves_of(first)) ret_indices->push_back(corner);
+        first += 4;
+      }
+    };
+    add(rects.whole, &triangles.whole);
+    add(rects.masked, &triangles.masked);
+    painter.upload_triangles(corners, together(triangles), true);
   } else {
-    const PixelRect lit = lit_part(plan.mask, plan.colour.lift ? &*plan.colour.lift : nullptr);
-    if (!lit.empty()) triangles.masked = {0, 2, 1, 1, 2, 3};
+    features.places = Places::kPixelMap;
+    const PixelRect lit = lit_part(plan.mask, lift);
+    if (!lit.empty()) {
+      for (const std::uint32_t corner : halves_of(0)) triangles.masked.push_back(corner);
+    }
     painter.upload_triangles(corners_of(lit, plan.mask.width(), plan.mask.height()), triangles.masked);
   }
-  HeadFeatures features;
   features.turning = turning_of(plan.picture);
-  features.pixel_map = std::holds_alternative<PixelMap>(plan.warp);
+  features.texels = texels;
   features.lift = plan.colour.lift.has_value();
   features.matrix = plan.colour.matrix.has_value();
   features.response = plan.colour.response.has_value();
@@ -145,10 +223,13 @@ Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, cons
   const auto add = [&](Part* part, std::size_t first, std::size_t count, bool masked) -> Status {
     if (count == 0) return Done{};
     features.mask = masked || features.lift;
-    features.fade = false;
-    TRY_ASSIGN(part->program, programs->get(features));
-    features.fade = true;
-    TRY_ASSIGN(part->fading, programs->get(features));
+    for (const std::size_t edges : {0U, 1U}) {
+      for (const std::size_t fade : {0U, 1U}) {
+        features.edges = edges != 0;
+        features.fade = fade != 0;
+        TRY_ASSIGN(part->programs[edges][fade], programs->get(features));
+      }
+    }
     part->first = static_cast<GLsizei>(first);
     part->count = static_cast<GLsizei>(count);
     return Done{};
@@ -159,20 +240,24 @@ Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, cons
   return painter;
 }
 
-void HeadPainter::upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices) {
+void HeadPainter::upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices,
+                                   bool has_terms) {
   gl_->BindVertexArray(mesh_.id());
   gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
   gl_->BufferData(GL_ARRAY_BUFFER, byte_count(corners), corners.data(), GL_STATIC_DRAW);
   gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
   gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, byte_count(indices), indices.data(), GL_STATIC_DRAW);
-  const auto attribute = [&](GLuint index, std::size_t offset) {
+  const std::size_t corner_floats = has_terms ? kCornerFloats + kTermFloats : kCornerFloats;
+  const auto attribute = [&](GLuint index, GLint floats, std::size_t from) {
     gl_->EnableVertexAttribArray(index);
     // GL's own convention: an offset into the bound buffer, passed as a pointer.
-    gl_->VertexAttribPointer(index, 2, GL_FLOAT, GL_FALSE, kCornerFloats * sizeof(float),
-                             reinterpret_cast<const void*>(offset));
+    gl_->VertexAttribPointer(index, floats, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(corner_floats * sizeof(float)),
+                             reinterpret_cast<const void*>(from * sizeof(float)));
   };
-  attribute(HeadProgram::kPlace, 0);
-  attribute(HeadProgram::kDirection, 2 * sizeof(float));
+  attribute(HeadProgram::kPlace, 2, 0);
+  attribute(HeadProgram::kDirection, 2, 2);
+  if (!has_terms) return;
+  for (const GLuint third : {0U, 1U, 2U}) attribute(HeadProgram::kTerms + third, 4, kCornerFloats + 4 * third);
 }
 
 void HeadPainter::upload_textures(const HeadPlan& plan) {
@@ -230,18 +315,26 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     const bool wraps = panorama != nullptr && is_whole_turn(*panorama);
     const double shift_px = panorama != nullptr ? turned.yaw_shift_rad * scale.u_per_across : 0.0;
     const double turn_px = 2.0 * std::numbers::pi * scale.u_per_across;
-    const double width = turned.picture->texture_width();
-    const double height = turned.picture->texture_height();
+    CHECK(turned.picture->texels() == texels_);
+    gl_->Uniform2f(uniforms.per_texel, 1.0f / static_cast<float>(turned.picture->texture_width()),
+                   1.0f / static_cast<float>(turned.picture->texture_height()));
+    // Of what shaders count places in: the texture's size, or its pixels from the first one's centre on.
+    const bool counts_pixels = texels_ == Texels::kPacked;
+    const double width = counts_pixels ? 1.0 : turned.picture->texture_width();
+    const double height = counts_pixels ? 1.0 : turned.picture->texture_height();
+    const double zero = counts_pixels ? 0.5 : 0.0;
     constexpr double kFirst = PanoramaTexture::kFirstColumn;
     // The right eye's picture lies below the left eye's.
     const double first_row = eye == Eye::kRight && turned.picture->stacked() == 2 ? height_px(shape) : 0;
     // Into the texture: across and up times these, and more by those.
     Eigen::Vector2d per_place(scale.u_per_across / width, scale.v_per_up / height);
-    Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst) / width, (scale.v_offset + first_row) / height);
+    Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst - zero) / width,
+                              (scale.v_offset + first_row - zero) / height);
     if (wraps) {
       per_place.x() = scale.u_per_across / turn_px;
       at_origin.x() = (scale.u_offset + shift_px) / turn_px;
-      gl_->Uniform3f(uniforms.turn, 1.0f, static_cast<float>(turn_px / width), static_cast<float>(kFirst / width));
+      gl_->Uniform3f(uniforms.turn, 1.0f, static_cast<float>(turn_px / width),
+                     static_cast<float>((kFirst - zero) / width));
     } else {
       gl_->Uniform3f(uniforms.turn, 0.0f, 1.0f, 0.0f);
     }
@@ -255,8 +348,8 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
       gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as GL's.
     }
     const double beyond = wraps ? 0.5 : -0.5;  // A whole turn's outer columns are the other side's.
-    set(uniforms.edges, (kFirst - beyond) / width, (first_row + 0.5) / height,
-        (kFirst + width_px(shape) + beyond) / width, (first_row + height_px(shape) - 0.5) / height);
+    set(uniforms.edges, (kFirst - beyond - zero) / width, (first_row + 0.5 - zero) / height,
+        (kFirst + width_px(shape) + beyond - zero) / width, (first_row + height_px(shape) - 0.5 - zero) / height);
     gl_->ActiveTexture(GL_TEXTURE0 + unit);
     gl_->BindTexture(GL_TEXTURE_2D, turned.picture->id());
   };
@@ -275,9 +368,10 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
 }
 
 void HeadPainter::draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade) const {
+  const bool edges = needs_edges(shown) || (other != nullptr && needs_edges(*other));
   for (const Part& part : parts_) {
     if (part.count == 0) continue;
-    use(other == nullptr ? *part.program : *part.fading, shown, other, fade, eye);
+    use(*part.programs[edges ? 1 : 0][other == nullptr ? 0 : 1], shown, other, fade, eye);
     gl_->DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
                       reinterpret_cast<const void*>(static_cast<std::size_t>(part.first) * sizeof(std::uint32_t)));
   }

@@ -25,6 +25,10 @@ struct HeadPlan {
   std::optional<StereoPacking> packing{};  ///< Nothing: one eye's picture; of two, the left eye's.
 };
 
+/// Which texels the heads' pictures may have for each code value of 8 bits to be right within one: packed ones where a
+/// processor draws, and does so quickest with them, unless a head's matrix, black or response needs more.
+[[nodiscard]] Texels texels_for(const Gl& gl, const std::vector<HeadPlan>& plans);
+
 /// A picture, and how far the visitor has turned to the right since it was asked for: a panorama moves to the left by
 /// as much, and in the others each place moves as turned() in common/geometry/picture_place.h says.
 struct TurnedPicture {
@@ -35,9 +39,12 @@ struct TurnedPicture {
 /// Draws the picture for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
 class HeadPainter {
  public:
-  /// Precondition: the plan's pictures have one size, its response is valid, its picture is not equirectangular.
-  /// kSystem  the graphics card refused them.
-  static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan);
+  /// For pictures with such texels. Precondition: the plan's pictures have one size, its response is valid, its picture
+  /// is not equirectangular. kSystem  the graphics card refused them.
+  static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels);
+
+  /// The plan's, until another device hangs there. Precondition: in [1, 16].
+  void set_depth(int depth_bits);
 
   /// Into the bound framebuffer. What the warp leaves out becomes black. Places beyond the picture show its edge; in a
   /// panorama of a whole turn there is no beyond. A head for two eyes shows both, or `now` where they take turns; a
@@ -51,13 +58,14 @@ class HeadPainter {
  private:
   /// Triangles that need the same. A mask that is 1 everywhere in a triangle is not looked at.
   struct Part {
-    const HeadProgram* program = nullptr;
-    const HeadProgram* fading = nullptr;
+    /// By whether the picture's edges must be looked after, and whether two are mixed.
+    std::array<std::array<const HeadProgram*, 2>, 2> programs{};
     GLsizei first = 0;  ///< Index.
     GLsizei count = 0;
   };
-  HeadPainter(const Gl& gl, const HeadPlan& plan);
-  void upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices);
+  HeadPainter(const Gl& gl, const HeadPlan& plan, Texels texels);
+  void upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices,
+                        bool has_terms = false);
   void upload_textures(const HeadPlan& plan);
   void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
            Eye eye) const;
@@ -70,13 +78,14 @@ class HeadPainter {
   PictureShape picture_;
   std::optional<StereoPacking> packing_;
   HeadColour colour_;
-  float code_step_;
+  float code_step_ = 0.0f;
   GlVertexArray mesh_;
   GlBuffer vertices_;
   GlBuffer indices_;
   GlTexture mask_;
   GlTexture map_;
   GlTexture response_;
+  Texels texels_;
   std::array<Part, 2> parts_;  // Wholly lit, masked.
 };
 

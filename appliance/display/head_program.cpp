@@ -14,7 +14,14 @@ namespace {
 // t is a polynomial in t up to 1/2 (off by 2e-8); beyond, it is a quarter turn less the same of 1 - t. Both interpolate
 // at Chebyshev's nodes. GLSL's own sine and arc tangent may be off by many pixels on some cards.
 constexpr const char* kPlaces = R"(
+#extension GL_NV_shader_noperspective_interpolation : enable
 precision highp float;
+precision highp int;
+#ifdef GL_NV_shader_noperspective_interpolation
+#define EVEN noperspective  // All is equally far away; where the driver knows, it need not divide.
+#else
+#define EVEN
+#endif
 #ifdef FLAT
 #define SEEN vec3
 vec3 seen_of(vec2 place, vec4 to_texture, mat3 turned) { return turned * vec3(place, 1.0); }
@@ -48,12 +55,39 @@ uniform mat3 other_turned;
 )";
 constexpr const char* kVertexShader = R"(
 layout(location = 0) in vec2 place;      // In GL's clip space.
-layout(location = 1) in vec2 direction;  // Azimuth, tangent of elevation; or other places.
-out SEEN seen;
-out SEEN other_seen;
+layout(location = 1) in vec2 direction;  // Azimuth, tangent of elevation; or other places. On patches: s, t.
+layout(location = 2) in vec4 terms0;     // Of 1 and s,
+layout(location = 3) in vec4 terms1;     // of t and s^2,
+layout(location = 4) in vec4 terms2;     // of s t and t^2.
+uniform vec2 per_px;
+EVEN out vec3 on_head;  // Across and up in [0, 1], and how far the dither's pattern has come.
+#ifdef PATCHES
+EVEN out vec2 along;
+flat out vec4 seen0, seen1, seen2;
+flat out vec4 other_seen0, other_seen1, other_seen2;
+#else
+EVEN out SEEN seen;
+EVEN out SEEN other_seen;
+#endif
 void main() {
   gl_Position = vec4(place, 0.0, 1.0);
-#ifndef PIXEL_MAP
+  on_head.xy = 0.5 * place + 0.5;
+  on_head.z = dot(on_head.xy / per_px, vec2(0.7548776662, 0.5698402910));
+#if defined(PATCHES)
+  along = direction;
+#ifdef SHIFT  // Is even: what is done to the place may be done to the terms.
+  seen0 = terms0 * to_texture.xyxy + vec4(to_texture.zw, 0.0, 0.0);
+  seen1 = terms1 * to_texture.xyxy;
+  seen2 = terms2 * to_texture.xyxy;
+  other_seen0 = terms0 * other_to_texture.xyxy + vec4(other_to_texture.zw, 0.0, 0.0);
+  other_seen1 = terms1 * other_to_texture.xyxy;
+  other_seen2 = terms2 * other_to_texture.xyxy;
+#else
+  seen0 = other_seen0 = terms0;
+  seen1 = other_seen1 = terms1;
+  seen2 = other_seen2 = terms2;
+#endif
+#elif !defined(PIXEL_MAP)
   seen = seen_of(direction, to_texture, turned);
 #ifdef FADE
   other_seen = seen_of(direction, other_to_texture, other_turned);
@@ -61,13 +95,19 @@ void main() {
 #endif
 }
 )";
-// The polynomial in the light's square root is 1.055 light^(1/2.4) - 0.055 within 0.04 code values of 8 bits, by Remez
-// exchange; a third of pow()'s time on a software rasteriser. There, texture() is much quicker than texelFetch(), too.
-// Dithering: the multiples of two irrational numbers spread evenly over [0, 1) in every neighbourhood (M. Roberts, "The
-// Unreasonable Effectiveness of Quasirandom Sequences", 2018: powers of the plastic number), so their mean is 1/2.
+// The polynomial in the light's fourth root is 1.055 light^(1/2.4) - 0.055 within 0.06 code values of 8 bits, by
+// Lawson's algorithm; a quarter of pow()'s time on a software rasteriser. There, texture() is much quicker than
+// texelFetch(), and gl_FragCoord slower than what a vertex shader passes on, too. Dithering: the multiples of two
+// irrational numbers spread evenly over [0, 1) in every neighbourhood (M. Roberts, "The Unreasonable Effectiveness of
+// Quasirandom Sequences", 2018: powers of the plastic number), so their mean is 1/2.
 constexpr const char* kFragmentShader = R"(
+#ifdef PACKED
+uniform highp usampler2D picture;
+uniform highp usampler2D other_picture;
+#else
 uniform highp sampler2D picture;
 uniform highp sampler2D other_picture;
+#endif
 uniform highp sampler2D mask;       // Rows as in the framebuffer.
 uniform highp sampler2D pixel_map;  // The same.
 uniform highp sampler2D responses;  // A row for each of red, green, blue.
@@ -75,39 +115,78 @@ uniform vec3 turn;
 uniform vec3 other_turn;
 uniform vec4 edges;
 uniform vec4 other_edges;
+uniform vec2 per_texel;
+uniform vec2 other_per_texel;
 uniform float fade;
-uniform vec2 per_px;
 uniform mat3 matrix;
 uniform vec3 black;
 uniform vec2 response;
 uniform float code_step;
-in SEEN seen;
-in SEEN other_seen;
+EVEN in vec3 on_head;
+#ifdef PATCHES
+EVEN in vec2 along;
+flat in vec4 seen0, seen1, seen2;
+flat in vec4 other_seen0, other_seen1, other_seen2;
+vec2 on_patch(vec4 t0, vec4 t1, vec4 t2) {
+  return t0.xy + along.x * (t0.zw + along.x * t1.zw) + along.y * (t1.xy + along.x * t2.xy + along.y * t2.zw);
+}
+#else
+EVEN in SEEN seen;
+EVEN in SEEN other_seen;
+#endif
 out vec4 colour;
 
-vec3 light_at(highp sampler2D light, vec2 at, vec3 whole, vec4 least_and_most) {
+#ifdef PACKED
+#define PICTURE highp usampler2D
+// Not yet to scale; a field in the middle of the word need not be moved for that.
+vec3 squared(uint texel) {
+  vec3 root = vec3(ivec3(int(texel) & 0x7ff, int(texel) & 0x3ff800, int(texel >> 22)));
+  return root * root;
+}
+vec3 filtered(highp usampler2D light, vec2 at, vec2 per) {
+  vec2 corner = floor(at);
+  vec2 off = at - corner;
+  uvec4 texels = textureGather(light, (corner + 1.0) * per);
+  float both = off.x * off.y;
+  vec3 sum = both * squared(texels.y) + (off.y - both) * squared(texels.x) + (off.x - both) * squared(texels.z) +
+             (1.0 - off.x - off.y + both) * squared(texels.w);
+  return sum * vec3(2.386523e-7, 5.689915e-14, 9.555133e-7);  // 1 / 2047^2, 1 / (2048 2047)^2, 1 / 1023^2.
+}
+#else
+#define PICTURE highp sampler2D
+vec3 filtered(highp sampler2D light, vec2 at, vec2 per) { return texture(light, at).rgb; }
+#endif
+
+vec3 light_at(PICTURE light, vec2 at, vec3 whole, vec4 least_and_most, vec2 per) {
+#ifdef EDGES
   at.x = (at.x - whole.x * floor(at.x)) * whole.y + whole.z;
-  return texture(light, clamp(at, least_and_most.xy, least_and_most.zw)).rgb;
+  at = clamp(at, least_and_most.xy, least_and_most.zw);
+#endif
+  return filtered(light, at, per);
 }
 
 void main() {
-#ifdef PIXEL_MAP
-  vec2 direction = texture(pixel_map, gl_FragCoord.xy * per_px).rg;
-  vec2 at = at_of(seen_of(direction, to_texture, turned), to_texture, turned);
+#if defined(PATCHES) && defined(SHIFT)
+  vec2 at = on_patch(seen0, seen1, seen2);
+  vec2 other_at = on_patch(other_seen0, other_seen1, other_seen2);
+#elif defined(PATCHES) || defined(PIXEL_MAP)
+#ifdef PATCHES
+  vec2 direction = on_patch(seen0, seen1, seen2);
 #else
-  vec2 at = at_of(seen, to_texture, turned);
+  vec2 direction = texture(pixel_map, on_head.xy).rg;
 #endif
-  vec3 light = light_at(picture, at, turn, edges);
-#ifdef FADE
-#ifdef PIXEL_MAP
+  vec2 at = at_of(seen_of(direction, to_texture, turned), to_texture, turned);
   vec2 other_at = at_of(seen_of(direction, other_to_texture, other_turned), other_to_texture, other_turned);
 #else
+  vec2 at = at_of(seen, to_texture, turned);
   vec2 other_at = at_of(other_seen, other_to_texture, other_turned);
 #endif
-  light = mix(light, light_at(other_picture, other_at, other_turn, other_edges), fade);
+  vec3 light = light_at(picture, at, turn, edges, per_texel);
+#ifdef FADE
+  light = mix(light, light_at(other_picture, other_at, other_turn, other_edges, other_per_texel), fade);
 #endif
 #ifdef MASK
-  vec2 weight = texture(mask, gl_FragCoord.xy * per_px).rg;
+  vec2 weight = texture(mask, on_head.xy).rg;
   light *= weight.r;
 #endif
 #ifdef MATRIX
@@ -128,25 +207,30 @@ void main() {
   if (weight == vec2(0.0)) code = vec3(0.0);  // Off the wall: darker than any response.
 #endif
 #else
-  vec3 p = (((((-0.947729568 * s + 3.41887796) * s - 5.00341182) * s + 3.89859268) * s - 1.89952359) * s
-            + 1.57527761) * s - 0.0422322795;
+  vec3 r = sqrt(s);
+  vec3 p = ((-0.13682529 * r + 0.95257481) * r + 0.25579696) * r - 0.07176128;
   vec3 code = mix(p, 12.92 * light, lessThan(light, vec3(0.0031308)));
 #endif
 #ifdef DITHER
-  code += (fract(dot(gl_FragCoord.xy, vec2(0.7548776662, 0.5698402910))) - 0.5) * code_step;
+  code += (fract(on_head.z) - 0.5) * code_step;
 #endif
   colour = vec4(code, 1.0);
 }
 )";
 
 std::string with_features(const HeadFeatures& features, const char* shader) {
-  std::string source = "#version 300 es\n";
+  // textureGather() is of 3.1.
+  std::string source = features.texels == Texels::kPacked ? "#version 310 es\n" : "#version 300 es\n";
   const auto define = [&](bool is_wanted, const char* name) {
     if (is_wanted) source += std::string("#define ") + name + "\n";
   };
+  define(features.turning == Turning::kShift, "SHIFT");
   define(features.turning == Turning::kFlat, "FLAT");
   define(features.turning == Turning::kFisheye, "FISHEYE");
-  define(features.pixel_map, "PIXEL_MAP");
+  define(features.places == Places::kPatches, "PATCHES");
+  define(features.places == Places::kPixelMap, "PIXEL_MAP");
+  define(features.texels == Texels::kPacked, "PACKED");
+  define(features.edges, "EDGES");
   define(features.mask, "MASK");
   define(features.lift, "LIFT");
   define(features.matrix, "MATRIX");
@@ -164,8 +248,9 @@ Result<HeadProgram> HeadProgram::make(const Gl& gl, const HeadFeatures& features
                                                with_features(features, kFragmentShader).c_str()));
   HeadProgram program(std::move(linked), features);
   const auto uniform = [&](const char* name) { return program.program_.uniform(name); };
-  program.picture = {uniform("to_texture"), uniform("turned"), uniform("turn"), uniform("edges")};
-  program.other = {uniform("other_to_texture"), uniform("other_turned"), uniform("other_turn"), uniform("other_edges")};
+  program.picture = {uniform("to_texture"), uniform("turned"), uniform("turn"), uniform("edges"), uniform("per_texel")};
+  program.other = {uniform("other_to_texture"), uniform("other_turned"), uniform("other_turn"), uniform("other_edges"),
+                   uniform("other_per_texel")};
   program.fade = uniform("fade");
   program.per_px = uniform("per_px");
   program.matrix = uniform("matrix");

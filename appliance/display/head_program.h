@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "appliance/display/texels.h"
 #include "drivers/output/gl_objects.h"
 
 namespace cyclorama {
@@ -15,10 +16,19 @@ enum class Turning {
   kFisheye,  ///< Of a fisheye: each on a curve.
 };
 
+/// Where a pixel's place comes from.
+enum class Places {
+  kTriangles,  ///< Even between the corners of a triangle.
+  kPatches,    ///< A polynomial of second degree in each rectangle.
+  kPixelMap,   ///< A texture.
+};
+
 /// What pass 2 must do for some triangles of a head. What it need not do is not compiled in.
 struct HeadFeatures {
   Turning turning = Turning::kShift;
-  bool pixel_map = false;  ///< Places come from a texture, not from the mesh.
+  Places places = Places::kTriangles;
+  Texels texels = Texels::kHalves;
+  bool edges = false;  ///< The texture does not end where the picture ends, or it is a whole turn.
   bool mask = false;
   bool lift = false;  ///< Black is added; needs `mask`, whose second channel it is.
   bool matrix = false;
@@ -29,17 +39,19 @@ struct HeadFeatures {
   friend auto operator<=>(const HeadFeatures&, const HeadFeatures&) = default;
 };
 
-/// Pass 2's shader with some features. For each pixel: where in the picture it lies; the light there, filtered by the
-/// card (in linear light; its weights may have as few as 8 bits, a 256th of a pixel); mask, matrix, black, response,
-/// dithering. Thread-bound to the GL context.
+/// Pass 2's shader with some features. For each pixel: where in the picture it lies; the light there, filtered in
+/// linear light (halves by the card, whose weights may have as few as 8 bits, a 256th of a pixel; packed texels by the
+/// shader); mask, matrix, black, response, dithering. Thread-bound to the GL context.
 class HeadProgram {
  public:
   /// kSystem  the driver's compiler refuses the shader, and why.
   static Result<HeadProgram> make(const Gl& gl, const HeadFeatures& features);
 
   enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
-  static constexpr GLuint kPlace = 0;      ///< Attribute: in clip space.
-  static constexpr GLuint kDirection = 1;  ///< Attribute: azimuth, tangent of elevation; or other places.
+  static constexpr GLuint kPlace = 0;  ///< Attribute: in clip space.
+  static constexpr GLuint kDirection =
+      1;                               ///< Attribute: azimuth, tangent of elevation; or other places. kPatches: s, t.
+  static constexpr GLuint kTerms = 2;  ///< kPatches, three attributes: of 1 and s, of t and s^2, of s t and t^2.
 
   [[nodiscard]] const HeadFeatures& features() const { return features_; }
   [[nodiscard]] GLuint id() const { return program_.id(); }
@@ -50,6 +62,7 @@ class HeadProgram {
     GLint turned = -1;      ///< kFlat: from (place, 1) to the texture, times the third; kFisheye: turns directions.
     GLint turn = -1;        ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
     GLint edges = -1;       ///< Least x, y, most x, y.
+    GLint per_texel = -1;   ///< kPacked: 1 / the texture's size.
   };
   Picture picture;
   Picture other;

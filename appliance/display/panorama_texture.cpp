@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <span>
+#include <string>
 
 namespace cyclorama {
 namespace {
@@ -21,15 +22,20 @@ void main() {
 )";
 // The polynomial is ((c + 0.055) / 1.055)^2.4 within 0.013 code values of 8 bits, by Remez exchange; a third of pow()'s
 // time on a software rasteriser.
-constexpr const char* kFragmentShader = R"(#version 300 es
+constexpr const char* kFragmentShader = R"(
 precision highp float;
+precision highp int;
 uniform highp sampler2D luma_plane;
 uniform highp sampler2D blue_plane;
 uniform highp sampler2D red_plane;
 uniform vec4 luma;        // Texture coordinate = gl_FragCoord.xy * xy + zw.
 uniform vec4 chroma;      // The same; chroma of half the size lies between its pixels' centres.
 uniform vec4 chroma_end;  // The first and the last centre: what lies beyond them is another picture's.
+#ifdef PACKED
+out uint texel;
+#else
 out vec4 light;
+#endif
 void main() {
   float y = texture(luma_plane, gl_FragCoord.xy * luma.xy + luma.zw).r;
   vec2 at = clamp(gl_FragCoord.xy * chroma.xy + chroma.zw, chroma_end.xy, chroma_end.zw);
@@ -38,7 +44,13 @@ void main() {
   vec3 c = clamp(vec3(y + 1.402 * red, y - 0.344136286 * blue - 0.714136286 * red, y + 1.772 * blue), 0.0, 1.0);
   vec3 p = ((((0.0872824213 * c - 0.307377663) * c + 0.66716066) * c + 0.519381961) * c + 0.0327460791) * c
            + 0.000916890727;
-  light = vec4(mix(p, c / 12.92, lessThanEqual(c, vec3(0.04045))), 1.0);
+  p = mix(p, c / 12.92, lessThanEqual(c, vec3(0.04045)));
+#ifdef PACKED  // As texels.h says, red in the low bits.
+  uvec3 root = uvec3(sqrt(p) * vec3(2047.0, 2047.0, 1023.0) + 0.5);
+  texel = root.r | root.g << 11 | root.b << 22;
+#else
+  light = vec4(p, 1.0);
+#endif
 }
 )";
 
@@ -51,9 +63,11 @@ void filter(const Gl& gl, GLint filter, GLint wrap) {
 
 }  // namespace
 
-Result<PictureProgram> PictureProgram::make(const Gl& gl) {
-  TRY_ASSIGN(GlProgram linked, GlProgram::link(gl, kVertexShader, kFragmentShader));
-  PictureProgram program(std::move(linked));
+Result<PictureProgram> PictureProgram::make(const Gl& gl, Texels texels) {
+  const std::string fragment_shader =
+      std::string("#version 300 es\n") + (texels == Texels::kPacked ? "#define PACKED\n" : "") + kFragmentShader;
+  TRY_ASSIGN(GlProgram linked, GlProgram::link(gl, kVertexShader, fragment_shader.c_str()));
+  PictureProgram program(std::move(linked), texels);
   program.nothing_ = GlVertexArray(gl);
   const GlProgram& of = program.program_;
   program.place_ = of.uniform("place");
@@ -84,7 +98,7 @@ PanoramaTexture::PanoramaTexture(const Gl& gl, const PictureProgram& program)
     filter(*gl_, GL_LINEAR, GL_MIRRORED_REPEAT);
   }
   gl_->BindTexture(GL_TEXTURE_2D, light_.id());
-  filter(*gl_, GL_LINEAR, GL_CLAMP_TO_EDGE);
+  filter(*gl_, program.texels_ == Texels::kPacked ? GL_NEAREST : GL_LINEAR, GL_CLAMP_TO_EDGE);
 }
 
 Status PanoramaTexture::grow(int width, int height) {
@@ -92,11 +106,15 @@ Status PanoramaTexture::grow(int width, int height) {
   width_ = std::max(width, width_);
   height_ = std::max(height, height_);
   gl_->BindTexture(GL_TEXTURE_2D, light_.id());
-  gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width_, height_, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);
+  if (texels() == Texels::kPacked) {
+    gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, width_, height_, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+  } else {
+    gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width_, height_, 0, GL_RGBA, GL_HALF_FLOAT, nullptr);
+  }
   gl_->BindFramebuffer(GL_FRAMEBUFFER, target_.id());
   gl_->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, light_.id(), 0);
   if (gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    return Error(ErrorCode::kSystem, "the graphics driver cannot draw into half floats");
+    return Error(ErrorCode::kSystem, "the graphics driver cannot draw the light of a panorama");
   }
   return gl_->check("making room for a panorama");
 }
@@ -162,6 +180,8 @@ Status PanoramaTexture::upload(const Frame& frame) {
   gl_->BindVertexArray(program_->nothing_.id());
   const auto width = static_cast<float>(blue_.width);
   const auto height = static_cast<float>(blue_.height);
+  const auto* const panorama = std::get_if<Panorama>(&frame.shape);
+  const int past_the_side = panorama != nullptr && is_whole_turn(*panorama) ? picture.width() : -1;
   const int chroma_rows = picture.blue().height() / frame.stacked;
   for (int eye = 0; eye < frame.stacked; ++eye) {
     gl_->Uniform4f(program_->chroma_end_, 0.5f / width, (static_cast<float>(eye * chroma_rows) + 0.5f) / height,
@@ -173,9 +193,9 @@ Status PanoramaTexture::upload(const Frame& frame) {
       if (top >= bottom) continue;
       const PixelRect part{of_any.x, top, of_any.width, bottom - top};
       draw(part, 0, step);
-      if (part.x == 0) draw({0, part.y, 1, part.height}, picture.width(), step);
+      if (part.x == 0) draw({0, part.y, 1, part.height}, past_the_side, step);
       if (part.x + part.width == picture.width()) {
-        draw({picture.width() - 1, part.y, 1, part.height}, -picture.width(), step);
+        draw({picture.width() - 1, part.y, 1, part.height}, -past_the_side, step);
       }
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "appliance/display/frame.h"
+#include "appliance/display/texels.h"
 #include "drivers/output/gl_objects.h"
 
 namespace cyclorama {
@@ -10,12 +11,13 @@ namespace cyclorama {
 class PictureProgram {
  public:
   /// kSystem  the driver's compiler refuses the shader, and why.
-  static Result<PictureProgram> make(const Gl& gl);
+  static Result<PictureProgram> make(const Gl& gl, Texels texels);
 
  private:
   friend class PanoramaTexture;
-  explicit PictureProgram(GlProgram program) : program_(std::move(program)) {}
+  PictureProgram(GlProgram program, Texels texels) : program_(std::move(program)), texels_(texels) {}
   GlProgram program_;
+  Texels texels_;
   GlVertexArray nothing_;  // The corners come from their numbers; GL wants an array to be bound all the same.
   GLint place_ = -1;
   GLint luma_ = -1;
@@ -23,8 +25,8 @@ class PictureProgram {
   GLint chroma_end_ = -1;
 };
 
-/// Pass 1, once per frame: the newest frame's picture as a texture of linear light in half floats, whose steps are a
-/// 40th of a code value of 8 bits. It has a column more on each side of the picture: of a whole turn, the other side's.
+/// Pass 1, once per frame: the newest frame's picture as a texture of light. It has a column more on each side of the
+/// picture: of a whole turn, the other side's; else the same once more, so that clamping there repeats it.
 ///
 /// The textures grow to the largest picture and never shrink: a picture of a size that was there before allocates
 /// nothing. Thread-bound to the GL context; borrows the Gl table and the program.
@@ -38,6 +40,7 @@ class PanoramaTexture {
   Status upload(const Frame& frame);
 
   [[nodiscard]] GLuint id() const { return light_.id(); }
+  [[nodiscard]] Texels texels() const { return program_->texels_; }
   /// Of one eye's picture.
   [[nodiscard]] const PictureShape& shape() const { return shape_; }
   /// 2: below it is the right eye's.

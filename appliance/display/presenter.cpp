@@ -28,11 +28,13 @@ Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, const std::ve
   CHECK(plans.size() == output->heads().size() && mailbox->heads.size() == plans.size());
   const Gl& gl = output->gl();
   gl.Disable(GL_DITHER);  // The shaders do it.
-  TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl));
+  const Texels texels = texels_for(gl, plans);
+  TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
   std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
   for (const HeadPlan& plan : plans) {
-    TRY_ASSIGN(HeadPainter painter, HeadPainter::make(gl, &presenter->programs_, plan));
+    TRY_ASSIGN(HeadPainter painter, HeadPainter::make(gl, &presenter->programs_, plan, texels));
     presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
+    presenter->depths_bits_.push_back(plan.depth_bits);
     presenter->painters_.push_back(std::move(painter));
   }
   for (const HeadMode& mode : output->heads()) presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
@@ -88,7 +90,19 @@ Status Presenter::refresh() {
   event.drawn_ahead = shared_.drawn_ahead();
   mailbox_.refreshes.push(event);
   tell_heads();
+  notice_depths();
   return Done{};
+}
+
+/// What hangs on a head may be changed for another device while this runs.
+void Presenter::notice_depths() {
+  for (std::size_t head = 0; head < painters_.size(); ++head) {
+    const HeadShown& shown = output_.shown()[head];
+    if (shown.light == HeadShown::Light::kDark || shown.depth_bits == depths_bits_[head]) continue;
+    depths_bits_[head] = shown.depth_bits;
+    painters_[head].set_depth(shown.depth_bits);
+    is_drawn_ = false;
+  }
 }
 
 void Presenter::tell_heads() {

@@ -53,6 +53,7 @@ class Presenter {
   void turn_to_due_heading(RefreshEvent* ret_event);
   Status draw_heads();
   void tell_heads();
+  void notice_depths();
   void read_back(std::size_t head, RgbImage* ret_picture);
   [[nodiscard]] bool is_any_head_watched() const;
 
@@ -64,6 +65,7 @@ class Presenter {
   PanoramaTexture attract_;
   PanoramaTexture panorama_;
   std::vector<HeadPainter> painters_;
+  std::vector<int> depths_bits_;  // That the painters dither to.
   std::vector<RgbaImage> read_backs_;
   AttractFade fade_;
   Frame attract_frame_;

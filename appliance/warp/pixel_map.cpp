@@ -29,6 +29,7 @@ bool is_quicker_than_a_map(const WarpMesh& mesh) {
 
 Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, double tolerance_px) {
   TRY(validate(picture));
+  if (auto patches = make_warp_patches(map, picture, tolerance_px)) return Warp(*std::move(patches));
   const int most = std::max(1, map.lens().width_px * map.lens().height_px / (kLeastCellPx * kLeastCellPx));
   // So many lines cut one another into pieces of that size already.
   const std::size_t creases = map.creases().size();
@@ -39,17 +40,23 @@ Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, dou
 }
 
 int width_px(const Warp& warp) {
-  const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp);
-  return mesh != nullptr ? mesh->width_px : std::get<PixelMap>(warp).width();
+  const auto* const map = std::get_if<PixelMap>(&warp);
+  if (map != nullptr) return map->width();
+  const auto* const mesh = std::get_if<WarpMesh>(&warp);
+  return mesh != nullptr ? mesh->width_px : std::get<WarpPatches>(warp).width_px;
 }
 
 int height_px(const Warp& warp) {
-  const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp);
-  return mesh != nullptr ? mesh->height_px : std::get<PixelMap>(warp).height();
+  const auto* const map = std::get_if<PixelMap>(&warp);
+  if (map != nullptr) return map->height();
+  const auto* const mesh = std::get_if<WarpMesh>(&warp);
+  return mesh != nullptr ? mesh->height_px : std::get<WarpPatches>(warp).height_px;
 }
 
 std::optional<PanoramaDirection> direction_at(const Warp& warp, int x, int y) {
-  if (const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp)) return mesh->interpolate({x + 0.5, y + 0.5});
+  const Eigen::Vector2d centre(x + 0.5, y + 0.5);
+  if (const auto* const mesh = std::get_if<WarpMesh>(&warp)) return mesh->interpolate(centre);
+  if (const auto* const patches = std::get_if<WarpPatches>(&warp)) return patches->at(centre);
   const float* const direction = std::get<PixelMap>(warp).at(x, y);
   const auto azimuth = static_cast<double>(direction[0]);
   const auto tan_elevation = static_cast<double>(direction[1]);

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "appliance/warp/warp_mesh.h"
+#include "appliance/warp/warp_patches.h"
 #include "common/image/image.h"
 
 namespace cyclorama {
@@ -14,7 +15,7 @@ namespace cyclorama {
 using PixelMap = Image<float, 2>;
 
 /// Where a projector's pixels lie, by the lesser model that is exact enough.
-using Warp = std::variant<WarpMesh, PixelMap>;
+using Warp = std::variant<WarpMesh, PixelMap, WarpPatches>;
 
 [[nodiscard]] PixelMap make_pixel_map(const ProjectorMap& map, const PictureShape& picture);
 
@@ -22,8 +23,8 @@ using Warp = std::variant<WarpMesh, PixelMap>;
 /// is read.
 [[nodiscard]] bool is_quicker_than_a_map(const WarpMesh& mesh);
 
-/// A mesh that keeps to `tolerance_px`, if it is_quicker_than_a_map(); else that map. kInvalidArgument  the picture is
-/// none.
+/// Patches that keep to `tolerance_px`, if there are any; else a mesh that does, if it is_quicker_than_a_map(); else
+/// that map. kInvalidArgument  the picture is none.
 Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, double tolerance_px = 0.05);
 
 /// Across the whole head, in projector pixels.

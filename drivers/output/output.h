@@ -43,6 +43,7 @@ struct HeadShown {
   Light light = Light::kDark;
   TimePoint at{};           ///< kNew: when it began to show the picture.
   double refresh_hz = 0.0;  ///< Its own mode's, unless it is dark.
+  int depth_bits = 8;       ///< Of the code values that it shows, each channel, unless it is dark.
 };
 
 /// Owned by the display's present thread, which also owns the GL context that the output made current. Thread-bound.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "appliance/display/head_painter.h"
 #include "common/geometry/picture_place.h"
@@ -57,6 +58,23 @@ class ExactPicture {
     Eigen::Vector3d most = light;
     if (plan.colour.matrix) most = plan.colour.matrix->cwiseAbs() * light;
     return codes_of(plan.colour, shone_light(plan.colour, light, lift) + error * (most + lift * plan.colour.black));
+  }
+
+  /// Whether nothing is drawn there.
+  [[nodiscard]] bool is_black(const HeadPlan& plan, int x, int y) const {
+    const double lift = plan.colour.lift ? static_cast<double>(*plan.colour.lift->at(x, y)) : 0.0;
+    return (*plan.mask.at(x, y) == 0.0f && lift == 0.0) || !light_at(plan.warp, x, y);
+  }
+  /// What dithering adds to a pixel's code values in [0, 1]: the least and the most, for where its pattern leaps from
+  /// one end to the other, it may leap at this pixel or at the next.
+  [[nodiscard]] static std::pair<double, double> dither_at(const HeadPlan& plan, int x, int y) {
+    if (!plan.is_dithered) return {0.0, 0.0};
+    constexpr double kLeap = 2e-3;  // Of a pattern that is counted in floats, up to some thousands.
+    const double phase = (x + 0.5) * 0.7548776662 + (height_px(plan.warp) - y - 0.5) * 0.5698402910;
+    const double at = phase - std::floor(phase) - 0.5;
+    const double step = 1.0 / ((1 << plan.depth_bits) - 1);
+    if (at < -0.5 + kLeap || at > 0.5 - kLeap) return {-0.5 * step, 0.5 * step};
+    return {at * step, at * step};
   }
 
  private:

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "common/image/jpeg.h"
@@ -14,7 +15,9 @@ namespace cyclorama {
 /// Opens an output for each picture: nothing is left of the one before.
 class PaintedHead {
  public:
-  explicit PaintedHead(HeadlessOptions::Renderer renderer) : renderer_(renderer) {}
+  /// Without `texels`, those that a display would take.
+  explicit PaintedHead(HeadlessOptions::Renderer renderer, std::optional<Texels> texels = std::nullopt)
+      : renderer_(renderer), texels_(texels) {}
 
   /// From the upper row downwards.
   RgbImage drawn(const HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape, double shift,
@@ -24,6 +27,17 @@ class PaintedHead {
       CHECK(texture.upload(frame(picture, shape, parts)));
       CHECK(output->draw_to(0));
       painter.draw({&texture, shift});
+    });
+  }
+  /// After another picture was in its place.
+  RgbImage drawn_after(const HeadPlan& plan, const PlanarPicture& before, const PictureShape& shape_before,
+                       const PlanarPicture& picture, const PictureShape& shape) {
+    return drawn(plan, [&](const Gl& gl, const PictureProgram& program, const HeadPainter& painter, Output* output) {
+      PanoramaTexture texture(gl, program);
+      CHECK(texture.upload(frame(before, shape_before, nullptr)));
+      CHECK(texture.upload(frame(picture, shape, nullptr)));
+      CHECK(output->draw_to(0));
+      painter.draw({&texture, 0.0});
     });
   }
   RgbImage faded(const HeadPlan& plan, const PlanarPicture& a, const PlanarPicture& b, const PictureShape& shape,
@@ -66,10 +80,11 @@ class PaintedHead {
     auto output = open_headless_output({{{"head", width, height}}, 100.0, {}, renderer_}, clock_);
     CHECK(output.has_value());
     const Gl& gl = (*output)->gl();
-    auto program = PictureProgram::make(gl);
+    const Texels texels = texels_.value_or(texels_for(gl, {plan}));
+    auto program = PictureProgram::make(gl, texels);
     CHECK(program.has_value());
     HeadPrograms programs(gl);
-    auto painter = HeadPainter::make(gl, &programs, plan);
+    auto painter = HeadPainter::make(gl, &programs, plan, texels);
     CHECK(painter.has_value());
     draw(gl, *program, *painter, output->get());
     RgbaImage read_back(width, height);
@@ -81,6 +96,7 @@ class PaintedHead {
     return result;
   }
   HeadlessOptions::Renderer renderer_;
+  std::optional<Texels> texels_;
   SteadyClock clock_;
 };
 
@@ -114,9 +130,14 @@ inline double worst_difference(const RgbImage& drawn, const HeadPlan& plan, cons
         least = least.cwiseMin(moved);
         most = most.cwiseMax(moved);
       }
+      // What is off the wall stays black.
+      const bool is_black = reference.is_black(plan, x, y);
+      const auto [darker, brighter] = is_black ? std::pair(0.0, 0.0) : ExactPicture::dither_at(plan, x, y);
       for (int c = 0; c < 3; ++c) {
         const double value = drawn.at(x, y)[c];
-        worst = std::max({worst, 255.0 * least[c] - value, value - 255.0 * most[c]});
+        const double lowest = std::clamp(least[c] + darker, 0.0, 1.0);
+        const double highest = std::clamp(most[c] + brighter, 0.0, 1.0);
+        worst = std::max({worst, 255.0 * lowest - value, value - 255.0 * highest});
       }
     }
   }

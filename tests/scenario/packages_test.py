@@ -104,6 +104,9 @@ def check_units(component, root):
         expect((root / command[0].lstrip("/")).exists(), f"{unit.name}: {command[0]} is not in the package")
         expect(unit.service["User"] in users, f"{unit.name}: nobody makes the user {unit.service['User']}")
         expect(f"disable {unit.name}" in presets, f"{unit.name}: starts before it is set up")
+        if unit.name == "cyclorama-display.service":
+            shown = " ".join(command)
+            expect("--output drm" in shown and "char-drm" in unit.service["DeviceAllow"], f"{unit.name}: lights no projector: {shown}")
         expect(unit.service["Type"] == "notify" and "WatchdogSec" in unit.service, f"{unit.name}: no watchdog")
 
 

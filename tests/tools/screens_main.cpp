@@ -66,6 +66,9 @@ Status run(const Options& options, const StopSignal&) {
     if (const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp)) {
       fmt::print("{}: {} x {} cells, {} cut, {} vertices, off by {:.3f} px at most\n", room.projectors[i].name,
                  mesh->cells_x, mesh->cells_y, mesh->cuts.size(), mesh->vertices.size(), mesh->worst_error_px);
+    } else if (const WarpPatches* const patches = std::get_if<WarpPatches>(&warp)) {
+      fmt::print("{}: {} x {} patches, off by {:.3f} px at most\n", room.projectors[i].name, patches->across(),
+                 patches->down(), patches->worst_error_px);
     } else {
       fmt::print("{}: a map of each pixel\n", room.projectors[i].name);
     }

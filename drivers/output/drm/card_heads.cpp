@@ -195,7 +195,7 @@ HeadShown CardHeads::shown(std::size_t head) const {
     if (pipe.target.head != head) continue;
     const std::optional<TimePoint> at = waiter_.flipped_at(card_.crtcs()[pipe.crtc].id());
     return {at ? HeadShown::Light::kNew : HeadShown::Light::kSame, at.value_or(TimePoint{}),
-            refresh_hz_of(pipe.setting.mode)};
+            refresh_hz_of(pipe.setting.mode), pipe.setting.is_deep ? 10 : 8};
   }
   return {};
 }

@@ -84,7 +84,7 @@ class HeadlessOutput final : public Output {
       if (heads_[i].is_new && !heads_[i].shared.empty())
         heads_[i].shared.front().publish(heads_[i].picture, {0, presented.refresh, presented.at});
       const HeadShown::Light lit = heads_[i].is_new ? HeadShown::Light::kNew : HeadShown::Light::kSame;
-      shown_[i] = {is_awake ? lit : HeadShown::Light::kDark, presented.at, options_.refresh_hz};
+      shown_[i] = {is_awake ? lit : HeadShown::Light::kDark, presented.at, options_.refresh_hz, 8};
     }
     return presented;
   }

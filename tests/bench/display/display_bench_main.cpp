@@ -102,21 +102,28 @@ class Bench {
       plans.push_back({must(make_warp(maps[i], panorama_, tolerance_px)), masks[i]});
     }
     output = must(open_headless_output({modes, 1000.0, {}, HeadlessOptions::Renderer::kAny}, clock_));
-    program_.emplace(must(PictureProgram::make(gl())));
-    texture.emplace(gl(), *program_);
     programs.emplace(gl());
     frame = PaintedHead::frame(JpegEncoder().to_planar(picture_of(panorama_)), panorama_, nullptr);
-    must(texture->upload(frame));
+    for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
+      picture_programs_.push_back(std::make_unique<PictureProgram>(must(PictureProgram::make(gl(), texels))));
+      textures_.push_back(std::make_unique<PanoramaTexture>(gl(), *picture_programs_.back()));
+      must(textures_.back()->upload(frame));
+    }
   }
   const Gl& gl() const { return output->gl(); }
   const Panorama& panorama() const { return panorama_; }
   const Installation& room() const { return room_; }
   std::vector<HeadPainter> painters(const std::vector<HeadPlan>& of) {
     std::vector<HeadPainter> made;
-    for (const HeadPlan& plan : of) made.push_back(must(HeadPainter::make(gl(), &*programs, plan)));
+    for (const HeadPlan& plan : of) {
+      made.push_back(must(HeadPainter::make(gl(), &*programs, plan, texels_for(gl(), of))));
+    }
     return made;
   }
-  void draw(const std::vector<HeadPainter>& painters) { draw(painters, *texture); }
+  /// Of the texels that a display with these heads would take.
+  PanoramaTexture& texture_for(const std::vector<HeadPlan>& of) {
+    return *textures_[texels_for(gl(), of) == Texels::kPacked ? 1 : 0];
+  }
   void draw(const std::vector<HeadPainter>& painters, const PanoramaTexture& shown) {
     for (std::size_t i = 0; i < painters.size(); ++i) {
       must(output->draw_to(i));
@@ -126,7 +133,8 @@ class Bench {
   }
   /// The same pixels, said to be of another shape.
   std::unique_ptr<PanoramaTexture> texture_of(const PictureShape& shape) {
-    auto made = std::make_unique<PanoramaTexture>(gl(), *program_);
+    const bool is_packed = texels_for(gl(), plans) == Texels::kPacked;
+    auto made = std::make_unique<PanoramaTexture>(gl(), *picture_programs_[is_packed ? 1 : 0]);
     Frame other = frame;
     other.shape = with_pixels(shape, panorama_.width_px, panorama_.height_px);
     must(made->upload(other));
@@ -141,7 +149,6 @@ class Bench {
 
   std::vector<HeadPlan> plans;
   std::unique_ptr<Output> output;
-  std::optional<PanoramaTexture> texture;
   std::optional<HeadPrograms> programs;
   Frame frame;
 
@@ -149,7 +156,8 @@ class Bench {
   SteadyClock clock_;
   Installation room_;
   Panorama panorama_;
-  std::optional<PictureProgram> program_;
+  std::vector<std::unique_ptr<PictureProgram>> picture_programs_;  // For halves, for packed texels.
+  std::vector<std::unique_ptr<PanoramaTexture>> textures_;
 };
 
 /// What pass 2 is compared with: the same pixels, each a bilinear sample of a picture of 8 bits, and nothing else.
@@ -221,7 +229,7 @@ Json blit(bool quick) {
   const auto add = [&](std::string name, const auto& change) {
     std::vector<HeadPlan> plans = bench.plans;
     for (HeadPlan& plan : plans) change(&plan);
-    cases.push_back({std::move(name), bench.painters(plans), &*bench.texture});
+    cases.push_back({std::move(name), bench.painters(plans), &bench.texture_for(plans)});
   };
   add("as shown: warp, masks, sRGB, dithering", [](HeadPlan*) {});
   add("without dithering", [](HeadPlan* plan) { plan->is_dithered = false; });
@@ -261,7 +269,7 @@ Json blit(bool quick) {
       c.ratios.push_back(own / plain_s.back());
     }
     upload_s.push_back(Bench::timed([&] {
-      must(bench.texture->upload(bench.frame));
+      must(bench.texture_for(bench.plans).upload(bench.frame));
       bench.gl().Finish();
     }));
   }
@@ -370,13 +378,15 @@ Json trade(bool quick) {
   Json figures;
   const int turns = quick ? 3 : 9;
   fmt::print(
-      "Warp against error and time: a full HD head, a panorama of 4096 px\n  tolerance px   cells      error px   cpu "
-      "ms\n");
+      "Warp against error and time: a full HD head, a panorama of 4096 px\n"
+      "  model      tolerance px cells       error px    cpu ms     blits\n");
   const auto time_of = [&](Bench* bench, const std::vector<HeadPlan>& plans) {
     const std::vector<HeadPainter> painters = bench->painters(plans);
-    bench->draw(painters);
+    const PanoramaTexture& texture = bench->texture_for(plans);
+    bench->draw(painters, texture);
     std::vector<double> times;
-    for (int turn = 0; turn < turns; ++turn) times.push_back(Bench::timed([&] { bench->draw(painters); }) / 3.0);
+    for (int turn = 0; turn < turns; ++turn)
+      times.push_back(Bench::timed([&] { bench->draw(painters, texture); }) / 3.0);
     return 1e3 * middle(times);
   };
   Bench bench(4096);
@@ -386,18 +396,35 @@ Json trade(bool quick) {
     for (std::size_t i = 0; i < plans.size(); ++i) plans[i].warp = warp_of(i);
     return plans;
   };
+  Blit plain(&bench);
+  const auto tell = [&](const char* kind, double tolerance, int across, int down, double error_px,
+                        const std::vector<HeadPlan>& plans) {
+    const double ms = time_of(&bench, plans);
+    plain.draw();
+    const double blit_ms = 1e3 * Bench::timed([&] { plain.draw(); }) / 3.0;
+    fmt::print("  {:<10} {:<10} {:>4} x {:<4} {:>9.4f} {:>9.1f} {:>9.2f}\n", kind, tolerance, across, down, error_px,
+               ms, ms / blit_ms);
+    figures["warp"].push_back({{"kind", kind},
+                               {"tolerance_px", tolerance},
+                               {"cells", across * down},
+                               {"error_px", error_px},
+                               {"cpu_ms", ms},
+                               {"blits", ms / blit_ms}});
+  };
   for (const double tolerance : {2.0, 0.5, 0.2, 0.05, 0.02, 0.005}) {
+    if (make_warp_patches(maps[0], bench.panorama(), tolerance)) {
+      const auto plans = with_warps(
+          [&](std::size_t i) { return Warp(must(make_warp_patches(maps[i], bench.panorama(), tolerance))); });
+      const auto& warp = std::get<WarpPatches>(plans[0].warp);
+      tell("patches", tolerance, warp.across(), warp.down(), warp.worst_error_px, plans);
+    }
     const auto plans =
         with_warps([&](std::size_t i) { return Warp(must(make_warp_mesh(maps[i], bench.panorama(), tolerance))); });
-    const WarpMesh& mesh = std::get<WarpMesh>(plans[0].warp);
-    const double ms = time_of(&bench, plans);
-    fmt::print("  {:<12} {:>4} x {:<4} {:>9.4f} {:>9.1f}\n", tolerance, mesh.cells_x, mesh.cells_y, mesh.worst_error_px,
-               ms);
-    figures["mesh"].push_back({{"tolerance_px", tolerance},
-                               {"cells", mesh.cells_x * mesh.cells_y},
-                               {"error_px", mesh.worst_error_px},
-                               {"cpu_ms", ms}});
+    const auto& mesh = std::get<WarpMesh>(plans[0].warp);
+    tell("triangles", tolerance, mesh.cells_x, mesh.cells_y, mesh.worst_error_px, plans);
   }
+  tell("map", 0.0, 1920, 1080, 0.0,
+       with_warps([&](std::size_t i) { return Warp(make_pixel_map(maps[i], bench.panorama())); }));
   for (const int cell : {32, 16, 8, 6, 4}) {
     const auto plans = with_warps([&](std::size_t i) {
       WarpMesh mesh{1920, 1080, 1920 / cell, 1080 / cell, {}, 0.0};
@@ -416,11 +443,6 @@ Json trade(bool quick) {
     fmt::print("  cells of {:>2} px: {:.1f} ms\n", cell, ms);
     figures["cells"].push_back({{"cell_px", cell}, {"cpu_ms", ms}});
   }
-  const double map_ms =
-      time_of(&bench, with_warps([&](std::size_t i) { return Warp(make_pixel_map(maps[i], bench.panorama())); }));
-  fmt::print("  a map of each pixel: {:.1f} ms\n", map_ms);
-  figures["pixel_map_cpu_ms"] = map_ms;
-
   fmt::print(
       "Response tables: the nearest of so many steps against the curve, in code values of 8 bits\n  steps    sRGB   "
       "gamma 2.2   gamma 2.6\n");

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "appliance/display/lit_rects.h"
 #include "appliance/display/lit_triangles.h"
 #include "common/geometry/guard_band.h"
 #include "tests/doubles/demo_room.h"
@@ -19,7 +20,7 @@ namespace {
 using Renderer = HeadlessOptions::Renderer;
 
 constexpr double kSlack_px = 0.02;
-// Light is kept in half floats, a mask too: each is off by up to a 4096th.
+// Half floats, which a mask is kept in, too: each is off by up to a 4096th.
 constexpr double kSlackLight = 1.0 / 2048.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
@@ -87,11 +88,16 @@ TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const auto mesh = make_warp_mesh(maps[i], panorama);
     ASSERT_TRUE(mesh);
-    for (const Warp& warp : {Warp(*mesh), Warp(make_pixel_map(maps[i], panorama))}) {
-      const HeadPlan plan{warp, masks[i], {}, 8, false};
-      const double worst = worst_difference(head_.drawn(plan, picture, panorama, 0.0), plan, reference, 0.0);
-      std::printf("projector %zu: worst %.3f code values\n", i, worst);
-      EXPECT_LE(worst, 1.0);
+    const auto patches = make_warp_patches(maps[i], panorama, 0.05);
+    ASSERT_TRUE(patches);
+    for (const Warp& warp : {Warp(*mesh), Warp(*patches), Warp(make_pixel_map(maps[i], panorama))}) {
+      for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
+        const HeadPlan plan{warp, masks[i], {}, 8, warp.index() == 1};
+        PaintedHead head(GetParam(), texels);
+        const double worst = worst_difference(head.drawn(plan, picture, panorama, 0.0), plan, reference, 0.0);
+        std::printf("projector %zu: worst %.3f code values\n", i, worst);
+        EXPECT_LE(worst, texels == Texels::kHalves ? 0.65 : 0.85);
+      }
     }
   }
 }
@@ -235,24 +241,67 @@ TEST_P(HeadPainting, follows_a_response_with_a_steep_step) {
 }
 
 TEST_P(HeadPainting, dithers_without_changing_the_mean) {
-  const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
-  const PlanarPicture picture = plain(16, 16, 40);
-  for (const float weight : {1.0f, 0.93f, 0.71f, 0.5f, 0.37f}) {
-    const HeadPlan plan{straight(128, 128, 1.0), MaskImage(128, 128, weight)};
-    const RgbImage image = head_.drawn(plan, picture, panorama, 0.0);
-    const double exact = 255.0 * ExactPicture(picture, panorama, 0.0).code_at(plan, 64, 64)[1];
-    double sum = 0.0;
-    for (const std::uint8_t code : image.data()) {
-      sum += code;
-      ASSERT_LE(std::abs(code - exact), 1.0);
+  for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
+    PaintedHead head(GetParam(), texels);
+    const double slack = texels == Texels::kHalves ? 0.0 : 0.15;  // Of packed texels' own steps.
+    const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
+    const PlanarPicture picture = plain(16, 16, 40);
+    for (const float weight : {1.0f, 0.93f, 0.71f, 0.5f, 0.37f}) {
+      const HeadPlan plan{straight(128, 128, 1.0), MaskImage(128, 128, weight)};
+      const RgbImage image = head.drawn(plan, picture, panorama, 0.0);
+      const double exact = 255.0 * ExactPicture(picture, panorama, 0.0).code_at(plan, 64, 64)[1];
+      double sum = 0.0;
+      for (const std::uint8_t code : image.data()) {
+        sum += code;
+        ASSERT_LE(std::abs(code - exact), 1.0 + slack);
+      }
+      EXPECT_NEAR(sum / static_cast<double>(image.data().size()), exact, 0.05 + slack) << weight;
+      // Not in large patches: any 8 x 8 pixels have nearly the mean.
+      for (int block = 0; block < 256; ++block) {
+        double part = 0.0;
+        for (int i = 0; i < 64; ++i) part += *image.at(block % 16 * 8 + i % 8, block / 16 * 8 + i / 8);
+        ASSERT_NEAR(part / 64.0, exact, 0.16 + slack);
+      }
     }
-    EXPECT_NEAR(sum / static_cast<double>(image.data().size()), exact, 0.05) << weight;
-    // Not in large patches: any 8 x 8 pixels have nearly the mean.
-    for (int block = 0; block < 256; ++block) {
-      double part = 0.0;
-      for (int i = 0; i < 64; ++i) part += *image.at(block % 16 * 8 + i % 8, block / 16 * 8 + i / 8);
-      ASSERT_NEAR(part / 64.0, exact, 0.16);
+  }
+}
+
+TEST_P(HeadPainting, draws_patches_of_random_terms_turned_or_not_as_the_cpu_does) {
+  RandomHeads heads(21);
+  for (int n = 0; n < 12; ++n) {
+    const PictureShape shape =
+        n % 3 == 0 ? PictureShape(Panorama{heads.pixels(16, 300), 90, n % 2 == 0 ? kTurn : 2.0, 0.5, -0.5})
+                   : heads.other_shape(heads.pixels(16, 300), heads.pixels(16, 300));
+    WarpPatches warp{
+        heads.pixels(70, 200), heads.pixels(50, 160), 16 * heads.pixels(1, 5), 16 * heads.pixels(1, 5), {}, 0.0};
+    for (int i = 0; i < warp.across() * warp.down(); ++i) {
+      WarpPatch& patch = warp.patches.emplace_back();
+      for (std::array<float, 6>* terms : {&patch.across, &patch.up}) {
+        for (float& term : *terms) term = static_cast<float>(heads.between(-0.15, 0.15));
+      }
     }
+    HeadPlan plan{warp, heads.mask(warp.width_px, warp.height_px), {}, 8, n % 2 == 1};
+    plan.picture = shape;
+    const PlanarPicture picture = heads.noise(width_px(shape), height_px(shape), true);
+    const double turn = heads.between(-0.3, 0.3);
+    for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
+      const RgbImage image = PaintedHead(GetParam(), texels).drawn(plan, picture, shape, turn);
+      EXPECT_LE(worst_difference(image, plan, ExactPicture(picture, shape, turn), kSlack_px, kSlackLight), 1.0)
+          << "case " << n;
+    }
+  }
+}
+
+TEST_P(HeadPainting, repeats_the_edges_of_a_picture_that_is_smaller_than_the_one_before) {
+  const Panorama large{300, 80, 2.0, 0.5, -0.5};
+  const Panorama small{120, 40, 2.0, 0.5, -0.5};
+  RandomHeads heads(31);
+  const PlanarPicture first = heads.noise(300, 80, false);
+  const PlanarPicture then = heads.noise(120, 40, false);
+  const HeadPlan plan{straight(200, 60, 3.0), MaskImage(200, 60, 1.0f), {}, 8, false};  // Half a radian beyond.
+  for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
+    const RgbImage image = PaintedHead(GetParam(), texels).drawn_after(plan, first, large, then, small);
+    EXPECT_LE(worst_difference(image, plan, ExactPicture(then, small, 0.0), kSlack_px), 1.0);
   }
 }
 
@@ -261,6 +310,7 @@ TEST_P(HeadPainting, dithers_to_the_depth_of_the_output) {
   HeadPlan plan{straight(64, 64, 1.0), MaskImage(64, 64, 0.71f)};
   plan.depth_bits = 10;  // Less noise than one code value of 8 bits.
   const RgbImage image = head_.drawn(plan, plain(16, 16, 40), panorama, 0.0);
+  EXPECT_LE(worst_difference(image, plan, ExactPicture(plain(16, 16, 40), panorama, 0.0), 0.0), 1.0);
   EXPECT_LE(*std::ranges::max_element(image.data()) - *std::ranges::min_element(image.data()), 1);
   std::size_t differing = 0;
   for (const std::uint8_t code : image.data()) differing += code != image.data()[0] ? 1U : 0U;
@@ -305,6 +355,39 @@ TEST(LitTriangles, are_split_into_those_that_need_the_mask_and_those_that_do_not
   const LitTriangles lit = lit_triangles(mesh, mask);
   EXPECT_EQ(lit.whole.size(), 3U * 2U * 3U * 2U);  // 3 columns, the 2 lower rows.
   EXPECT_EQ(lit.masked.size(), 3U * 2U * 6U);      // The second row, and the last column below it.
+}
+
+TEST(LitRects, cover_what_is_lit_once_and_tell_where_the_mask_is_one) {
+  const WarpPatches warp{300, 170, 128, 96, std::vector<WarpPatch>(6), 0.0};
+  RandomHeads heads(8);
+  for (int n = 0; n < 20; ++n) {
+    MaskImage mask(300, 170, 0.0f);
+    for (int blob = 0; blob < 3; ++blob) {
+      const int left = heads.pixels(0, 280);
+      const int top = heads.pixels(0, 150);
+      const float weight = heads.one_in(2) ? 1.0f : 0.5f;
+      for (int y = top; y < std::min(170, top + 90); ++y) {
+        for (int x = left; x < std::min(300, left + 110); ++x) *mask.at(x, y) = weight;
+      }
+    }
+    const LitRects rects = lit_rects(warp, mask);
+    MaskImage drawn(300, 170, 0.0f);
+    for (const std::vector<LitRect>* kind : {&rects.whole, &rects.masked}) {
+      for (const LitRect& rect : *kind) {
+        for (int y = rect.part.y; y < rect.part.y + rect.part.height; ++y) {
+          for (int x = rect.part.x; x < rect.part.x + rect.part.width; ++x) {
+            *drawn.at(x, y) += 1.0f;
+            ASSERT_EQ(rect.patch, static_cast<std::size_t>(y / 96 * 3 + x / 128));
+            if (kind == &rects.whole) ASSERT_EQ(*mask.at(x, y), 1.0f);
+          }
+        }
+      }
+    }
+    for (std::size_t i = 0; i < mask.data().size(); ++i) {
+      ASSERT_LE(drawn.data()[i], 1.0f);
+      if (mask.data()[i] > 0.0f) ASSERT_EQ(drawn.data()[i], 1.0f);
+    }
+  }
 }
 
 }  // namespace

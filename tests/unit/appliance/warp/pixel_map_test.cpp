@@ -26,13 +26,18 @@ TEST(PixelMap, is_the_exact_map_at_every_pixel) {
   }
 }
 
-TEST(Warp, is_a_mesh_where_a_mesh_is_enough_and_else_a_map) {
+TEST(Warp, is_of_patches_where_they_are_enough_of_a_mesh_along_creases_and_else_a_map) {
   const Installation room = demo_room();
   const ProjectorMap map(room, 1);
   const auto easy = make_warp(map, room.panorama(256), 0.05);
   ASSERT_TRUE(easy);
-  ASSERT_TRUE(std::holds_alternative<WarpMesh>(*easy));
-  EXPECT_LE(std::get<WarpMesh>(*easy).worst_error_px, 0.05);
+  ASSERT_TRUE(std::holds_alternative<WarpPatches>(*easy));
+  EXPECT_LE(std::get<WarpPatches>(*easy).worst_error_px, 0.05);
+  const auto corner = read_installation(demo_installation_path().parent_path() / "corner.toml");
+  ASSERT_TRUE(corner) << corner.error().message();
+  const auto creased = make_warp(ProjectorMap(*corner, 1), corner->picture(256), 0.05);
+  ASSERT_TRUE(creased);
+  EXPECT_TRUE(std::holds_alternative<WarpMesh>(*creased));
   const auto hard = make_warp(map, room.panorama(8192), 0.0001);
   ASSERT_TRUE(hard);
   EXPECT_TRUE(std::holds_alternative<PixelMap>(*hard));

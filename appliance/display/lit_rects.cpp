@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/lit_rects.h"
+
+#include <algorithm>
+
+namespace cyclorama {
+namespace {
+
+constexpr int kBlockPx = 32;
+
+enum class Light { kBlack, kMasked, kWhole };
+
+Light light_of(const PixelRect& block, const MaskImage& mask, const LiftImage* lift) {
+  float least = 1.0f;
+  float most = 0.0f;
+  for (int y = block.y; y < block.y + block.height; ++y) {
+    for (int x = block.x; x < block.x + block.width; ++x) {
+      least = std::min(least, *mask.at(x, y));
+      most = std::max({most, *mask.at(x, y), lift == nullptr ? 0.0f : *lift->at(x, y)});
+    }
+  }
+  if (!(most > 0.0f)) return Light::kBlack;
+  return least >= 1.0f ? Light::kWhole : Light::kMasked;
+}
+
+/// One patch's blocks, and what is not yet in a rectangle.
+class Blocks {
+ public:
+  Blocks(const PixelRect& patch, const MaskImage& mask, const LiftImage* lift)
+      : patch_(patch),
+        across_((patch.width + kBlockPx - 1) / kBlockPx),
+        down_((patch.height + kBlockPx - 1) / kBlockPx) {
+    for (int row = 0; row < down_; ++row) {
+      for (int column = 0; column < across_; ++column)
+        lights_.push_back(light_of(pixels({column, row, 1, 1}), mask, lift));
+    }
+  }
+
+  /// Each rectangle begins at the first block that is left, and is as wide, then as high as its kind of light is.
+  void cut(std::size_t patch, LitRects* ret_rects) {
+    for (int row = 0; row < down_; ++row) {
+      for (int column = 0; column < across_; ++column) {
+        const Light light = at(column, row);
+        if (light == Light::kBlack) continue;
+        PixelRect blocks{column, row, 1, 1};
+        while (column + blocks.width < across_ && at(column + blocks.width, row) == light) ++blocks.width;
+        while (row + blocks.height < down_ && is_all({column, row + blocks.height, blocks.width, 1}, light))
+          ++blocks.height;
+        (light == Light::kWhole ? ret_rects->whole : ret_rects->masked).push_back({pixels(blocks), patch});
+        take(blocks);
+      }
+    }
+  }
+
+ private:
+  Light& at(int column, int row) { return lights_[static_cast<std::size_t>(row * across_ + column)]; }
+  [[nodiscard]] PixelRect pixels(const PixelRect& blocks) const {
+    const int x = blocks.x * kBlockPx;
+    const int y = blocks.y * kBlockPx;
+    return {patch_.x + x, patch_.y + y, std::min(blocks.width * kBlockPx, patch_.width - x),
+            std::min(blocks.height * kBlockPx, patch_.height - y)};
+  }
+  bool is_all(const PixelRect& blocks, Light light) {
+    for (int column = blocks.x; column < blocks.x + blocks.width; ++column) {
+      if (at(column, blocks.y) != light) return false;
+    }
+    return true;
+  }
+  void take(const PixelRect& blocks) {
+    for (int row = blocks.y; row < blocks.y + blocks.height; ++row) {
+      for (int column = blocks.x; column < blocks.x + blocks.width; ++column) at(column, row) = Light::kBlack;
+    }
+  }
+
+  PixelRect patch_;
+  int across_;
+  int down_;
+  std::vector<Light> lights_;
+};
+
+}  // namespace
+
+LitRects lit_rects(const WarpPatches& warp, const MaskImage& mask, const LiftImage* lift) {
+  LitRects rects;
+  for (int row = 0; row < warp.down(); ++row) {
+    for (int column = 0; column < warp.across(); ++column) {
+      const int x = column * warp.patch_width_px;
+      const int y = row * warp.patch_height_px;
+      const PixelRect patch{x, y, std::min(warp.patch_width_px, warp.width_px - x),
+                            std::min(warp.patch_height_px, warp.height_px - y)};
+      Blocks(patch, mask, lift).cut(static_cast<std::size_t>(row * warp.across() + column), &rects);
+    }
+  }
+  return rects;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "appliance/warp/blend_mask.h"
+#include "appliance/warp/head_colour.h"
+#include "appliance/warp/warp_patches.h"
+#include "common/image/pixel_rect.h"
+
+namespace cyclorama {
+
+/// Part of a patch.
+struct LitRect {
+  PixelRect part;         ///< Of the head, in pixels.
+  std::size_t patch = 0;  ///< Into WarpPatches::patches.
+};
+
+/// A head's patches cut by what the mask does to them: few rectangles, with edges where rasterisers cut anyway. What it
+/// blackens and what gets no lift is left out.
+struct LitRects {
+  std::vector<LitRect> whole;   ///< The mask is 1 at all their pixels.
+  std::vector<LitRect> masked;  ///< The others.
+};
+
+/// Precondition: mask, warp and lift, if there is any, have one size.
+[[nodiscard]] LitRects lit_rects(const WarpPatches& warp, const MaskImage& mask, const LiftImage* lift = nullptr);
+
+}  // namespace cyclorama

@@ -367,8 +367,8 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
   }
 }
 
-void HeadPainter::draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade) const {
-  const bool edges = needs_edges(shown) || (other != nullptr && needs_edges(*other));
+void HeadPainter::draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade,
+                           bool edges) const {
   for (const Part& part : parts_) {
     if (part.count == 0) continue;
     use(*part.programs[edges ? 1 : 0][other == nullptr ? 0 : 1], shown, other, fade, eye);
@@ -377,7 +377,7 @@ void HeadPainter::draw_for(Eye eye, const TurnedPicture& shown, const TurnedPict
   }
 }
 
-void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, Eye now) const {
+void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const {
   gl_->ClearColor(0.0f, 0.0f, 0.0f, 1.0f);
   gl_->Clear(GL_COLOR_BUFFER_BIT);
   const auto bind = [&](GLenum unit, const GlTexture& texture) {
@@ -388,21 +388,30 @@ void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, d
   bind(HeadProgram::kMap, map_);
   bind(HeadProgram::kResponse, response_);
   gl_->BindVertexArray(mesh_.id());
-  if (!packing_ || takes_turns()) return draw_for(packing_ ? now : Eye::kLeft, shown, other, fade);
+  if (!packing_ || takes_turns()) return draw_for(packing_ ? now : Eye::kLeft, shown, other, fade, edges);
   const bool is_beside = packing_ == StereoPacking::kSideBySide;
   const int head_width = is_beside ? 2 * width_px_ : width_px_;
   const int head_height = is_beside ? height_px_ : 2 * height_px_;
   for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
     const HeadPart part = part_of_eye(*packing_, eye, head_width, head_height);
     gl_->Viewport(part.x_px, head_height - part.y_px - part.height_px, part.width_px, part.height_px);
-    draw_for(eye, shown, other, fade);
+    draw_for(eye, shown, other, fade, edges);
   }
 }
 
-void HeadPainter::draw(const TurnedPicture& shown, Eye now) const { draw(shown, nullptr, 0.0, now); }
+void HeadPainter::draw(const TurnedPicture& shown, Eye now) const {
+  draw(shown, nullptr, 0.0, needs_edges(shown), now);
+}
 
 void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const {
-  draw(shown, &other, fade, now);
+  draw(shown, &other, fade, needs_edges(shown) || needs_edges(other), now);
+}
+
+void HeadPainter::warm_up(const TurnedPicture& shown, const TurnedPicture& other) const {
+  for (const bool edges : {false, true}) {
+    draw(shown, nullptr, 0.0, edges, Eye::kLeft);
+    draw(shown, &other, 1.0, edges, Eye::kLeft);
+  }
 }
 
 }  // namespace cyclorama

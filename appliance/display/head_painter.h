@@ -52,6 +52,8 @@ class HeadPainter {
   void draw(const TurnedPicture& shown, Eye now = Eye::kLeft) const;
   /// The same of two pictures, mixed in linear light: `fade` in [0, 1] is how much of `other` is seen.
   void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft) const;
+  /// Draws with every program once: drivers compile when one is first used.
+  void warm_up(const TurnedPicture& shown, const TurnedPicture& other) const;
   /// Whether what it draws depends on whose turn it is.
   [[nodiscard]] bool takes_turns() const { return packing_ == StereoPacking::kFrameSequential; }
 
@@ -67,10 +69,11 @@ class HeadPainter {
   void upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices,
                         bool has_terms = false);
   void upload_textures(const HeadPlan& plan);
+  /// `edges`: whether the pictures' edges must be looked after.
+  void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const;
+  void draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges) const;
   void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
            Eye eye) const;
-  void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, Eye now) const;
-  void draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade) const;
 
   const Gl* gl_;
   int width_px_;

@@ -49,8 +49,7 @@ Status Presenter::warm_up() {
   TRY(panorama_.upload(attract_frame_));
   for (std::size_t head = 0; head < painters_.size(); ++head) {
     TRY(output_.draw_to(head));
-    painters_[head].draw({&panorama_, 0.0});
-    painters_[head].draw({&panorama_, 0.0}, {&attract_, 0.0}, 1.0);
+    painters_[head].warm_up({&panorama_, 0.0}, {&attract_, 0.0});
   }
   output_.gl().Finish();
   return output_.gl().check("trying the shaders");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/tracker/corner_refinement.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,17 +10,22 @@
 namespace cyclorama {
 namespace {
 
+using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr int kPointsPerSide = 32;
 /// The ends of a side are blurred by the other side's edge.
 constexpr double kKeepClearOfCorners = 0.08;
-constexpr double kStepPx = 0.5;
+constexpr double kStepPx = 0.25;
 constexpr double kMostReachPx = 3.0;
-constexpr double kLeastReachPx = 1.0;
+constexpr double kLeastReachPx = 0.75;
 /// A step from black to white of less than this is noise.
 constexpr double kLeastContrastGrey = 12.0;
 constexpr double kMostMovePx = 2.0;
+/// Of a normal distribution's variance, what its middle three quarters have.
+constexpr double kTrimmedShare = 0.369;
+/// Steps are not placed better than this, however they agree: pixels are the same for neighbours.
+constexpr double kLeastDeviationPx = 0.02;
 
 /// Bilinear, between pixel centres at (0.5, 0.5); nothing outside of them.
 std::optional<double> grey_at(const GreyImage& picture, const Vector2d& place) {
@@ -61,10 +67,19 @@ std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& mid
   return EdgePoint{middle + (moment / rise) * outwards, rise};
 }
 
-/// A point of the line and its direction.
+/// A point of the line and its direction; and across the line, in px², the variance at that point and what the line's
+/// turn adds at each distance from it, squared.
 struct Line {
   Vector2d point;
   Vector2d direction;
+  double variance = TagDetection::kUnrefined(0, 0);
+  double turn_variance = 0.0;
+
+  [[nodiscard]] Vector2d normal() const { return {direction.y(), -direction.x()}; }
+  [[nodiscard]] double variance_at(const Vector2d& place) const {
+    const double along = (place - point).dot(direction);
+    return variance + turn_variance * along * along;
+  }
 };
 
 Line fit(const std::vector<EdgePoint>& points) {
@@ -85,7 +100,7 @@ Line fit(const std::vector<EdgePoint>& points) {
     yy += point.weight * d.y() * d.y();
   }
   const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
-  return {mean, {std::cos(angle), std::sin(angle)}};
+  return {mean, {std::cos(angle), std::sin(angle)}, 0.0, 0.0};
 }
 
 double distance(const Line& line, const Vector2d& point) {
@@ -93,11 +108,30 @@ double distance(const Line& line, const Vector2d& point) {
   return std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
 }
 
-Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to, int cells_across) {
+/// Sets how surely `line` is known from the points that it was fitted to: the best three quarters of all.
+void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* line) {
+  double across = 0.0;
+  double along = 0.0;
+  for (const EdgePoint& point : points) {
+    const Vector2d d = point.place - line->point;
+    across += std::pow(d.dot(line->normal()), 2);
+    along += std::pow(d.dot(line->direction), 2);
+  }
+  const auto count = static_cast<double>(points.size());
+  const double each = std::max(across / (count * kTrimmedShare), kLeastDeviationPx * kLeastDeviationPx);
+  // Points that are less than a pixel apart see the same pixels.
+  const double independent = std::max(2.0, std::min(count, length_px * count / kPointsPerSide));
+  line->variance = each / independent;
+  line->turn_variance = each / (independent * std::max(along / count, 1e-6));
+}
+
+/// `thickness_px`: how far away the opposite side is.
+Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to, double thickness_px,
+             int cells_across) {
   const Line unchanged{from, (to - from).normalized()};
-  const Vector2d outwards(unchanged.direction.y(), -unchanged.direction.x());  // Corners go clockwise in the picture.
+  const Vector2d outwards = unchanged.normal();  // Corners go clockwise in the picture.
   // Half a cell, so that the code's own cells are not reached.
-  const double reach_px = std::min(kMostReachPx, 0.5 * (to - from).norm() / cells_across);
+  const double reach_px = std::min(kMostReachPx, 0.5 * thickness_px / cells_across);
   if (!(reach_px >= kLeastReachPx)) return unchanged;
   std::vector<EdgePoint> points;
   for (int i = 0; i < kPointsPerSide; ++i) {
@@ -111,6 +145,7 @@ Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to,
             [&](const EdgePoint& a, const EdgePoint& b) { return distance(line, a.place) < distance(line, b.place); });
   points.resize(points.size() * 3 / 4);
   line = fit(points);
+  set_variance(points, (to - from).norm(), &line);
   return line;
 }
 
@@ -122,17 +157,34 @@ std::optional<Vector2d> crossing(const Line& a, const Line& b) {
   return Vector2d(a.point + along * a.direction);
 }
 
+/// Of a crossing: each line may be off along its normal, by what its points leave open there.
+Matrix2d covariance_at(const Vector2d& corner, const Line& a, const Line& b) {
+  Matrix2d normals;
+  normals << a.normal().transpose(), b.normal().transpose();
+  const Matrix2d inverse = normals.inverse();
+  return inverse * Vector2d(a.variance_at(corner), b.variance_at(corner)).asDiagonal() * inverse.transpose();
+}
+
 }  // namespace
 
-std::array<Vector2d, 4> refine_corners(const GreyImage& picture, const std::array<Vector2d, 4>& corners,
-                                       int cells_across) {
+RefinedCorners refine_corners(const GreyImage& picture, const std::array<Vector2d, 4>& corners, int cells_across) {
+  constexpr auto& kUnrefined = TagDetection::kUnrefined;
+  const RefinedCorners unrefined{corners, {kUnrefined, kUnrefined, kUnrefined, kUnrefined}};
   std::array<Line, 4> sides;
-  for (std::size_t i = 0; i < 4; ++i) sides[i] = side_of(picture, corners[i], corners[(i + 1) % 4], cells_across);
-  std::array<Vector2d, 4> refined = corners;
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto corner = crossing(sides[(i + 3) % 4], sides[i]);
-    if (!corner || !((*corner - corners[i]).norm() <= kMostMovePx)) return corners;
-    refined[i] = *corner;
+    const Vector2d& from = corners[i];
+    const Vector2d& to = corners[(i + 1) % 4];
+    const Vector2d opposite = 0.5 * (corners[(i + 2) % 4] + corners[(i + 3) % 4]);
+    sides[i] = side_of(picture, from, to, distance({from, (to - from).normalized()}, opposite), cells_across);
+  }
+  RefinedCorners refined = unrefined;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Line& before = sides[(i + 3) % 4];
+    const auto corner = crossing(before, sides[i]);
+    if (!corner || !((*corner - corners[i]).norm() <= kMostMovePx)) return unrefined;
+    refined.places[i] = *corner;
+    const Matrix2d covariance = covariance_at(*corner, before, sides[i]);
+    if (covariance.allFinite()) refined.covariance[i] = covariance;
   }
   return refined;
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -47,18 +48,20 @@ double yaw_rad(const T_CameraTag& T_camera_tag) {
 }
 
 RgbImage draw_overlay(const GreyImage& picture, std::span<const TagDetection> detections, const TrackedTag* tag,
-                      double tag_size_m, const Pinhole& lens) {
+                      const Pinhole& lens) {
   RgbImage shown = to_rgb(picture);
   const int scale = std::clamp(picture.width() / 640, 1, 8);
   for (const TagDetection& detection : detections) {
-    const bool followed = tag != nullptr && tag->detection.corners == detection.corners;
+    const bool followed = tag != nullptr && std::any_of(tag->seen.begin(), tag->seen.end(), [&](const TagDetection& s) {
+                            return s.corners == detection.corners;
+                          });
     draw_outline(detection, followed ? kFollowed : kFound, scale, &shown);
   }
   if (tag == nullptr) {
     draw_text(&shown, 8 * scale, 8 * scale, detections.empty() ? "no tag" : "another tag", kMissing, 2 * scale);
     return shown;
   }
-  draw_axes(tag->T_camera_tag, 0.5 * tag_size_m, lens, scale, &shown);
+  draw_axes(tag->T_camera_tag, 0.5 * tag->wand.tags.front().size_m, lens, scale, &shown);
   const Eigen::Vector3d& position = tag->T_camera_tag.translation();
   draw_text(&shown, 8 * scale, 8 * scale,
             fmt::format("{:.2f} m  right {:+.2f} m  yaw {:+.0f} deg", position.z(), -position.x(),

@@ -8,10 +8,10 @@
 
 namespace cyclorama {
 
-/// The camera's picture for people: every tag's outline and id, and on the followed one its axes (x red, y green, z
-/// blue, out of the tag towards the camera), distance and yaw. `tag` may be null. Reentrant.
+/// The camera's picture for people: every tag's outline and id, and on the followed pattern its axes (x red, y green, z
+/// blue, out of it towards the camera), distance and yaw. `tag` may be null. Reentrant.
 [[nodiscard]] RgbImage draw_overlay(const GreyImage& picture, std::span<const TagDetection> detections,
-                                    const TrackedTag* tag, double tag_size_m, const Pinhole& lens);
+                                    const TrackedTag* tag, const Pinhole& lens);
 
 /// Positive when the holder, who faces the camera, turns to the own right: the angle of the tag's normal about the
 /// camera's y.

@@ -16,8 +16,6 @@ constexpr Duration kForgetAfter = std::chrono::milliseconds(500);
 /// Closer than this, which explanation continues which cannot be told from one picture to the next.
 constexpr double kDistinctRad = 0.17;
 
-double sum_of_squares(const TagPose& pose) { return 4.0 * pose.reprojection_px * pose.reprojection_px; }
-
 double fading(const ChooserSettings& settings, const Hypotheses& last, TimePoint at) {
   const double distinct = last.second ? std::min(1.0, last.first.angularDistance(*last.second) / kDistinctRad) : 1.0;
   return distinct * std::exp(-std::max(0.0, to_seconds(at - last.at)) / settings.memory_s);
@@ -30,12 +28,10 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
   const Eigen::Quaterniond& best = measured.best.T_camera_tag.rotation();
   if (!measured.other) {
     // A near tag has one explanation only, which settles it.
-    return {measured.best, 1.0, {best, std::nullopt, kMostLogOdds, at}};
+    return {measured.best, std::nullopt, 1.0, {best, std::nullopt, kMostLogOdds, at}};
   }
   const Eigen::Quaterniond& other = measured.other->T_camera_tag.rotation();
-  const double noise = settings.corner_noise_px * settings.corner_noise_px;
-  const double gain =
-      std::min(kMostPerPicture, (sum_of_squares(*measured.other) - sum_of_squares(measured.best)) / (2.0 * noise));
+  const double gain = std::min(kMostPerPicture, 0.5 * (measured.other->misfit - measured.best.misfit));
   const bool known = last && at - last->at < kForgetAfter && last->at - at < kForgetAfter;
   bool best_is_first = true;
   double log_odds = 0.0;
@@ -50,7 +46,9 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
   log_odds = std::clamp(log_odds + (best_is_first ? gain : -gain), -kMostLogOdds, kMostLogOdds);
   const bool first_wins = log_odds >= 0.0;
   ChosenPose chosen;
-  chosen.pose = first_wins == best_is_first ? measured.best : *measured.other;
+  const bool best_wins = first_wins == best_is_first;
+  chosen.pose = best_wins ? measured.best : *measured.other;
+  chosen.other = best_wins ? *measured.other : measured.best;
   chosen.probability = 1.0 / (1.0 + std::exp(-std::abs(log_odds)));
   chosen.state = {best_is_first ? best : other, best_is_first ? other : best, log_odds, at};
   return chosen;

@@ -9,8 +9,7 @@
 namespace cyclorama {
 
 struct ChooserSettings {
-  double corner_noise_px = 0.15;  ///< Standard deviation of a corner in one direction. More than 0.
-  double memory_s = 0.7;          ///< Evidence fades to 1/e over this time. More than 0.
+  double memory_s = 0.7;  ///< Evidence fades to 1/e over this time. More than 0.
 };
 
 /// What is known of one tag's two explanations after some pictures.
@@ -24,14 +23,15 @@ struct Hypotheses {
 
 struct ChosenPose {
   TagPose pose;
-  double probability = 1.0;  ///< That this is the right one of the two, as far as the noise model is right.
+  std::optional<TagPose> other;  ///< The one that was not chosen.
+  double probability = 1.0;      ///< That this is the right one of the two, as far as the noise model is right.
   Hypotheses state;
 };
 
-/// Decides between the two poses of a flat tag over time: each explanation is followed from picture to picture by its
-/// rotation, and how much better one fits than the other is added up (a sequential likelihood ratio test: Wald,
-/// "Sequential Tests of Statistical Hypotheses", 1945). One picture of a small tag often prefers the wrong one; ten
-/// rarely do.
+/// Decides between the two poses of a pattern over time: each explanation is followed from picture to picture by its
+/// rotation, and how much better one fits than the other (TagPose::misfit) is added up (a sequential likelihood ratio
+/// test: Wald, "Sequential Tests of Statistical Hypotheses", 1945). One picture of a small tag often prefers the wrong
+/// one; ten rarely do.
 ///
 /// Evidence fades, and faster while the two are so close that nobody can follow which is which; that is also where the
 /// choice matters least. A pure function of (settings, state, measurement, time).

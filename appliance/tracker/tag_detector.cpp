@@ -12,8 +12,10 @@ extern "C" {
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "appliance/tracker/corner_refinement.h"
+#include "common/base/check.h"
 
 namespace cyclorama {
 namespace {
@@ -40,6 +42,12 @@ struct DestroyDetections {
 std::array<Eigen::Vector2d, 4> corners_of(const apriltag_detection_t& found) {
   const auto corner = [&](int i) { return Eigen::Vector2d(found.p[i][0], found.p[i][1]); };
   return {corner(3), corner(2), corner(1), corner(0)};
+}
+
+/// libapriltag decimates by 1.5 or a whole number, but scales its corners back by whatever it was told.
+float possible_decimation(double wanted) {
+  if (wanted >= 2.0) return static_cast<float>(std::floor(wanted));
+  return wanted >= 1.5 ? 1.5f : 1.0f;
 }
 
 }  // namespace
@@ -89,7 +97,7 @@ Result<TagDetector> TagDetector::create(const DetectorSettings& settings) {
   }
   auto library = std::make_unique<Library>(*family, settings.most_hamming);
   library->detector->nthreads = settings.threads;
-  library->detector->quad_decimate = static_cast<float>(settings.decimate);
+  library->detector->quad_decimate = possible_decimation(settings.decimate);
   library->detector->refine_edges = settings.refine_edges;
   return TagDetector(std::move(library), settings);
 }
@@ -101,18 +109,28 @@ TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 TagDetector::~TagDetector() = default;
 
 Result<std::vector<TagDetection>> TagDetector::detect(const GreyImage& picture) {
+  return detect_in(picture, {0, 0, picture.width(), picture.height()}, settings_.decimate);
+}
+
+Result<std::vector<TagDetection>> TagDetector::detect_in(const GreyImage& picture, const PixelRect& part,
+                                                         double decimate) {
+  CHECK(decimate >= 1.0 && decimate <= 8.0);
   std::vector<TagDetection> tags;
-  if (std::min(picture.width(), picture.height()) < kLeastSidePx * settings_.decimate) return tags;
-  if (std::max(picture.width(), picture.height()) > kLongestSidePx) {
+  const int left = std::clamp(part.x, 0, picture.width());
+  const int top = std::clamp(part.y, 0, picture.height());
+  const int width = std::min(part.width, picture.width() - left);
+  const int height = std::min(part.height, picture.height() - top);
+  if (std::min(width, height) < kLeastSidePx * decimate) return tags;
+  if (std::max(width, height) > kLongestSidePx) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("a picture of {}x{} pixels; the longest side that can be searched "
-                             "is {}",
-                             picture.width(), picture.height(), kLongestSidePx));
+                 fmt::format("a picture of {}x{} pixels; the longest side that can be searched is {}", width, height,
+                             kLongestSidePx));
   }
   // libapriltag reads the picture only, but its type has no const.
-  image_u8_t view = {picture.width(), picture.height(), picture.width(),
-                     const_cast<std::uint8_t*>(picture.data().data())};
+  image_u8_t view = {width, height, picture.width(), const_cast<std::uint8_t*>(picture.at(left, top))};
+  library_->detector->quad_decimate = possible_decimation(decimate);
   const std::unique_ptr<zarray_t, DestroyDetections> found(apriltag_detector_detect(library_->detector, &view));
+  const Eigen::Vector2d origin(left, top);
   for (int i = 0; i < zarray_size(found.get()); ++i) {
     apriltag_detection_t* detection = nullptr;
     zarray_get(found.get(), i, &detection);
@@ -120,15 +138,23 @@ Result<std::vector<TagDetection>> TagDetector::detect(const GreyImage& picture) 
                      corners_of(*detection)};
     const bool finite =
         std::all_of(tag.corners.begin(), tag.corners.end(), [](const auto& c) { return c.allFinite(); });
-    if (finite && tag.margin >= settings_.least_margin) {
-      if (settings_.refine_corners) tag.corners = refine_corners(picture, tag.corners, library_->tags->width_at_border);
-      tags.push_back(tag);
+    if (!finite || !(tag.margin >= settings_.least_margin)) continue;
+    for (Eigen::Vector2d& corner : tag.corners) corner += origin;
+    if (settings_.refine_corners) {
+      const RefinedCorners refined = refine_corners(picture, tag.corners, library_->tags->width_at_border);
+      tag.corners = refined.places;
+      tag.covariance = refined.covariance;
     }
+    tags.push_back(tag);
   }
-  std::sort(tags.begin(), tags.end(), [](const TagDetection& a, const TagDetection& b) {
+  sort_by_size(&tags);
+  return tags;
+}
+
+void sort_by_size(std::vector<TagDetection>* tags) {
+  std::sort(tags->begin(), tags->end(), [](const TagDetection& a, const TagDetection& b) {
     return doubled_area_px2(a.corners) > doubled_area_px2(b.corners);
   });
-  return tags;
 }
 
 }  // namespace cyclorama

@@ -9,13 +9,16 @@
 
 #include "common/base/result.h"
 #include "common/image/image.h"
+#include "common/image/pixel_rect.h"
 
 namespace cyclorama {
 
 /// What the detector trades. The curve "decimation against tags found and milliseconds" is in docs/design/tracker.md.
 struct DetectorSettings {
   std::string family = "tag36h11";  ///< One of tag_families().
-  double decimate = 2.0;            ///< Quads are sought in a picture this many times smaller: 1 to 8.
+  double decimate = 2.0;            ///< Quads are sought in a picture this many times smaller: 1 to 8; in
+                                    ///< effect 1, 1.5 or a whole number, the next lower one.
+  bool tiles = true;                ///< Full resolution where tags were, and tile by tile: tag_search.h.
   int threads = 1;                  ///< 1 to 16.
   bool refine_edges = true;         ///< Snaps edges to the full picture's gradients; wanted with any decimation.
   bool refine_corners = true;       ///< Then to a few hundredths of a pixel: corner_refinement.h.
@@ -34,6 +37,10 @@ struct TagDetection {
   /// Where the corners of the black square are, in pixels (frames.h), in the Tag frame's order:
   /// (-x, -y), (+x, -y), (+x, +y), (-x, +y); clockwise in the picture, starting left above when the tag is upright.
   std::array<Eigen::Vector2d, 4> corners;
+  /// Of each corner, px². Where no refinement measured it, libapriltag's own: 0.2 px in any direction.
+  std::array<Eigen::Matrix2d, 4> covariance = {kUnrefined, kUnrefined, kUnrefined, kUnrefined};
+
+  static inline const Eigen::Matrix2d kUnrefined = 0.04 * Eigen::Matrix2d::Identity();
 };
 
 /// AprilTag 3 (Wang and Olson, "AprilTag 2", IROS 2016; Krogius et al., "Flexible Layouts for Fiducial Tags", IROS
@@ -49,6 +56,8 @@ class TagDetector {
   /// Every tag that passes the settings, the largest first. A picture too small to hold a tag, or empty, holds none.
   /// kInvalidArgument  a side is longer than kLongestSidePx: libapriltag counts half pixels in 16 bits.
   Result<std::vector<TagDetection>> detect(const GreyImage& picture);
+  /// The same in a part of the picture, which is cut to the picture, at a decimation of its own: 1 to 8.
+  Result<std::vector<TagDetection>> detect_in(const GreyImage& picture, const PixelRect& part, double decimate);
   static constexpr int kLongestSidePx = 16384;
 
  private:
@@ -57,6 +66,9 @@ class TagDetector {
   std::unique_ptr<Library> library_;
   DetectorSettings settings_;
 };
+
+/// The largest first.
+void sort_by_size(std::vector<TagDetection>* tags);
 
 /// Twice the signed area of the quadrilateral, positive when its corners go clockwise in the picture.
 [[nodiscard]] double doubled_area_px2(const std::array<Eigen::Vector2d, 4>& corners);

@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "common/base/check.h"
@@ -23,7 +22,6 @@ using Corners3 = std::array<Vector3d, 4>;
 constexpr double kLeastDoubledAreaPx2 = 2.0;
 /// Two minima that differ by less are one.
 constexpr double kSamePoseRad = 1e-3;
-constexpr int kMostIterations = 30;
 
 bool is_usable(const Corners2& corners) {
   for (std::size_t i = 0; i < 4; ++i) {
@@ -97,67 +95,11 @@ Vector3d translation_for(const Matrix3d& rotation, const Corners3& tag, const Co
   return a.colPivHouseholderQr().solve(b);
 }
 
-struct Fit {
-  Eigen::Quaterniond rotation;
-  Vector3d translation;
-  double cost = 0.0;  ///< Sum of squared pixel distances; infinite when a corner is behind the lens.
-  Eigen::Matrix<double, 6, 6> normal;
-  Eigen::Matrix<double, 6, 1> gradient;
-};
-
-/// Cost, normal matrix and gradient for a turn (in the camera's axes) and a shift.
-void evaluate(const Corners3& tag, const Corners2& corners, const Pinhole& lens, Fit* ret_fit) {
-  ret_fit->cost = 0.0;
-  ret_fit->normal.setZero();
-  ret_fit->gradient.setZero();
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vector3d turned = ret_fit->rotation * tag[i];
-    const Vector3d p = turned + ret_fit->translation;
-    const auto pixel = lens.pixel_of(p);
-    if (!pixel) {
-      ret_fit->cost = std::numeric_limits<double>::infinity();
-      return;
-    }
-    const Vector2d error = *pixel - corners[i];
-    Eigen::Matrix<double, 2, 3> by_point;
-    const double f = lens.focal_px / p.z();
-    by_point << f, 0.0, -f * p.x() / p.z(), 0.0, f, -f * p.y() / p.z();
-    Matrix3d cross;
-    cross << 0.0, -turned.z(), turned.y(), turned.z(), 0.0, -turned.x(), -turned.y(), turned.x(), 0.0;
-    Eigen::Matrix<double, 2, 6> jacobian;
-    jacobian << -by_point * cross, by_point;
-    ret_fit->cost += error.squaredNorm();
-    ret_fit->normal += jacobian.transpose() * jacobian;
-    ret_fit->gradient += jacobian.transpose() * error;
-  }
-}
-
 std::optional<TagPose> refine(const Matrix3d& rotation, const Corners3& tag, const Corners2& rays,
                               const Corners2& corners, const Pinhole& lens) {
-  Fit fit{Eigen::Quaterniond(rotation), translation_for(rotation, tag, rays), 0.0, {}, {}};
-  evaluate(tag, corners, lens, &fit);
-  if (!std::isfinite(fit.cost)) return std::nullopt;
-  double damping = 1e-4;
-  for (int i = 0; i < kMostIterations; ++i) {
-    Eigen::Matrix<double, 6, 6> damped = fit.normal;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::Matrix<double, 6, 1> step = -damped.ldlt().solve(fit.gradient);
-    if (!step.allFinite()) break;
-    Fit next = fit;
-    const double angle = step.head<3>().norm();
-    if (angle > 0.0) {
-      next.rotation =
-          (Eigen::Quaterniond(Eigen::AngleAxisd(angle, step.head<3>() / angle)) * fit.rotation).normalized();
-    }
-    next.translation += step.tail<3>();
-    evaluate(tag, corners, lens, &next);
-    const bool better = next.cost < fit.cost;
-    damping *= better ? 0.1 : 10.0;
-    const bool settled = better && angle < 1e-9;
-    if (better) fit = next;
-    if (settled || damping > 1e8) break;
-  }
-  return TagPose{{fit.rotation, fit.translation}, std::sqrt(fit.cost / 4.0)};
+  std::array<SeenPoint, 4> points;
+  for (std::size_t i = 0; i < 4; ++i) points[i] = {tag[i], corners[i], Matrix2d::Identity()};
+  return fit_pose(points, {Eigen::Quaterniond(rotation), translation_for(rotation, tag, rays)}, lens);
 }
 
 }  // namespace

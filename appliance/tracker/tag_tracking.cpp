@@ -1,39 +1,102 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/tracker/tag_tracking.h"
 
+#include <algorithm>
+
+#include "appliance/tracker/wand_pose.h"
+#include "common/wand/folded_card.h"
+
 namespace cyclorama {
 namespace {
 
-const TagDetection* pick(const TrackingSettings& settings, const TrackingState& last,
-                         std::span<const TagDetection> detections, TimePoint at) {
-  const bool keeps = last.id && at - last.seen_at < kKeepFor && last.seen_at - at < kKeepFor;
-  const std::optional<int> wanted = settings.only_id ? settings.only_id : keeps ? last.id : std::nullopt;
+struct SeenPattern {
+  Wand wand;
+  std::vector<TagDetection> tags;
+  double area_px2 = 0.0;
+};
+
+bool has_tag(const Wand& wand, int id) {
+  return std::any_of(wand.tags.begin(), wand.tags.end(), [&](const WandTag& tag) { return tag.id == id; });
+}
+
+bool is_near(const TagDetection& a, const TagDetection& b) {
+  // Neighbours on one wand are less than this apart, in the larger one's sizes.
+  constexpr double kFarSizes = 4.0;
+  const double larger = std::max(doubled_area_px2(a.corners), doubled_area_px2(b.corners));
+  return (a.corners[0] - b.corners[0]).squaredNorm() < kFarSizes * kFarSizes * 0.5 * larger;
+}
+
+/// The detections by pattern, in the order of their largest tags.
+std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<const TagDetection> detections) {
+  std::vector<SeenPattern> patterns;
   for (const TagDetection& detection : detections) {  // The largest comes first.
-    if (!wanted || detection.id == *wanted) return &detection;
+    const auto known = std::find_if(patterns.begin(), patterns.end(), [&](const SeenPattern& pattern) {
+      // Two cards of one number are two patterns, as long as they are apart.
+      return has_tag(pattern.wand, detection.id) && is_near(pattern.tags.front(), detection) &&
+             std::none_of(pattern.tags.begin(), pattern.tags.end(),
+                          [&](const TagDetection& tag) { return tag.id == detection.id; });
+    });
+    SeenPattern* pattern = known == patterns.end() ? nullptr : &*known;
+    if (pattern == nullptr) {
+      auto wand = settings.pattern_of(detection.id);
+      if (!wand) continue;
+      pattern = &patterns.emplace_back(SeenPattern{*std::move(wand), {}, 0.0});
+    }
+    pattern->tags.push_back(detection);
+    pattern->area_px2 += 0.5 * doubled_area_px2(detection.corners);
+  }
+  std::stable_sort(patterns.begin(), patterns.end(),
+                   [](const SeenPattern& a, const SeenPattern& b) { return a.area_px2 > b.area_px2; });
+  return patterns;
+}
+
+const SeenPattern* pick(const TrackingState& last, std::span<const SeenPattern> patterns, TimePoint at) {
+  const bool keeps = last.id && at - last.seen_at < kKeepFor && last.seen_at - at < kKeepFor;
+  for (const SeenPattern& pattern : patterns) {
+    if (!keeps || pattern.wand.id() == *last.id) return &pattern;
   }
   return nullptr;
 }
 
 }  // namespace
 
+std::optional<Wand> PatternSettings::pattern_of(int tag_id) const {
+  if (flat_tag_size_m) {
+    if (only && tag_id != *only) return std::nullopt;
+    return flat_tag(tag_id, *flat_tag_size_m);
+  }
+  for (const Wand& wand : wands) {
+    if (has_tag(wand, tag_id)) return wand;
+  }
+  const int number = tag_id / kPanels;
+  if (!wands.empty() || number >= kStandardWands || tag_id < 0 || (only && number != *only)) return std::nullopt;
+  return standard_wand(number);
+}
+
 TrackingResult track(const TrackingSettings& settings, const TrackingState& last,
                      std::span<const TagDetection> detections, const Pinhole& lens, TimePoint captured_at) {
-  const TagDetection* const detection = pick(settings, last, detections, captured_at);
-  if (detection == nullptr) return {last, std::nullopt};
-  const std::optional<TagPoses> poses = estimate_poses(detection->corners, settings.tag_size_m, lens);
+  const std::vector<SeenPattern> patterns = patterns_in(settings.patterns, detections);
+  const SeenPattern* const pattern = pick(last, patterns, captured_at);
+  if (pattern == nullptr) return {last, std::nullopt};
+  const auto poses = estimate_wand_poses(pattern->wand, pattern->tags, settings.corner_floor_px, lens);
   if (!poses) return {last, std::nullopt};
 
-  // Another tag's past says nothing about this one.
-  TrackingState state = last.id == detection->id ? last : TrackingState{};
+  // Another pattern's past says nothing about this one.
+  TrackingState state = last.id == pattern->wand.id() ? last : TrackingState{};
   const ChosenPose chosen = choose(settings.chooser, state.hypotheses, *poses, captured_at);
   const T_CameraTag& pose = chosen.pose.T_camera_tag;
-  state.id = detection->id;
+  state.id = pattern->wand.id();
   state.seen_at = captured_at;
   state.hypotheses = chosen.state;
   state.position = filter(settings.position, state.position, pose.translation(), captured_at);
   state.rotation = filter(settings.rotation, state.rotation, pose.rotation(), captured_at);
   if (!state.position || !state.rotation) return {last, std::nullopt};
-  return {state, TrackedTag{*detection, *poses, chosen, {state.rotation->value, state.position->value}}};
+  const Matrix6d covariance =
+      chosen.other ? mixed_covariance(chosen.pose, *chosen.other, chosen.probability) : chosen.pose.covariance;
+  return {
+      state,
+      TrackedTag{
+          pattern->wand, pattern->tags, *poses, chosen, covariance, {state.rotation->value, state.position->value}}};
 }
 
 }  // namespace cyclorama

@@ -3,16 +3,30 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "appliance/tracker/one_euro.h"
 #include "appliance/tracker/pose_chooser.h"
 #include "appliance/tracker/tag_detector.h"
+#include "common/wand/wand.h"
 
 namespace cyclorama {
 
+/// Which patterns visitors may hold: the standard wands, wands that were measured, or flat tags of one size.
+struct PatternSettings {
+  std::vector<Wand> wands;                ///< From wand.toml files; they replace the standard ones.
+  std::optional<double> flat_tag_size_m;  ///< Any tag alone is a pattern of this size; replaces all wands.
+  std::optional<int> only;                ///< Of the standard wands this number, of flat tags this id; else any.
+
+  /// The pattern that a tag belongs to; nothing for a stranger.
+  [[nodiscard]] std::optional<Wand> pattern_of(int tag_id) const;
+};
+
 struct TrackingSettings {
-  double tag_size_m = 0.12;    ///< Edge of the black square. More than 0.
-  std::optional<int> only_id;  ///< The visitor's tag; any when not given.
+  PatternSettings patterns;
+  /// What lens, paper and folding add to each corner's deviation, px. Measured on rendered pictures, where it is as
+  /// small; on a real card 0.1. More than 0.
+  double corner_floor_px = 0.03;
   ChooserSettings chooser;
   OneEuroSettings position{1.5, 40.0, 1.0};
   OneEuroSettings rotation{1.5, 20.0, 1.0};
@@ -20,27 +34,29 @@ struct TrackingSettings {
 
 /// What is remembered from picture to picture. Empty at the start.
 struct TrackingState {
-  std::optional<int> id;
+  std::optional<int> id;  ///< Wand::id() of the followed one.
   TimePoint seen_at{};
   std::optional<Hypotheses> hypotheses;
   std::optional<FilteredPosition> position;
   std::optional<FilteredRotation> rotation;
 };
 
-/// The followed tag in one picture.
+/// The followed pattern in one picture.
 struct TrackedTag {
-  TagDetection detection;
-  TagPoses measured;         ///< Both explanations, unfiltered, with their reprojection errors.
-  ChosenPose chosen;         ///< Which of them is believed, and how firmly.
-  T_CameraTag T_camera_tag;  ///< The chosen one, filtered: what the tour steers by.
+  Wand wand;
+  std::vector<TagDetection> seen;  ///< Its tags in this picture, the largest first; at least one.
+  TagPoses measured;               ///< Both explanations, unfiltered, with their misfits.
+  ChosenPose chosen;               ///< Which of them is believed, and how firmly.
+  Matrix6d covariance;             ///< Of the chosen one, the chance that the other is right included (wand_pose.h).
+  T_CameraTag T_camera_tag;        ///< The chosen one, filtered: what the tour steers by.
 };
 
 struct TrackingResult {
   TrackingState state;
-  std::optional<TrackedTag> tag;  ///< Nothing when the followed tag is not in the picture.
+  std::optional<TrackedTag> tag;  ///< Nothing when the followed pattern is not in the picture.
 };
 
-/// Follows one tag: the same as before while it is seen or was lost for less than kKeepFor, else the largest. Pure.
+/// Follows one pattern: the same as before while it is seen or was lost for less than kKeepFor, else the largest. Pure.
 [[nodiscard]] TrackingResult track(const TrackingSettings& settings, const TrackingState& last,
                                    std::span<const TagDetection> detections, const Pinhole& lens,
                                    TimePoint captured_at);

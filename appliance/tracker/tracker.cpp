@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
+#include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "appliance/tracker/overlay.h"
+#include "common/base/text.h"
 #include "common/wire/convert.h"
 #include "drivers/camera/make_camera.h"
 
@@ -26,11 +28,19 @@ void add_stage(const char* name, Duration duration, InspectionService* inspectio
   stage->set_seconds(to_seconds(duration));
 }
 
+std::string describe(const PatternSettings& patterns) {
+  if (patterns.flat_tag_size_m) return fmt::format("flat tags of {:.0f} mm", 1e3 * *patterns.flat_tag_size_m);
+  if (patterns.wands.empty()) return patterns.only ? fmt::format("wand {}", *patterns.only) : "any standard wand";
+  std::string names;
+  for (const Wand& wand : patterns.wands) names += (names.empty() ? "" : ", ") + printable(wand.name);
+  return names;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Tracker>> Tracker::start(const TrackerSettings& settings, const Clock& clock,
                                                 InspectionService* inspection) {
-  TRY_ASSIGN(TagDetector detector, TagDetector::create(settings.detector));
+  TRY_ASSIGN(TagSearch search, TagSearch::create(settings.detector));
   auto camera = make_camera(settings.camera, clock);
   if (!camera && camera.error().code() == ErrorCode::kInvalidArgument) return std::move(camera).error();
   TRY_ASSIGN(std::unique_ptr<TourLink> link, TourLink::open(settings.tour));
@@ -40,18 +50,17 @@ Result<std::unique_ptr<Tracker>> Tracker::start(const TrackerSettings& settings,
   }
   inspection->set_fact("camera", settings.camera);
   inspection->set_fact("tour", settings.tour);
-  inspection->set_fact("tag",
-                       fmt::format("{}, {:.0f} mm", settings.detector.family, 1e3 * settings.tracking.tag_size_m));
+  inspection->set_fact("pattern", describe(settings.tracking.patterns));
   return std::unique_ptr<Tracker>(new Tracker(settings, clock, inspection, camera ? *std::move(camera) : nullptr,
-                                              std::move(detector), std::move(link)));
+                                              std::move(search), std::move(link)));
 }
 
 Tracker::Tracker(const TrackerSettings& settings, const Clock& clock, InspectionService* inspection,
-                 std::unique_ptr<Camera> first_camera, TagDetector detector, std::unique_ptr<TourLink> link)
+                 std::unique_ptr<Camera> first_camera, TagSearch search, std::unique_ptr<TourLink> link)
     : settings_(settings),
       clock_(clock),
       inspection_(*inspection),
-      detector_(std::move(detector)),
+      search_(std::move(search)),
       link_(std::move(link)),
       first_camera_(std::move(first_camera)),
       capture_(
@@ -85,7 +94,7 @@ void Tracker::detect(const std::stop_token& stop) {
 void Tracker::handle(const Frame& frame) {
   if (frame.pixels.empty()) return;
   const TimePoint taken_at = clock_.now();
-  auto found = detector_.detect(frame.pixels);
+  auto found = search_.search(frame.pixels);
   const TimePoint found_at = clock_.now();
   const std::vector<TagDetection> detections = found ? *std::move(found) : std::vector<TagDetection>{};
   const Pinhole lens = lens_for(settings_.lens, frame.pixels.width(), frame.pixels.height());
@@ -98,7 +107,7 @@ void Tracker::handle(const Frame& frame) {
   add_stage("pose", clock_.now() - found_at, &inspection_, &pose);
   link_->send(std::move(pose));
   ++pictures_;
-  followed_ = result.tag ? result.tag->detection.id : -1;
+  followed_ = result.tag ? result.tag->wand.id() : -1;
   report(frame, result, lens, detections);
 }
 
@@ -109,13 +118,17 @@ wire::TrackedPose Tracker::pose_of(const Frame& frame, const std::optional<Track
   pose.set_shutter_ns(to_nanoseconds(frame.captured_at));
   pose.set_found(tag.has_value());
   if (!tag) return pose;
-  pose.set_tag(static_cast<std::uint32_t>(tag->detection.id));
+  pose.set_tag(static_cast<std::uint32_t>(tag->wand.id()));
   to_wire(tag->T_camera_tag.translation(), pose.mutable_position_m());
   const Eigen::Quaterniond& rotation = tag->T_camera_tag.rotation();
   pose.set_rotation_w(rotation.w());
   pose.set_rotation_x(rotation.x());
   pose.set_rotation_y(rotation.y());
   pose.set_rotation_z(rotation.z());
+  for (Eigen::Index row = 0; row < 6; ++row) {
+    for (Eigen::Index column = row; column < 6; ++column) pose.add_covariance(tag->covariance(row, column));
+  }
+  pose.set_probability(tag->chosen.probability);
   return pose;
 }
 
@@ -127,13 +140,16 @@ void Tracker::report(const Frame& frame, const TrackingResult& result, const Pin
     inspection_.count("pictures_with_the_tag");
     inspection_.set_gauge("distance_m", result.tag->T_camera_tag.translation().z());
     inspection_.set_gauge("yaw_deg", yaw_rad(result.tag->T_camera_tag) * 180.0 / std::numbers::pi);
+    inspection_.set_gauge("tags_used", static_cast<double>(result.tag->seen.size()));
+    inspection_.set_gauge("turn_deviation_deg",
+                          std::sqrt(result.tag->covariance.topLeftCorner<3, 3>().trace()) * 180.0 / std::numbers::pi);
     inspection_.set_gauge("reprojection_px", result.tag->chosen.pose.reprojection_px);
     inspection_.set_gauge("pose_probability", result.tag->chosen.probability);
   }
   if (!inspection_.is_watched(kPicture)) return;
   const TrackedTag* const tag = result.tag ? &*result.tag : nullptr;
-  inspection_.set_picture(kPicture, std::make_shared<const RgbImage>(draw_overlay(
-                                        frame.pixels, detections, tag, settings_.tracking.tag_size_m, lens)));
+  inspection_.set_picture(kPicture,
+                          std::make_shared<const RgbImage>(draw_overlay(frame.pixels, detections, tag, lens)));
 }
 
 bool Tracker::supervise() {

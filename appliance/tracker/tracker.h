@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "appliance/tracker/capture.h"
-#include "appliance/tracker/tag_detector.h"
+#include "appliance/tracker/tag_search.h"
 #include "appliance/tracker/tag_tracking.h"
 #include "appliance/tracker/tour_link.h"
 #include "appliance/tracker/tracker_settings.h"
@@ -40,7 +40,7 @@ class Tracker {
 
  private:
   Tracker(const TrackerSettings& settings, const Clock& clock, InspectionService* inspection,
-          std::unique_ptr<Camera> first_camera, TagDetector detector, std::unique_ptr<TourLink> link);
+          std::unique_ptr<Camera> first_camera, TagSearch search, std::unique_ptr<TourLink> link);
   void detect(const std::stop_token& stop);
   void handle(const Frame& frame);
   void report(const Frame& frame, const TrackingResult& result, const Pinhole& lens,
@@ -50,14 +50,14 @@ class Tracker {
   const TrackerSettings settings_;
   const Clock& clock_;
   InspectionService& inspection_;
-  TagDetector detector_;
+  TagSearch search_;
   TrackingState tracking_;  ///< Of the detect thread.
   std::unique_ptr<TourLink> link_;
   std::unique_ptr<Camera> first_camera_;  ///< Opened at the start, to show mistakes at once; then the capture thread's.
   Capture capture_;
   std::atomic<TimePoint> detect_alive_at_;
   std::atomic<std::uint64_t> pictures_ = 0;
-  std::atomic<int> followed_ = -1;  ///< Id of the tag in the newest picture; -1 without one.
+  std::atomic<int> followed_ = -1;  ///< Wand::id() in the newest picture; -1 without one.
   std::uint64_t counted_pictures_ = 0;
   TimePoint counted_at_{};
   std::string state_;

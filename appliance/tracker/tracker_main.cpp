@@ -4,6 +4,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "appliance/tracker/tracker.h"
 #include "appliance/tracker/tracker_settings.h"
@@ -26,6 +27,7 @@ struct Options {
   std::optional<std::string> osc;
   std::optional<std::string> vrpn;
   std::optional<double> tag_size_mm;
+  std::vector<std::string> wands;
   std::optional<double> field_of_view_deg;
   std::optional<double> decimate;
 };
@@ -38,7 +40,11 @@ void add_options(CLI::App* app, Options* ret) {
   app->add_option("--listen", ret->listen, "Where to show live state to the operator")->type_name("HOST:PORT");
   app->add_option("--osc", ret->osc, "Send each pose here as well, as Open Sound Control")->type_name("HOST:PORT");
   app->add_option("--vrpn", ret->vrpn, "Send each pose here as well, as VRPN's datagrams")->type_name("HOST:PORT");
-  app->add_option("--tag-size-mm", ret->tag_size_mm, "Edge of the tag's black square")->check(CLI::Range(1.0, 10000.0));
+  app->add_option("--tag-size-mm", ret->tag_size_mm, "Follow flat tags instead of wands: edge of the black square")
+      ->check(CLI::Range(1.0, 10000.0));
+  app->add_option("--wand", ret->wands, "Follow the wand that FILE describes (cyclorama wand --describe); repeat it")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   app->add_option("--field-of-view-deg", ret->field_of_view_deg, "Of the picture's width")
       ->check(CLI::Range(1.0, 170.0));
   app->add_option("--decimate", ret->decimate, "Seek tags in a picture this many times smaller")
@@ -55,7 +61,13 @@ Result<TrackerSettings> settings_of(const Options& options) {
   if (options.listen) settings.listen = *options.listen;
   if (options.osc) settings.osc = *options.osc;
   if (options.vrpn) settings.vrpn = *options.vrpn;
-  if (options.tag_size_mm) settings.tracking.tag_size_m = 1e-3 * *options.tag_size_mm;
+  PatternSettings& patterns = settings.tracking.patterns;
+  if (options.tag_size_mm) patterns.flat_tag_size_m = 1e-3 * *options.tag_size_mm;
+  if (!options.wands.empty()) patterns = {};
+  for (const std::string& file : options.wands) {
+    TRY_ASSIGN(Wand wand, read_wand(file));
+    patterns.wands.push_back(std::move(wand));
+  }
   if (options.field_of_view_deg) {
     settings.lens.field_of_view_rad = *options.field_of_view_deg * std::numbers::pi / 180.0;
     settings.lens.focal_px.reset();
@@ -95,7 +107,7 @@ Status run(const Options& options, const StopSignal& stop) {
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-tracker",
-                             "Finds the visitor's tag in a camera's pictures and tells the tour its pose.");
+                             "Finds the visitor's wand in a camera's pictures and tells the tour its pose.");
   cyclorama::Options options;
   add_options(&program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return run(options, stop); });

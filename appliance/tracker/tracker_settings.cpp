@@ -5,6 +5,7 @@
 
 #include "common/base/check.h"
 #include "common/config/config.h"
+#include "common/wand/folded_card.h"
 
 namespace cyclorama {
 namespace {
@@ -25,14 +26,32 @@ void read_camera(ConfigTable camera, TrackerSettings* ret) {
   }
 }
 
-void read_tag(ConfigTable tag, TrackerSettings* ret) {
+/// [tag]: flat tags. [wand]: standard wands, or measured ones.
+Status read_patterns(ConfigTable root, const std::filesystem::path& folder, TrackerSettings* ret) {
+  const bool has_tag = root.has("tag");
+  ConfigTable tag = root.table("tag");
   ret->detector.family = tag.choice("family", tag_families(), ret->detector.family);
-  ret->tracking.tag_size_m = 1e-3 * tag.number("size_mm", {1, 10000}, 1e3 * ret->tracking.tag_size_m);
-  if (tag.has("id")) ret->tracking.only_id = tag.integer("id", {0, 1e6});
+  PatternSettings& patterns = ret->tracking.patterns;
+  if (has_tag) {
+    patterns.flat_tag_size_m = 1e-3 * tag.number("size_mm", {1, 10000}, 120.0);
+    if (tag.has("id")) patterns.only = tag.integer("id", {0, 1e6});
+  }
+  const bool has_wand = root.has("wand");
+  ConfigTable wand = root.table("wand");
+  const std::vector<std::string> files = wand.texts("files", std::vector<std::string>{});
+  if (wand.has("number")) patterns.only = wand.integer("number", {0, kStandardWands - 1});
+  if (has_tag && has_wand) root.refuse("wand", "and [tag] say what visitors hold; remove one");
+  if (!files.empty() && wand.has("number")) wand.refuse("number", "is of the standard wands, and files replace them");
+  for (const std::string& file : files) {
+    TRY_ASSIGN(Wand one, read_wand(folder / file));
+    patterns.wands.push_back(std::move(one));
+  }
+  return Done{};
 }
 
 void read_detector(ConfigTable detector, DetectorSettings* ret) {
   ret->decimate = detector.number("decimate", {1, 8}, ret->decimate);
+  ret->tiles = detector.flag("tiles", ret->tiles);
   ret->threads = detector.integer("threads", {1, 16}, ret->threads);
   ret->refine_edges = detector.flag("refine_edges", ret->refine_edges);
   ret->refine_corners = detector.flag("refine_corners", ret->refine_corners);
@@ -49,15 +68,15 @@ void read_filter(ConfigTable filter, TrackingSettings* ret) {
   OneEuroSettings& rotation = ret->rotation;
   rotation.least_cutoff_hz = filter.number("rotation_cutoff_hz", kCutoff, rotation.least_cutoff_hz);
   rotation.cutoff_per_speed = filter.number("rotation_cutoff_hz_per_rad_s", kPerSpeed, rotation.cutoff_per_speed);
-  ret->chooser.corner_noise_px = filter.number("corner_noise_px", {0.01, 10}, ret->chooser.corner_noise_px);
+  ret->corner_floor_px = filter.number("corner_floor_px", {0.001, 10}, ret->corner_floor_px);
   ret->chooser.memory_s = filter.number("memory_s", {0.01, 60}, ret->chooser.memory_s);
 }
 
-Result<TrackerSettings> from_config(Config* config) {
+Result<TrackerSettings> from_config(Config* config, const std::filesystem::path& folder) {
   TrackerSettings settings;
   ConfigTable root = config->root();
   read_camera(root.table("camera"), &settings);
-  read_tag(root.table("tag"), &settings);
+  const Status patterns = read_patterns(root, folder, &settings);
   read_detector(root.table("detector"), &settings.detector);
   read_filter(root.table("filter"), &settings.tracking);
   settings.tour = root.text("tour", settings.tour);
@@ -65,6 +84,7 @@ Result<TrackerSettings> from_config(Config* config) {
   settings.osc = root.text("osc", settings.osc);
   settings.vrpn = root.text("vrpn", settings.vrpn);
   TRY(config->finish());
+  TRY(patterns);
   return settings;
 }
 
@@ -72,12 +92,12 @@ Result<TrackerSettings> from_config(Config* config) {
 
 Result<TrackerSettings> TrackerSettings::read(const std::filesystem::path& path) {
   TRY_ASSIGN(Config config, Config::read(path));
-  return from_config(&config);
+  return from_config(&config, path.parent_path());
 }
 
 Result<TrackerSettings> TrackerSettings::parse(std::string_view text, std::string name) {
   TRY_ASSIGN(Config config, Config::parse(text, std::move(name)));
-  return from_config(&config);
+  return from_config(&config, {});
 }
 
 Pinhole lens_for(const LensSettings& settings, int width_px, int height_px) {

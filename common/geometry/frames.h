@@ -6,7 +6,10 @@
 ///   Eye        origin at the visitor's eye (the sweet spot); x right, y up, z back: a heading turns it about y.
 ///   Camera     origin at the centre of projection; x right, y down, z forward (the OpenCV convention).
 ///   Projector  as Camera: a projector is a camera whose pixels shine.
-///   Tag        origin at the tag's centre, seen upright from the front: x right, y down, z into the tag.
+///   Tag        of the pattern in the hand, a flat tag or a wand of several: origin at its centre, seen upright from
+///   the
+///              front: x right, y down, z into the pattern.
+///   Face       of one tag on a wand: as Tag, at that tag's centre.
 ///
 /// A pixel is addressed (u, v) with u right, v down and the CENTRE of the first pixel at (0.5, 0.5).
 /// A heading is in radians, positive to the right (clockwise seen from above); at heading 0 the eye looks along -z.
@@ -18,4 +21,5 @@ struct Eye;
 struct Camera;
 struct Projector;
 struct Tag;
+struct Face;
 }  // namespace cyclorama::frame

@@ -16,6 +16,7 @@
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/status_table.h"
 #include "kiosk/operator/summary.h"
+#include "kiosk/operator/wand_command.h"
 
 namespace cyclorama {
 namespace {
@@ -29,6 +30,7 @@ struct Options {
   double patience_s = 180.0;
   double expect_frames = 1.0;
   std::optional<double> started_s;
+  WandCommand wand;
 };
 
 constexpr int kColumns = 6;  // Of wall-over-time.png.
@@ -63,6 +65,7 @@ void add_options(CLI::App& app, Options* options) {
   record.add_option("--started", options->started_s,
                     "When the demo was started, in seconds of Unix time: summary.json then "
                     "tells how long the first picture took");
+  options->wand.add_to(&app);
 }
 
 Status show_status(const Options& options, const std::vector<ProcessLink>& links) {
@@ -150,6 +153,7 @@ Status record(const Options& options, std::vector<ProcessLink> links, const Stop
 }
 
 Status run(const Options& options, const CLI::App& app, const StopSignal& stop) {
+  if (app.got_subcommand("wand")) return options.wand.run();
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));
   if (app.got_subcommand("status")) return show_status(options, links);
@@ -161,7 +165,7 @@ Status run(const Options& options, const CLI::App& app, const StopSignal& stop) 
 }  // namespace cyclorama
 
 int main(int argc, char** argv) {
-  cyclorama::Program program("cyclorama", "The operator's command line: looks at a visit that runs.");
+  cyclorama::Program program("cyclorama", "The operator's command line: looks at a visit that runs, and prints wands.");
   cyclorama::Options options;
   cyclorama::add_options(program.options(), &options);
   return program.run(

@@ -9,8 +9,6 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kNoiseValues = std::size_t{1} << 16;
-
 /// Furniture: rectangles of any grey, some of them dark quads on light ground as tags are, so that a detector has to
 /// work.
 void add_clutter(std::uint32_t seed, Image<float, 1>* ret_picture) {
@@ -51,14 +49,9 @@ Image<float, 1> make_backdrop(const Simulation& simulation) {
 
 SimulatedView::SimulatedView(Simulation simulation)
     : simulation_(std::move(simulation)),
-      painter_(simulation_.tag_id, simulation_.tag_size_m),
-      backdrop_(make_backdrop(simulation_)) {
-  if (simulation_.noise_grey <= 0.0) return;
-  std::mt19937 random(simulation_.seed);
-  std::normal_distribution<float> normal(0.0f, static_cast<float>(simulation_.noise_grey));
-  noise_.resize(kNoiseValues);
-  std::generate(noise_.begin(), noise_.end(), [&] { return normal(random); });
-}
+      painter_(simulation_.wand),
+      backdrop_(make_backdrop(simulation_)),
+      sensor_(simulation_.noise_grey, simulation_.seed) {}
 
 GreyImage SimulatedView::picture(std::uint64_t sequence) const {
   Image<float, 1> light = backdrop_;
@@ -69,19 +62,7 @@ GreyImage SimulatedView::picture(std::uint64_t sequence) const {
   }
   painter_.paint(poses, simulation_.lens, &light);
 
-  std::seed_seq seeds{simulation_.seed, static_cast<std::uint32_t>(sequence),
-                      static_cast<std::uint32_t>(sequence >> 32)};
-  std::mt19937 random(seeds);
-  const auto gain = static_cast<float>(simulation_.brightness);
-  GreyImage grey(light.width(), light.height());
-  for (int y = 0; y < grey.height(); ++y) {
-    std::size_t next_noise = random() % kNoiseValues;
-    for (int x = 0; x < grey.width(); ++x) {
-      const float noise = noise_.empty() ? 0.0f : noise_[next_noise++ % kNoiseValues];
-      *grey.at(x, y) = static_cast<std::uint8_t>(std::clamp(gain * *light.at(x, y) + noise + 0.5f, 0.0f, 255.0f));
-    }
-  }
-  return grey;
+  return sensor_.expose(light, simulation_.brightness, sequence);
 }
 
 SimulatedCamera::SimulatedCamera(Simulation simulation, const Clock& clock)

@@ -7,6 +7,7 @@
 
 #include "drivers/camera/camera.h"
 #include "drivers/camera/pace.h"
+#include "drivers/camera/simulated/sensor.h"
 #include "drivers/camera/simulated/simulation.h"
 #include "drivers/camera/simulated/tag_painter.h"
 
@@ -24,7 +25,7 @@ class SimulatedView {
   Simulation simulation_;
   TagPainter painter_;
   Image<float, 1> backdrop_;
-  std::vector<float> noise_;  ///< Normal deviates, read from another place for every row of every picture.
+  Sensor sensor_;
 };
 
 /// A camera that sees a hand with a tag, in real time. What it knows leaves it as pixels only. Thread-bound, but for

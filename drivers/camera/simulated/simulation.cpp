@@ -36,6 +36,19 @@ void read_backdrop(ConfigTable backdrop, Simulation* ret) {
   ret->backdrop_grey = backdrop.number("grey", {0, 255}, ret->backdrop_grey);
 }
 
+/// [tag]: a flat tag instead of a wand.
+void read_pattern(ConfigTable root, Simulation* ret) {
+  const bool has_wand = root.has("wand");
+  const bool has_tag = root.has("tag");
+  const int number = root.table("wand").integer("number", {0, kStandardWands - 1}, 0);
+  ret->wand = standard_wand(number);
+  if (!has_tag) return;
+  if (has_wand) root.refuse("wand", "and [tag] say what the hand holds; remove one");
+  ConfigTable tag = root.table("tag");
+  const int id = tag.integer("id", {0, kLastTagId}, 0);
+  ret->wand = flat_tag(id, 1e-3 * tag.number("size_mm", {1, 10000}, 120.0));
+}
+
 void read_path(ConfigTable path, Simulation* ret) {
   std::vector<KeyPose> keys;
   for (ConfigTable table : path.tables("key")) {
@@ -68,9 +81,7 @@ Result<Simulation> from_config(Config* config) {
   ConfigTable root = config->root();
   read_camera(root.table("camera"), &simulation);
   read_backdrop(root.table("backdrop"), &simulation);
-  ConfigTable tag = root.table("tag");
-  simulation.tag_id = tag.integer("id", {0, kLastTagId}, simulation.tag_id);
-  simulation.tag_size_m = 1e-3 * tag.number("size_mm", {1, 10000}, 1e3 * simulation.tag_size_m);
+  read_pattern(root, &simulation);
   read_path(root.table("path"), &simulation);
   TRY(config->finish());
   return simulation;

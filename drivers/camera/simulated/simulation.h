@@ -8,6 +8,7 @@
 
 #include "common/base/result.h"
 #include "common/room/pinhole.h"
+#include "common/wand/folded_card.h"
 #include "drivers/camera/simulated/hand_path.h"
 
 namespace cyclorama {
@@ -27,8 +28,7 @@ struct Simulation {
   std::uint32_t seed = 1;   ///< Of noise and clutter.
   Backdrop backdrop = Backdrop::kClutter;
   double backdrop_grey = 90.0;
-  int tag_id = 0;
-  double tag_size_m = 0.12;  ///< Edge of the black square.
+  Wand wand = standard_wand(0);
   HandPath path = HandPath::demo();
 
   /// From TOML; docs/design/tracker.md lists the keys, and an absent key has the value above.

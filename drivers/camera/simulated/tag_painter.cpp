@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drivers/camera/simulated/tag_painter.h"
 
-extern "C" {
-#include <apriltag/apriltag.h>
-#include <apriltag/tag36h11.h>
-}
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstdlib>
 
 #include "common/base/check.h"
+#include "common/wand/tag_bitmap.h"
 
 namespace cyclorama {
 namespace {
@@ -24,11 +18,15 @@ constexpr float kInkGrey = 18.0f;
 constexpr float kPaperGrey = 225.0f;
 constexpr float kSkinGrey = 150.0f;
 constexpr float kSleeveGrey = 60.0f;
-/// The scene around the tag, in tag sizes: card, thumb on its lower edge, arm below.
+/// Half of a panel, in tag sizes: of a card in the hand, and of a folded one, whose panels are little more than the
+/// tags with their borders.
 constexpr double kCardHalf = 0.78;
-constexpr double kSceneHalfWidth = 0.80;
-constexpr double kSceneTop = -0.80;
-constexpr double kSceneBottom = 2.6;
+constexpr double kPanelHalf = 0.642;
+/// The hand, in units of 0.12 m below a flat card whose tag has that size.
+constexpr double kHandUnitM = 0.12;
+constexpr double kHandHalfWidth = 0.80;
+constexpr double kHandBottom = 2.6;
+
 bool in_ellipse(double x, double y, double centre_x, double centre_y, double radius_x, double radius_y) {
   const double dx = (x - centre_x) / radius_x;
   const double dy = (y - centre_y) / radius_y;
@@ -64,12 +62,12 @@ std::vector<Sample> samples_of(std::size_t moments) {
   return samples;
 }
 
-/// The pixels that the painted scene can touch, for a map from its plane (in tag sizes) to the picture.
-Box box_of(const Eigen::Matrix3d& to_image, const Pinhole& lens) {
+/// The pixels that a box of a plane can touch, for a map from that plane to the picture.
+Box box_of(const Eigen::Matrix3d& to_image, const Eigen::AlignedBox2d& scene, const Pinhole& lens) {
   const Box all{0, 0, lens.width_px, lens.height_px};
   Eigen::AlignedBox2d around;
-  for (const double y : {kSceneTop, kSceneBottom}) {
-    for (const double x : {-kSceneHalfWidth, kSceneHalfWidth}) {
+  for (const double y : {scene.min().y(), scene.max().y()}) {
+    for (const double x : {scene.min().x(), scene.max().x()}) {
       const Eigen::Vector3d corner = to_image * Eigen::Vector3d(x, y, 1.0);
       if (!(corner.z() > 1e-6)) return all;
       around.extend(Eigen::Vector2d(corner.x() / corner.z(), corner.y() / corner.z()));
@@ -80,74 +78,119 @@ Box box_of(const Eigen::Matrix3d& to_image, const Pinhole& lens) {
           clamped(std::ceil(around.max().x()), lens.width_px), clamped(std::ceil(around.max().y()), lens.height_px)};
 }
 
-/// Plane (x, y, 1) in tag sizes to homogeneous pixels.
-Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Tag>& pose, double size_m,
+/// Plane (x, y, 1) in units to homogeneous pixels.
+Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Face>& pose, double unit_m,
                                const Pinhole& lens) {
   const Eigen::Matrix3d rotation = pose.rotation().toRotationMatrix();
   Eigen::Matrix3d plane;
-  plane << size_m * rotation.col(0), size_m * rotation.col(1), pose.translation();
+  plane << unit_m * rotation.col(0), unit_m * rotation.col(1), pose.translation();
   Eigen::Matrix3d k;
   k << lens.focal_px, 0.0, lens.centre_u_px, 0.0, lens.focal_px, lens.centre_v_px, 0.0, 0.0, 1.0;
   return k * plane;
 }
 
+/// One panel at one moment.
+struct SeenPanel {
+  Eigen::Matrix3d to_plane;
+  bool from_behind;
+};
+
 }  // namespace
 
-TagPainter::TagPainter(int id, double size_m) : size_m_(size_m) {
-  apriltag_family_t* const family = tag36h11_create();
-  CHECK(size_m > 0.0 && id >= 0 && id < static_cast<int>(family->ncodes));
-  // 16 bits: Debian 12's library takes an int here, Debian 13's an unsigned.
-  image_u8_t* const image = apriltag_to_image(family, static_cast<std::uint16_t>(id));
-  cells_ = image->width;
-  bitmap_width_ = static_cast<double>(family->total_width) / family->width_at_border;
-  for (int y = 0; y < image->height; ++y) {
-    for (int x = 0; x < image->width; ++x)
-      bitmap_.push_back(image->buf[y * image->stride + x] > 127 ? kPaperGrey : kInkGrey);
+TagPainter::TagPainter(const Wand& wand) {
+  CHECK(!wand.tags.empty());
+  const bool alone = wand.tags.size() == 1;
+  double bottom = -1e9;
+  for (const WandTag& tag : wand.tags) {
+    CHECK(tag.size_m > 0.0);
+    const TagBitmap bitmap = tag_bitmap(tag.id);
+    Panel panel{face_of(tag), tag.size_m, alone ? kCardHalf : kPanelHalf, {}, bitmap.cells, bitmap.width_in_tags,
+                {},           alone};
+    panel.box.extend(Eigen::Vector2d(-panel.half, -panel.half));
+    panel.box.extend(Eigen::Vector2d(panel.half, alone ? 1.0 : panel.half));
+    for (const bool white : bitmap.white) panel.bitmap.push_back(white ? kPaperGrey : kInkGrey);
+    panels_.push_back(std::move(panel));
+    for (const Eigen::Vector3d& corner : tag.corners) bottom = std::max(bottom, corner.y());
   }
-  // What image_u8_destroy() does; Debian's library keeps that one to itself.
-  std::free(image->buf);
-  std::free(image);
-  tag36h11_destroy(family);
+  // A hand's own size, but for a card that is held with two fingers.
+  const double unit_m = alone ? wand.tags[0].size_m : kHandUnitM;
+  Panel hand{{Eigen::Quaterniond::Identity(), {0.0, alone ? 0.0 : bottom + 0.01 - kCardHalf * unit_m, 0.0}},
+             unit_m,
+             0.0,
+             {},
+             0,
+             0.0,
+             {},
+             false};
+  hand.box.extend(Eigen::Vector2d(-kHandHalfWidth, 0.6));
+  hand.box.extend(Eigen::Vector2d(kHandHalfWidth, kHandBottom));
+  panels_.push_back(std::move(hand));
 }
 
-float TagPainter::grey_at(double x, double y) const {
-  // The thumb stays off the white border, which a detector needs.
-  if (y > bitmap_width_ / 2.0 && in_ellipse(x, y, 0.32, 0.80, 0.10, 0.16)) return kSkinGrey;
-  if (std::abs(x) <= kCardHalf && std::abs(y) <= kCardHalf) {
-    const int cell_x = static_cast<int>(std::floor((x / bitmap_width_ + 0.5) * cells_));
-    const int cell_y = static_cast<int>(std::floor((y / bitmap_width_ + 0.5) * cells_));
-    if (cell_x < 0 || cell_y < 0 || cell_x >= cells_ || cell_y >= cells_) return kPaperGrey;
-    return bitmap_[static_cast<std::size_t>(cell_y * cells_ + cell_x)];
+float TagPainter::Panel::grey_at(double x, double y) const {
+  if (cells == 0) {
+    if (in_ellipse(x, y, 0.25, 0.98, 0.28, 0.30)) return kSkinGrey;
+    if (y > 1.1 && y < kHandBottom && std::abs(x - 0.25) < 0.20 + 0.05 * (y - 1.1)) return kSleeveGrey;
+    return kNothing;
   }
-  if (in_ellipse(x, y, 0.25, 0.98, 0.28, 0.30)) return kSkinGrey;
-  if (y > 1.1 && y < kSceneBottom && std::abs(x - 0.25) < 0.20 + 0.05 * (y - 1.1)) return kSleeveGrey;
-  return kNothing;
+  // The thumb stays off the white border, which a detector needs.
+  if (has_thumb && y > bitmap_width / 2.0 && in_ellipse(x, y, 0.32, 0.80, 0.10, 0.16)) return kSkinGrey;
+  if (!(std::abs(x) <= half && std::abs(y) <= half)) return kNothing;
+  const int cell_x = static_cast<int>(std::floor((x / bitmap_width + 0.5) * cells));
+  const int cell_y = static_cast<int>(std::floor((y / bitmap_width + 0.5) * cells));
+  if (cell_x < 0 || cell_y < 0 || cell_x >= cells || cell_y >= cells) return kPaperGrey;
+  return bitmap[static_cast<std::size_t>(cell_y * cells + cell_x)];
 }
 
 void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Tag>>& poses, const Pinhole& lens,
                        Image<float, 1>* picture) const {
   CHECK(!poses.empty() && picture->width() == lens.width_px && picture->height() == lens.height_px);
-  std::vector<Eigen::Matrix3d> to_plane;
+  std::vector<SeenPanel> seen;  // By moment, then panel.
+  std::vector<Box> boxes(panels_.size(), Box{lens.width_px, lens.height_px, 0, 0});
   Box box{lens.width_px, lens.height_px, 0, 0};
+  const auto join = [](const Box& a, const Box& b) {
+    return Box{std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
+               std::max(a.bottom, b.bottom)};
+  };
   for (const auto& pose : poses) {
-    const Eigen::Matrix3d to_image = plane_to_image(pose, size_m_, lens);
-    // Edge on, the card has no area: no ray meets it, which a zero matrix says.
-    const bool has_area = std::abs(to_image.determinant()) > 1e-12;
-    to_plane.push_back(has_area ? Eigen::Matrix3d(to_image.inverse()) : Eigen::Matrix3d(Eigen::Matrix3d::Zero()));
-    const Box one = box_of(to_image, lens);
-    box = {std::min(box.left, one.left), std::min(box.top, one.top), std::max(box.right, one.right),
-           std::max(box.bottom, one.bottom)};
+    for (std::size_t i = 0; i < panels_.size(); ++i) {
+      const auto T_camera_face = pose * panels_[i].T_tag_face;
+      const Eigen::Matrix3d to_image = plane_to_image(T_camera_face, panels_[i].unit_m, lens);
+      // Edge on, a panel has no area: no ray meets it, which a zero matrix says.
+      const bool has_area = std::abs(to_image.determinant()) > 1e-12;
+      const Eigen::Vector3d into = T_camera_face.rotation() * Eigen::Vector3d::UnitZ();
+      seen.push_back({has_area ? Eigen::Matrix3d(to_image.inverse()) : Eigen::Matrix3d(Eigen::Matrix3d::Zero()),
+                      into.dot(T_camera_face.translation()) < 0.0});
+      boxes[i] = join(boxes[i], box_of(to_image, panels_[i].box, lens));
+    }
   }
+  for (const Box& one : boxes) box = join(box, one);
   const std::vector<Sample> samples = samples_of(poses.size());
+  std::vector<std::size_t> here;
   for (int v = box.top; v < box.bottom; ++v) {
     for (int u = box.left; u < box.right; ++u) {
+      here.clear();
+      for (std::size_t i = 0; i < panels_.size(); ++i) {
+        if (u >= boxes[i].left && u < boxes[i].right && v >= boxes[i].top && v < boxes[i].bottom) here.push_back(i);
+      }
+      if (here.empty()) continue;
       float* const grey = picture->at(u, v);
       float sum = 0.0f;
       for (const Sample& sample : samples) {
-        const Eigen::Vector3d plane = to_plane[sample.moment] * Eigen::Vector3d(u + sample.du, v + sample.dv, 1.0);
-        // z is 1 / depth: a ray that meets the plane behind the lens sees nothing of it.
-        const float seen = plane.z() > 0.0 ? grey_at(plane.x() / plane.z(), plane.y() / plane.z()) : kNothing;
-        sum += seen < 0.0f ? *grey : seen;
+        const Eigen::Vector3d pixel(u + sample.du, v + sample.dv, 1.0);
+        float nearest = *grey;
+        double nearness = 0.0;
+        for (const std::size_t i : here) {
+          const SeenPanel& panel = seen[sample.moment * panels_.size() + i];
+          const Eigen::Vector3d plane = panel.to_plane * pixel;
+          // z is 1 / depth: a ray that meets the plane behind the lens sees nothing of it.
+          if (!(plane.z() > nearness)) continue;
+          const float there = panels_[i].grey_at(plane.x() / plane.z(), plane.y() / plane.z());
+          if (there < 0.0f) continue;
+          nearest = panel.from_behind && panels_[i].cells > 0 ? kPaperGrey : there;
+          nearness = plane.z();
+        }
+        sum += nearest;
       }
       *grey = sum / static_cast<float>(samples.size());
     }

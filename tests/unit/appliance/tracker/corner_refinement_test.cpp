@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -39,7 +42,7 @@ TEST(RefineCorners, brings_corners_that_are_off_back_to_the_edges) {
   for (int i = 0; i < 100; ++i) {
     Corners corners = true_corners();
     for (Eigen::Vector2d& corner : corners) corner += Eigen::Vector2d(off(random), off(random));
-    EXPECT_LT(farthest(refine_corners(picture, corners, kCells), true_corners()), 0.12);
+    EXPECT_LT(farthest(refine_corners(picture, corners, kCells).places, true_corners()), 0.12);
   }
 }
 
@@ -50,14 +53,37 @@ TEST(RefineCorners, is_not_pulled_by_a_finger_on_the_edge) {
   for (int y = -6; y <= 6; ++y) {
     for (int x = -6; x <= 6; ++x) *picture.at(static_cast<int>(middle.x()) + x, static_cast<int>(middle.y()) + y) = 140;
   }
-  EXPECT_LT(farthest(refine_corners(picture, truth, kCells), truth), 0.3);
+  EXPECT_LT(farthest(refine_corners(picture, truth, kCells).places, truth), 0.3);
+}
+
+TEST(RefineCorners, knows_how_far_off_it_is) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 4.0);
+  const GreyImage clean = painted_tag(7, kPose, kLens);
+  const Corners truth = true_corners();
+  double squares = 0.0;
+  constexpr int kTimes = 100;
+  for (int i = 0; i < kTimes; ++i) {
+    GreyImage picture = clean;
+    for (std::uint8_t& grey : picture.data()) {
+      grey = static_cast<std::uint8_t>(std::clamp(std::lround(grey + noise(random)), 0L, 255L));
+    }
+    const RefinedCorners refined = refine_corners(picture, truth, kCells);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d error = refined.places[k] - truth[k];
+      squares += error.dot(refined.covariance[k].inverse() * error) / (8.0 * kTimes);
+    }
+  }
+  // Mean square error in units of the covariance: 1 where it is right.
+  EXPECT_GT(squares, 0.2);
+  EXPECT_LT(squares, 3.0);
 }
 
 TEST(RefineCorners, leaves_corners_alone_where_there_is_no_edge) {
   const GreyImage flat(640, 480, 90);
-  EXPECT_EQ(refine_corners(flat, true_corners(), kCells), true_corners());
-  EXPECT_EQ(refine_corners(GreyImage(), true_corners(), kCells), true_corners());
-  EXPECT_EQ(refine_corners(GreyImage(1, 1), true_corners(), kCells), true_corners());
+  EXPECT_EQ(refine_corners(flat, true_corners(), kCells).places, true_corners());
+  EXPECT_EQ(refine_corners(GreyImage(), true_corners(), kCells).places, true_corners());
+  EXPECT_EQ(refine_corners(GreyImage(1, 1), true_corners(), kCells).places, true_corners());
 }
 
 TEST(RefineCorners, answers_any_corners_with_finite_ones_that_are_near) {
@@ -68,12 +94,14 @@ TEST(RefineCorners, answers_any_corners_with_finite_ones_that_are_near) {
     Corners corners;
     for (Eigen::Vector2d& corner : corners) corner = {any(random), any(random)};
     if (i % 7 == 0) corners[1] = corners[0];
-    EXPECT_LE(farthest(refine_corners(picture, corners, kCells), corners), 2.0);
+    const RefinedCorners refined = refine_corners(picture, corners, kCells);
+    EXPECT_LE(farthest(refined.places, corners), 2.0);
+    for (const Eigen::Matrix2d& covariance : refined.covariance) EXPECT_TRUE(covariance.allFinite());
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Corners broken = true_corners();
   broken[2] = {nan, nan};
-  const Corners refined = refine_corners(picture, broken, kCells);
+  const Corners refined = refine_corners(picture, broken, kCells).places;
   EXPECT_EQ(refined[0], broken[0]);
 }
 

@@ -13,7 +13,11 @@ using std::chrono::milliseconds;
 const TimePoint kStart(std::chrono::seconds(1000));
 
 TagPose pose(double yaw_rad, double error_px) {
-  return {{Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY())), {0, 0, 2}}, error_px};
+  // Four corners, known to 0.15 px.
+  return {{Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY())), {0, 0, 2}},
+          error_px,
+          4.0 * error_px * error_px / (0.15 * 0.15),
+          Matrix6d::Zero()};
 }
 
 /// As estimate_poses() orders them.

@@ -5,6 +5,9 @@
 
 #include <limits>
 
+#include "appliance/tracker/tag_pose.h"
+#include "common/wand/folded_card.h"
+
 namespace cyclorama {
 namespace {
 
@@ -21,13 +24,20 @@ TagDetection tag(int id, double x_m, double z_m) {
   return detection;
 }
 
+/// Flat tags of 0.12 m.
+TrackingSettings flat() {
+  TrackingSettings settings;
+  settings.patterns.flat_tag_size_m = 0.12;
+  return settings;
+}
+
 std::optional<int> id_of(const TrackingResult& result) {
-  return result.tag ? std::optional<int>(result.tag->detection.id) : std::nullopt;
+  return result.tag ? std::optional<int>(result.tag->wand.id()) : std::nullopt;
 }
 
 TEST(Track, gives_the_pose_of_the_tag_in_the_picture) {
   const std::vector<TagDetection> seen{tag(4, 0.2, 0.9)};
-  const auto result = track({}, {}, seen, kLens, kStart);
+  const auto result = track(flat(), {}, seen, kLens, kStart);
   ASSERT_TRUE(result.tag.has_value());
   EXPECT_LT((result.tag->T_camera_tag.translation() - Eigen::Vector3d(0.2, 0.0, 0.9)).norm(), 1e-4);
   EXPECT_LT(result.tag->chosen.pose.reprojection_px, 1e-3);
@@ -36,26 +46,26 @@ TEST(Track, gives_the_pose_of_the_tag_in_the_picture) {
 TEST(Track, stays_with_its_tag_when_a_larger_one_comes) {
   const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
   const std::vector<TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
-  const auto before = track({}, {}, first, kLens, kStart);
-  EXPECT_EQ(id_of(track({}, before.state, both, kLens, kStart + milliseconds(33))), 4);
-  EXPECT_EQ(id_of(track({}, {}, both, kLens, kStart)), 9);
+  const auto before = track(flat(), {}, first, kLens, kStart);
+  EXPECT_EQ(id_of(track(flat(), before.state, both, kLens, kStart + milliseconds(33))), 4);
+  EXPECT_EQ(id_of(track(flat(), {}, both, kLens, kStart)), 9);
 }
 
 TEST(Track, takes_another_tag_only_once_its_own_was_lost_for_a_while) {
   const std::vector<TagDetection> own{tag(4, 0.2, 0.9)};
   const std::vector<TagDetection> other{tag(9, -0.2, 0.5)};
-  const auto before = track({}, {}, own, kLens, kStart);
-  const auto soon = track({}, before.state, other, kLens, kStart + milliseconds(100));
+  const auto before = track(flat(), {}, own, kLens, kStart);
+  const auto soon = track(flat(), before.state, other, kLens, kStart + milliseconds(100));
   EXPECT_EQ(id_of(soon), std::nullopt);
-  const auto later = track({}, soon.state, other, kLens, kStart + milliseconds(300));
+  const auto later = track(flat(), soon.state, other, kLens, kStart + milliseconds(300));
   ASSERT_EQ(id_of(later), 9);
   // And begins anew with it: nothing of the first tag's place is left.
   EXPECT_LT((later.tag->T_camera_tag.translation() - Eigen::Vector3d(-0.2, 0.0, 0.5)).norm(), 1e-4);
 }
 
 TEST(Track, sees_no_tag_but_the_one_that_it_was_told) {
-  TrackingSettings settings;
-  settings.only_id = 4;
+  TrackingSettings settings = flat();
+  settings.patterns.only = 4;
   const std::vector<TagDetection> other{tag(9, -0.2, 0.5)};
   const std::vector<TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
   EXPECT_EQ(id_of(track(settings, {}, other, kLens, kStart)), std::nullopt);
@@ -67,8 +77,8 @@ TEST(Track, leaves_its_state_alone_when_the_corners_are_impossible) {
   broken.corners[1].x() = std::numeric_limits<double>::quiet_NaN();
   const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
   const std::vector<TagDetection> bad{broken};
-  const auto before = track({}, {}, first, kLens, kStart);
-  const auto result = track({}, before.state, bad, kLens, kStart + milliseconds(33));
+  const auto before = track(flat(), {}, first, kLens, kStart);
+  const auto result = track(flat(), before.state, bad, kLens, kStart + milliseconds(33));
   EXPECT_FALSE(result.tag.has_value());
   EXPECT_EQ(result.state.seen_at, kStart);
 }
@@ -76,10 +86,59 @@ TEST(Track, leaves_its_state_alone_when_the_corners_are_impossible) {
 TEST(Track, answers_a_repeated_time_with_the_same_pose) {
   const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
   const std::vector<TagDetection> moved{tag(4, 0.0, 0.9)};
-  const auto before = track({}, {}, first, kLens, kStart);
-  const auto again = track({}, before.state, moved, kLens, kStart);
+  const auto before = track(flat(), {}, first, kLens, kStart);
+  const auto again = track(flat(), before.state, moved, kLens, kStart);
   ASSERT_TRUE(again.tag.has_value());
   EXPECT_EQ(again.tag->T_camera_tag.translation(), before.tag->T_camera_tag.translation());
+}
+
+std::vector<TagDetection> wand_at(int number, const Eigen::Vector3d& place) {
+  std::vector<TagDetection> seen;
+  for (const WandTag& tag : standard_wand(number).tags) {
+    TagDetection detection{tag.id, 0, 80.0, {}};
+    for (std::size_t i = 0; i < 4; ++i) detection.corners[i] = *kLens.pixel_of(tag.corners[i] + place);
+    seen.push_back(detection);
+  }
+  return seen;
+}
+
+TEST(Track, follows_a_standard_wand_by_all_its_tags_and_says_how_surely) {
+  auto seen = wand_at(3, {0.1, 0.0, 1.1});
+  const auto result = track({}, {}, seen, kLens, kStart);
+  ASSERT_EQ(id_of(result), 9);
+  EXPECT_EQ(result.tag->seen.size(), 3U);
+  EXPECT_LT((result.tag->T_camera_tag.translation() - Eigen::Vector3d(0.1, 0.0, 1.1)).norm(), 1e-4);
+  EXPECT_GT(result.tag->covariance(1, 1), 0.0);
+  // The wand's name does not depend on which of its tags are seen.
+  seen.erase(seen.begin());
+  EXPECT_EQ(id_of(track({}, result.state, seen, kLens, kStart + milliseconds(33))), 9);
+}
+
+TEST(Track, stays_with_its_wand_when_another_comes_nearer) {
+  const auto first = wand_at(3, {0.2, 0.0, 1.1});
+  auto both = wand_at(4, {-0.2, 0.0, 0.8});
+  both.insert(both.end(), first.begin(), first.end());
+  const auto before = track({}, {}, first, kLens, kStart);
+  EXPECT_EQ(id_of(track({}, before.state, both, kLens, kStart + milliseconds(33))), 9);
+  EXPECT_EQ(id_of(track({}, {}, both, kLens, kStart)), 12);
+}
+
+TEST(Track, does_not_mix_two_cards_of_one_number) {
+  auto both = wand_at(3, {0.35, 0.0, 1.1});
+  const auto other = wand_at(3, {-0.35, 0.0, 1.2});
+  both.insert(both.end(), other.begin(), other.end());
+  const auto result = track({}, {}, both, kLens, kStart);
+  ASSERT_EQ(id_of(result), 9);
+  EXPECT_LT((result.tag->T_camera_tag.translation() - Eigen::Vector3d(0.35, 0.0, 1.1)).norm(), 1e-4);
+}
+
+TEST(Track, knows_measured_wands_and_no_others) {
+  TrackingSettings settings;
+  settings.patterns.wands = {flat_tag(500, 0.2)};
+  EXPECT_EQ(id_of(track(settings, {}, wand_at(3, {0.1, 0.0, 1.1}), kLens, kStart)), std::nullopt);
+  EXPECT_EQ(settings.patterns.pattern_of(500)->tags[0].size_m, 0.2);
+  EXPECT_FALSE(TrackingSettings().patterns.pattern_of(586).has_value()) << "the 587 tags leave two over";
+  EXPECT_TRUE(TrackingSettings().patterns.pattern_of(584).has_value());
 }
 
 }  // namespace

@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "common/wand/folded_card.h"
+
 namespace cyclorama {
 namespace {
 
@@ -20,7 +24,7 @@ TEST(TrackerSettings, has_the_demo_s_values_when_nothing_is_said) {
   ASSERT_TRUE(settings.has_value());
   const TrackerSettings defaults;
   EXPECT_EQ(settings->camera, defaults.camera);
-  EXPECT_EQ(settings->tracking.tag_size_m, defaults.tracking.tag_size_m);
+  EXPECT_FALSE(settings->tracking.patterns.flat_tag_size_m.has_value());
   EXPECT_EQ(settings->detector.decimate, defaults.detector.decimate);
   EXPECT_NEAR(settings->lens.field_of_view_rad, defaults.lens.field_of_view_rad, 1e-12);
 }
@@ -41,6 +45,7 @@ TEST(TrackerSettings, reads_every_key) {
     [detector]
     decimate = 2.5
     threads = 2
+    tiles = false
     refine_edges = false
     refine_corners = false
     most_hamming = 1
@@ -50,7 +55,7 @@ TEST(TrackerSettings, reads_every_key) {
     position_cutoff_hz_per_m_s = 4
     rotation_cutoff_hz = 5
     rotation_cutoff_hz_per_rad_s = 6
-    corner_noise_px = 0.3
+    corner_floor_px = 0.3
     memory_s = 2
   )",
                                                "tracker.toml");
@@ -58,10 +63,11 @@ TEST(TrackerSettings, reads_every_key) {
   EXPECT_EQ(settings->camera, "file:photos");
   EXPECT_EQ(settings->name, "left");
   EXPECT_EQ(settings->detector.family, "tag25h9");
-  EXPECT_EQ(settings->tracking.tag_size_m, 0.09);
-  EXPECT_EQ(settings->tracking.only_id, 3);
+  EXPECT_EQ(settings->tracking.patterns.flat_tag_size_m, 0.09);
+  EXPECT_EQ(settings->tracking.patterns.only, 3);
   EXPECT_EQ(settings->detector.decimate, 2.5);
   EXPECT_EQ(settings->detector.threads, 2);
+  EXPECT_FALSE(settings->detector.tiles);
   EXPECT_FALSE(settings->detector.refine_edges);
   EXPECT_FALSE(settings->detector.refine_corners);
   EXPECT_EQ(settings->detector.most_hamming, 1);
@@ -70,7 +76,7 @@ TEST(TrackerSettings, reads_every_key) {
   EXPECT_EQ(settings->tracking.position.cutoff_per_speed, 4.0);
   EXPECT_EQ(settings->tracking.rotation.least_cutoff_hz, 5.0);
   EXPECT_EQ(settings->tracking.rotation.cutoff_per_speed, 6.0);
-  EXPECT_EQ(settings->tracking.chooser.corner_noise_px, 0.3);
+  EXPECT_EQ(settings->tracking.corner_floor_px, 0.3);
   EXPECT_EQ(settings->tracking.chooser.memory_s, 2.0);
   EXPECT_EQ(settings->tour, "[::1]:1");
   EXPECT_EQ(settings->listen, "[::1]:2");
@@ -78,6 +84,20 @@ TEST(TrackerSettings, reads_every_key) {
   EXPECT_EQ(lens.focal_px, 700.0);
   EXPECT_EQ(lens.centre_u_px, 310.0);
   EXPECT_EQ(lens.centre_v_px, 250.0);
+}
+
+TEST(TrackerSettings, reads_which_wands_visitors_hold) {
+  EXPECT_EQ(TrackerSettings::parse("[wand]\nnumber = 4\n", "t")->tracking.patterns.only, 4);
+  const std::filesystem::path folder = testing::TempDir();
+  std::ofstream(folder / "blue.toml") << wand_toml(standard_wand(9));
+  std::ofstream(folder / "tracker.toml") << "[wand]\nfiles = [\"blue.toml\"]\n";
+  const auto settings = TrackerSettings::read(folder / "tracker.toml");
+  ASSERT_TRUE(settings.has_value()) << settings.error().message();
+  ASSERT_EQ(settings->tracking.patterns.wands.size(), 1U);
+  EXPECT_EQ(settings->tracking.patterns.wands[0].id(), 27);
+  EXPECT_THAT(mistake_in("[wand]\nfiles = [\"no-such-file.toml\"]\n"), HasSubstr("no-such-file.toml"));
+  EXPECT_THAT(mistake_in("[wand]\nnumber = 1\nfiles = [\"no-such-file.toml\"]\n"), HasSubstr("tracker.toml:2:"));
+  EXPECT_THAT(mistake_in("[tag]\nid = 1\n[wand]\nnumber = 1\n"), HasSubstr("remove one"));
 }
 
 TEST(TrackerSettings, names_the_line_of_a_mistake) {

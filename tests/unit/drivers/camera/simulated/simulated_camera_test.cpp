@@ -24,6 +24,7 @@ Simulation plain() {
   simulation.backdrop = Backdrop::kPlain;
   simulation.noise_grey = 0.0;
   simulation.path = still_at({0.0, 0.0, 0.8});
+  simulation.wand = flat_tag(0, 0.12);
   return simulation;
 }
 

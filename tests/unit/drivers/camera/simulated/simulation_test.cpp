@@ -19,6 +19,8 @@ TEST(Simulation, is_the_demo_when_nothing_is_said) {
   const auto simulation = Simulation::parse("", "hand.toml");
   ASSERT_TRUE(simulation.has_value()) << simulation.error().message();
   EXPECT_EQ(simulation->lens.width_px, 640);
+  EXPECT_EQ(simulation->wand.tags.size(), 3U);
+  EXPECT_EQ(Simulation::parse("[wand]\nnumber = 5\n", "hand.toml")->wand.id(), 15);
   EXPECT_EQ(simulation->path.duration_s(), HandPath::demo().duration_s());
 }
 
@@ -63,8 +65,9 @@ TEST(Simulation, reads_every_key) {
   EXPECT_EQ(simulation->seed, 7U);
   EXPECT_EQ(simulation->backdrop, Backdrop::kPlain);
   EXPECT_EQ(simulation->backdrop_grey, 40.0);
-  EXPECT_EQ(simulation->tag_id, 3);
-  EXPECT_EQ(simulation->tag_size_m, 0.08);
+  ASSERT_EQ(simulation->wand.tags.size(), 1U);
+  EXPECT_EQ(simulation->wand.id(), 3);
+  EXPECT_EQ(simulation->wand.tags[0].size_m, 0.08);
   EXPECT_EQ(simulation->path.duration_s(), 2.0);
   EXPECT_TRUE(simulation->path.at(0).translation().isApprox(Eigen::Vector3d(0.1, 0.2, 0.9)));
 }
@@ -76,6 +79,7 @@ TEST(Simulation, names_the_line_of_a_mistake) {
   EXPECT_THAT(mistake_in("[camera]\nexposure_ms = 100\n"), HasSubstr("longer than the time between two frames"));
   EXPECT_THAT(mistake_in("[backdrop]\nkind = \"garden\"\n"), HasSubstr("hand.toml:2:"));
   EXPECT_THAT(mistake_in("[tag]\nid = 587\n"), HasSubstr("hand.toml:2:"));
+  EXPECT_THAT(mistake_in("[tag]\nid = 1\n[wand]\nnumber = 1\n"), HasSubstr("remove one"));
   EXPECT_THAT(mistake_in("[path]\nloop_s = 3\n"), HasSubstr("needs key poses"));
   EXPECT_THAT(mistake_in("[[path.key]]\ntime_s = 1\n"), HasSubstr("position_m"));
   EXPECT_THAT(mistake_in("[[path.key]]\ntime_s = 1\nposition_m = [1, 2]\n"), HasSubstr("hand.toml:3:"));

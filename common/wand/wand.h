@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the visitor holds: tags that are fixed to each other. One flat tag is a wand too.
+///
+///           ▔▔▔▔▔                 seen from above: the standard wand, a card folded into three panels; its tags are
+///         ╱       ╲               not in one plane, so that a small turn moves them against each other (parallax),
+///        ╱    z    ╲              which a flat tag that is seen from the front does not show.
+///             ▲
+///             └──▶ x              Tag frame: in the middle of all tags; x right, y down, z into the wand, as seen
+///          ▣ camera (below)       from the front (frames.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/geometry/rigid_transform.h"
+
+namespace cyclorama {
+
+/// One tag on a wand.
+struct WandTag {
+  int id = 0;
+  double size_m = 0.0;  ///< Edge of the black square.
+  /// Corners of the black square in the wand's Tag frame, in the order (-x, -y), (+x, -y), (+x, +y), (-x, +y) of the
+  /// face: clockwise as seen from the front, from left above.
+  std::array<Eigen::Vector3d, 4> corners;
+};
+
+/// A value. At least one tag, each id once.
+struct Wand {
+  std::string name;
+  std::vector<WandTag> tags;
+
+  /// What the wand is called on the wire and in the state: its first tag's id.
+  [[nodiscard]] int id() const { return tags.front().id; }
+};
+
+/// A flat pattern: the whole wand is one tag. Precondition: size_m > 0.
+[[nodiscard]] Wand flat_tag(int id, double size_m);
+
+/// The square that fits the four corners best: origin at their middle, x along the upper edge, z into the tag.
+[[nodiscard]] RigidTransform<frame::Tag, frame::Face> face_of(const WandTag& tag);
+
+/// wand.toml: `name` and [[tag]] tables with `id`, `size_mm` and `corners_mm`, four points. Refused, with file, line
+/// and remedy: no tag or more than 32, an id twice, corners that are not a square of that size to within 3 %. kBadData
+/// Others as read_file().
+Result<Wand> read_wand(const std::filesystem::path& path);
+Result<Wand> parse_wand(std::string_view text, std::string name);
+/// What parse_wand() reads, with corners to a micrometre.
+[[nodiscard]] std::string wand_toml(const Wand& wand);
+
+}  // namespace cyclorama

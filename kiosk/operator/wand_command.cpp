@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/wand_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/base/file.h"
+#include "kiosk/operator/wand_sheet.h"
+
+namespace cyclorama {
+
+void WandCommand::add_to(CLI::App* app) {
+  CLI::App& wand = *app->add_subcommand("wand", "The wand that visitors hold: a sheet to print and fold");
+  std::vector<std::string> names;
+  for (const Paper& one : papers()) names.emplace_back(one.name);
+  wand.add_option("--print", print, "Write a PDF: the sheet, and a page that says how to fold it")->type_name("FILE");
+  wand.add_option("--describe", describe, "Write its wand.toml, to correct it by what was measured")->type_name("FILE");
+  wand.add_option("--paper", paper, "A larger paper gives a larger wand, which is seen from farther away")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  wand.add_option("--number", number, "Each wand in a room needs a number of its own")
+      ->check(CLI::Range(0, kStandardWands - 1))
+      ->capture_default_str();
+}
+
+Status WandCommand::run() const {
+  if (!print && !describe) return Error(ErrorCode::kInvalidArgument, "add --print FILE, --describe FILE, or both");
+  const auto found =
+      std::find_if(papers().begin(), papers().end(), [&](const Paper& one) { return one.name == paper; });
+  CHECK(found != papers().end());
+  if (print) {
+    TRY(write_file_atomically(*print, std::string_view(to_pdf(wand_sheet(number, *found)))));
+    std::printf("%s: print it at 100 %% and fold it as its second page says\n", print->c_str());
+  }
+  if (describe) {
+    TRY(write_file_atomically(*describe, std::string_view(wand_toml(standard_wand(number, card_on(*found))))));
+    std::printf("%s: for cyclorama-tracker --wand\n", describe->c_str());
+  }
+  return Done{};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "common/image/image_file.h"
+#include "tests/bench/tracker/pose_errors.h"
+#include "tests/bench/tracker/tracker_bench.h"
+
+namespace cyclorama {
+namespace {
+
+using Corners = std::array<Eigen::Vector2d, 4>;
+struct Listed {
+  int id;
+  Corners corners;
+};
+
+std::vector<Listed> list_of(const std::filesystem::path& file) {
+  std::vector<Listed> listed;
+  std::ifstream lines(file);
+  for (std::string line; std::getline(lines, line);) {
+    int id = 0;
+    std::array<double, 8> c{};
+    if (std::sscanf(line.c_str(), "%d, (%lf %lf), (%lf %lf), (%lf %lf), (%lf %lf)", &id, &c[0], &c[1], &c[2], &c[3],
+                    &c[4], &c[5], &c[6], &c[7]) == 9) {
+      listed.push_back({id, {Eigen::Vector2d(c[6], c[7]), {c[4], c[5]}, {c[2], c[3]}, {c[0], c[1]}}});
+    }
+  }
+  return listed;
+}
+
+double distance_px(const std::vector<TagDetection>& found, const Listed& listed) {
+  double best = 1e9;
+  for (const TagDetection& tag : found) {
+    double worst = tag.id == listed.id ? 0.0 : 1e9;
+    for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, (tag.corners[i] - listed.corners[i]).norm());
+    best = std::min(best, worst);
+  }
+  return best;
+}
+
+struct Way {
+  const char* name;
+  double decimate;
+  bool tiles;
+  /// As the lists were made: the detector's own corners.
+  bool own_corners;
+};
+
+}  // namespace
+
+nlohmann::json measure_real() {
+  const char* const shared = std::getenv("CYCLORAMA_SHARED");
+  const std::filesystem::path folder =
+      std::filesystem::path(shared != nullptr ? shared : "../shared") / "data/apriltag/swarmathon";
+  nlohmann::json result = {{"listed", 0}, {"found", 0}};
+  std::vector<std::pair<GreyImage, std::vector<Listed>>> photos;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() != ".txt") continue;
+    auto photo = read_grey_image(std::filesystem::path(entry.path()).replace_extension(".jpg"), kPhotoLimitPx);
+    if (photo) photos.emplace_back(*std::move(photo), list_of(entry.path()));
+  }
+  if (photos.empty()) {
+    std::printf("no photos in %s\n", folder.c_str());
+    return result;
+  }
+  std::printf(
+      "%zu photos, each shown %d times: tags found in the first and in the last picture, corners against the "
+      "lists, milliseconds per picture\n",
+      photos.size(), 2 * TagSearch::kJobs);
+  for (const Way& way : {Way{"decimation 1", 1.0, false, true}, Way{"decimation 2", 2.0, false, true},
+                         Way{"2, tiles", 2.0, true, true}, Way{"2, tiles, refined", 2.0, true, false}}) {
+    DetectorSettings settings;
+    settings.decimate = way.decimate;
+    settings.tiles = way.tiles;
+    settings.most_hamming = 2;
+    settings.least_margin = 0.0;
+    settings.refine_edges = !way.own_corners;
+    settings.refine_corners = !way.own_corners;
+    int listed = 0, first = 0, last = 0;
+    double largest = 0.0;
+    std::vector<double> ms;
+    for (const auto& [photo, tags] : photos) {
+      auto search = TagSearch::create(settings);
+      for (int i = 0; i < 2 * TagSearch::kJobs; ++i) {
+        const double began = thread_seconds();
+        const auto found = search->search(photo);
+        ms.push_back(1e3 * (thread_seconds() - began));
+        if (i != 0 && i != 2 * TagSearch::kJobs - 1) continue;
+        for (const Listed& tag : tags) {
+          const double distance = distance_px(*found, tag);
+          if (distance > 2.0) continue;
+          (i == 0 ? first : last) += 1;
+          if (i != 0) largest = std::max(largest, distance);
+        }
+      }
+      listed += static_cast<int>(tags.size());
+    }
+    std::sort(ms.begin(), ms.end());
+    const double median = ms[ms.size() / 2];
+    std::printf("%-20s listed %d, first %d, last %d, farthest corner %.3f px, median %.1f ms, p99 %.1f ms\n", way.name,
+                listed, first, last, largest, median, ms[ms.size() * 99 / 100]);
+    result["ways"].push_back({{"name", way.name},
+                              {"found_first", first},
+                              {"found", last},
+                              {"max_corner_px", largest},
+                              {"median_ms", median}});
+    if (way.tiles && way.own_corners) {
+      result["listed"] = listed;
+      result["found"] = last;
+      result["max_corner_px"] = largest;
+      result["median_ms"] = median;
+    }
+  }
+  return result;
+}
+
+nlohmann::json measure_speed(int pictures) {
+  Simulation simulation;
+  const SimulatedView view(simulation);
+  nlohmann::json result;
+  std::printf("The demo's hand, 640x480, one thread, search and pose, %d pictures\n", pictures);
+  for (const bool tiles : {false, true}) {
+    DetectorSettings settings;
+    settings.tiles = tiles;
+    auto search = TagSearch::create(settings);
+    TrackingState state;
+    std::vector<double> ms;
+    int tracked = 0;
+    for (int i = 0; i < pictures; ++i) {
+      const double time_s = 28.0 * i / pictures;
+      const GreyImage picture = view.picture(static_cast<std::uint64_t>(time_s * simulation.frames_per_second));
+      const double began = thread_seconds();
+      const auto found = search->search(picture);
+      const TrackingResult r = track({}, state, *found, simulation.lens, after(time_s));
+      ms.push_back(1e3 * (thread_seconds() - began));
+      state = r.state;
+      tracked += r.tag ? 1 : 0;
+    }
+    std::sort(ms.begin(), ms.end());
+    const nlohmann::json one = {{"median_ms", ms[ms.size() / 2]},
+                                {"p99_ms", ms[ms.size() * 99 / 100]},
+                                {"tracked", tracked},
+                                {"pictures", pictures}};
+    std::printf("%-34s median %.2f ms, p99 %.2f ms, tracked %d\n",
+                tiles ? "full resolution where a tag was" : "decimation 2 everywhere", one["median_ms"].get<double>(),
+                one["p99_ms"].get<double>(), tracked);
+    if (tiles) {
+      result.update(one);
+    } else {
+      result["decimated"] = one;
+    }
+  }
+  return result;
+}
+
+}  // namespace cyclorama

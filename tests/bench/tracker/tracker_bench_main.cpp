@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tracker's figures: tracker_bench pose|real|speed|trade|extremes [--quick] [--threads N] [--json FILE].
+#include "tests/bench/tracker/tracker_bench.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+
+int main(int argc, char** argv) {
+  CLI::App app("Measures the tracker.");
+  std::string what, json;
+  bool quick = false;
+  int threads = 2;
+  int frames = 100'000;
+  app.add_option("WHAT", what)->required()->check(CLI::IsMember({"pose", "real", "speed", "trade", "extremes"}));
+  app.add_flag("--quick", quick);
+  app.add_option("--threads", threads)->check(CLI::Range(1, 64));
+  app.add_option("--frames", frames)->check(CLI::Range(100, 10'000'000));
+  app.add_option("--json", json);
+  CLI11_PARSE(app, argc, argv);
+  nlohmann::json figures;
+  if (what == "pose") figures = cyclorama::measure_pose(quick ? 2000 : frames, threads);
+  if (what == "real") figures = cyclorama::measure_real();
+  if (what == "speed") figures = cyclorama::measure_speed(quick ? 120 : 840);
+  if (what == "trade") figures = cyclorama::measure_trade(quick);
+  if (what == "extremes") figures = cyclorama::measure_extremes(quick);
+  if (json.empty()) {
+    std::printf("%s\n", figures.dump().c_str());
+  } else {
+    std::ofstream(json) << figures;
+  }
+  return 0;
+}

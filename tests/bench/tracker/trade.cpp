@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "tests/bench/tracker/pose_errors.h"
+#include "tests/bench/tracker/tracker_bench.h"
+
+namespace cyclorama {
+namespace {
+
+/// Poses as the tracker measures them, before the filter, with the truth.
+struct Measured {
+  double time_s;
+  T_CameraTag pose, truth;
+};
+
+std::vector<Measured> measured_along(const HandPath& path, double seconds) {
+  Simulation simulation;
+  simulation.lens = kBenchLens;
+  simulation.path = path;
+  simulation.noise_grey = 2.5;
+  const SimulatedView view(simulation);
+  auto search = TagSearch::create({});
+  TrackingState state;
+  std::vector<Measured> measured;
+  for (int i = 0; i < static_cast<int>(seconds * simulation.frames_per_second); ++i) {
+    const double time_s = i / simulation.frames_per_second;
+    const auto found = search->search(view.picture(static_cast<std::uint64_t>(i)));
+    const TrackingResult result = track({}, state, *found, simulation.lens, after(time_s));
+    state = result.state;
+    if (!result.tag) continue;
+    measured.push_back({time_s, result.tag->chosen.pose.T_camera_tag, path.at(time_s + 0.5 * simulation.exposure_s)});
+  }
+  return measured;
+}
+
+HandPath path_of(std::vector<KeyPose> keys, std::optional<double> loop_s) {
+  return *HandPath::make(std::move(keys), loop_s);
+}
+
+struct FilterFigures {
+  double lag_ms = 0.0;  ///< That explains most of the error while moving: least squares of error on speed.
+  double jitter = 0.0;  ///< Deviation at rest.
+};
+
+/// Lag and jitter of one quantity: yaw in degrees, or x in millimetres.
+template <typename Filter, typename Truth>
+FilterFigures figures_of(const std::vector<Measured>& moving, const std::vector<Measured>& resting, const Filter& run,
+                         const Truth& truth) {
+  FilterFigures figures;
+  const std::vector<double> moved = run(moving);
+  double by_speed = 0.0, speeds = 0.0;
+  for (std::size_t i = 5; i + 1 < moving.size(); ++i) {
+    const double speed = (truth(moving[i + 1]) - truth(moving[i - 1])) / (moving[i + 1].time_s - moving[i - 1].time_s);
+    by_speed += (moved[i] - truth(moving[i])) * speed;
+    speeds += speed * speed;
+  }
+  figures.lag_ms = -1e3 * by_speed / speeds;
+  const std::vector<double> rested = run(resting);
+  double sum = 0.0, squares = 0.0;
+  const std::size_t from = resting.size() / 3;
+  for (std::size_t i = from; i < rested.size(); ++i) sum += rested[i];
+  const double mean = sum / static_cast<double>(rested.size() - from);
+  for (std::size_t i = from; i < rested.size(); ++i) squares += (rested[i] - mean) * (rested[i] - mean);
+  figures.jitter = std::sqrt(squares / static_cast<double>(rested.size() - from));
+  return figures;
+}
+
+double yaw_of(const Eigen::Quaterniond& rotation) { return yaw_rad({rotation, {0, 0, 1}}) / kDegree; }
+
+nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vector<Measured>& resting) {
+  nlohmann::json points;
+  std::printf("One-Euro: cut-off at rest (Hz), Hz per rad/s or per m/s; lag while moving, jitter at rest\n");
+  std::printf("   Hz   slope |  yaw: lag ms  jitter deg |  slope | x: lag ms  jitter mm\n");
+  for (const double cutoff : {0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 1000.0}) {
+    for (const double slope : {0.0, 5.0, 20.0, 60.0, 200.0}) {
+      if (cutoff == 1000.0 && slope > 0.0) continue;
+      const OneEuroSettings turning{cutoff, slope, 1.0};
+      const OneEuroSettings sliding{cutoff, 2.0 * slope, 1.0};
+      const FilterFigures yaw = figures_of(
+          moving, resting,
+          [&](const std::vector<Measured>& run) {
+            std::vector<double> out;
+            std::optional<FilteredRotation> state;
+            for (const Measured& m : run) {
+              state = filter(turning, state, m.pose.rotation(), after(m.time_s));
+              out.push_back(yaw_of(state->value));
+            }
+            return out;
+          },
+          [](const Measured& m) { return yaw_of(m.truth.rotation()); });
+      const FilterFigures x = figures_of(
+          moving, resting,
+          [&](const std::vector<Measured>& run) {
+            std::vector<double> out;
+            std::optional<FilteredPosition> state;
+            for (const Measured& m : run) {
+              state = filter(sliding, state, m.pose.translation(), after(m.time_s));
+              out.push_back(1e3 * state->value.x());
+            }
+            return out;
+          },
+          [](const Measured& m) { return 1e3 * m.truth.translation().x(); });
+      std::printf("%6.1f  %5.0f |  %8.1f     %7.4f   | %5.0f  | %7.1f   %7.4f\n", cutoff, slope, yaw.lag_ms, yaw.jitter,
+                  2.0 * slope, x.lag_ms, x.jitter);
+      points.push_back({{"knob", "filter"},
+                        {"cutoff_hz", cutoff},
+                        {"hz_per_rad_s", slope},
+                        {"hz_per_m_s", 2.0 * slope},
+                        {"yaw_lag_ms", yaw.lag_ms},
+                        {"yaw_jitter_deg", yaw.jitter},
+                        {"x_lag_ms", x.lag_ms},
+                        {"x_jitter_mm", x.jitter}});
+    }
+  }
+  return points;
+}
+
+nlohmann::json search_curve(const char* knob, double value, const Wand& wand, const DetectorSettings& settings,
+                            int scenes) {
+  TrackingSettings tracking;
+  tracking.patterns.wands = {wand};
+  const HandStudio studio(wand);
+  PoseRun run;
+  for (int i = 0; i < scenes; ++i) {
+    auto search = TagSearch::create(settings);
+    const auto number = static_cast<std::uint64_t>(i);
+    add_scene(studio, HandScene::sampled(number, 2.0, 60.0), number, tracking, &*search, &run);
+  }
+  const PoseFigures f = figures_of(run);
+  std::sort(run.seconds.begin(), run.seconds.end());
+  const double median_ms = 1e3 * run.seconds[run.seconds.size() / 2];
+  std::printf("%-22s %6.1f | found %5.1f %%  yaw sd %5.3f deg  x sd %5.3f mm  median %5.2f ms\n", knob, value,
+              100.0 * (f.frames - f.lost) / f.frames, f.yaw_sd_deg, f.x_sd_mm, median_ms);
+  return {{"knob", knob},
+          {"value", value},
+          {"found_share", 1.0 - 1.0 * f.lost / f.frames},
+          {"yaw_sd_deg", f.yaw_sd_deg},
+          {"x_sd_mm", f.x_sd_mm},
+          {"median_ms", median_ms}};
+}
+
+}  // namespace
+
+nlohmann::json measure_trade(bool quick) {
+  const HandPath sway =
+      path_of({{0.0, {0.15, 0.03, 1.0}, 0.5, 0.14, 0.02}, {0.8, {-0.15, 0.03, 1.0}, -0.5, 0.14, -0.02}}, 1.6);
+  const HandPath rest = path_of({{0.0, {0.02, 0.03, 1.0}, 0.2, 0.14, 0.02}}, std::nullopt);
+  const double seconds = quick ? 6.0 : 40.0;
+  nlohmann::json points = filter_curve(measured_along(sway, seconds), measured_along(rest, seconds));
+
+  const int scenes = quick ? 10 : 150;
+  std::printf("At 2 m, |yaw| to 60 deg, as tag-pose\n");
+  for (const bool tiles : {false, true}) {
+    for (const double decimate : {1.0, 1.5, 2.0, 3.0, 4.0}) {
+      if (tiles && decimate == 1.0) continue;
+      DetectorSettings settings;
+      settings.decimate = decimate;
+      settings.tiles = tiles;
+      points.push_back(
+          search_curve(tiles ? "decimation, tiles" : "decimation", decimate, standard_wand(0), settings, scenes));
+    }
+  }
+  for (const double scale : {0.7, 1.0, 1.2, 1.4142}) {
+    const FoldedCard card = FoldedCard().scaled(scale);
+    points.push_back(search_curve("tag size, mm", 1e3 * card.tag_size_m, standard_wand(0, card), {}, scenes));
+  }
+  for (const double fold_deg : {0.01, 15.0, 25.0, 35.0, 45.0, 55.0}) {
+    FoldedCard card;
+    card.fold_rad = fold_deg * kDegree;
+    points.push_back(search_curve("fold, deg", fold_deg, standard_wand(0, card), {}, scenes));
+  }
+  return {{"points", points}};
+}
+
+}  // namespace cyclorama

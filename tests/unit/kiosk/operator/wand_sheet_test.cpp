@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The printed sheet is looked at as a camera would: its black areas are rasterised from the PDF and searched for tags.
+#include "kiosk/operator/wand_sheet.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "appliance/tracker/tag_detector.h"
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kPixelsPerPoint = 2.0;
+constexpr double kPixelsPerMm = kPixelsPerPoint * 72.0 / 25.4;
+
+/// The first page's rectangles, black on white.
+GreyImage rasterised(const std::string& pdf, const Paper& paper) {
+  GreyImage picture(static_cast<int>(paper.width_mm * kPixelsPerMm), static_cast<int>(paper.height_mm * kPixelsPerMm),
+                    255);
+  const std::size_t begin = pdf.find("stream\n");
+  std::istringstream lines(pdf.substr(begin, pdf.find("endstream", begin) - begin));
+  double grey = 1.0;
+  std::vector<std::pair<double, double>> points;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::vector<std::string> parts;
+    for (std::string word; words >> word;) parts.push_back(word);
+    if (parts.size() == 2 && parts[1] == "g") grey = *parse_double(parts[0]);
+    if (parts.size() == 3 && parts[2] == "m") points.clear();
+    if (parts.size() == 3 && (parts[2] == "m" || parts[2] == "l")) {
+      points.emplace_back(*parse_double(parts[0]) * kPixelsPerPoint,
+                          picture.height() - *parse_double(parts[1]) * kPixelsPerPoint);
+    }
+    if (line != "h" || grey > 0.0 || points.size() != 4) continue;
+    for (int y = 0; y < picture.height(); ++y) {
+      if (y + 0.5 < points[0].second || y + 0.5 >= points[2].second) continue;
+      for (int x = 0; x < picture.width(); ++x) {
+        if (x + 0.5 >= points[0].first && x + 0.5 < points[2].first) *picture.at(x, y) = 0;
+      }
+    }
+  }
+  return picture;
+}
+
+TEST(WandSheet, shows_a_detector_the_tags_at_their_places_and_sizes) {
+  for (const Paper& paper : papers()) {
+    const GreyImage picture = rasterised(to_pdf(wand_sheet(11, paper)), paper);
+    DetectorSettings settings;
+    settings.refine_corners = false;
+    auto detector = TagDetector::create(settings);
+    ASSERT_TRUE(detector.has_value());
+    const auto found = detector->detect(picture);
+    ASSERT_TRUE(found.has_value());
+    ASSERT_EQ(found->size(), 3U) << paper.name;
+    const FoldedCard card = card_on(paper);
+    for (const TagDetection& tag : *found) {
+      const Eigen::Vector2d left = tag.corners[0] / kPixelsPerMm;
+      const Eigen::Vector2d right = tag.corners[1] / kPixelsPerMm;
+      EXPECT_NEAR((right - left).norm(), 1e3 * card.tag_size_m, 0.3);
+      EXPECT_GT(right.x(), left.x());
+      const double centre = 0.5 * paper.width_mm + 1e3 * (tag.id - 34) * card.panel_width_m;
+      EXPECT_NEAR(0.5 * (left.x() + right.x()), centre, 0.3) << tag.id;
+    }
+  }
+}
+
+TEST(WandSheet, is_a_pdf_whose_table_points_at_its_objects) {
+  const std::string pdf = to_pdf(wand_sheet(0, papers()[0]));
+  EXPECT_EQ(pdf.substr(0, 8), "%PDF-1.4");
+  EXPECT_EQ(pdf.substr(pdf.size() - 6), "%%EOF\n");
+  const std::size_t table = pdf.find("xref\n0 8\n");
+  ASSERT_NE(table, std::string::npos);
+  for (int i = 1; i < 8; ++i) {
+    const auto place = parse_integer(pdf.substr(table + 9 + 20 * static_cast<std::size_t>(i), 10));
+    ASSERT_TRUE(place.has_value());
+    EXPECT_EQ(pdf.substr(static_cast<std::size_t>(*place), 7), std::to_string(i) + " 0 obj");
+  }
+  EXPECT_THAT(pdf, testing::HasSubstr("startxref\n" + std::to_string(table)));
+}
+
+TEST(VectorPage, keeps_words_from_ending_the_string_they_are_in) {
+  VectorPage page(100.0, 100.0);
+  page.text({10, 10}, 5.0, "a (b) \\ \n\xc3\xa4");
+  EXPECT_THAT(to_pdf({page}), testing::HasSubstr("(a \\(b\\) \\\\ ???) Tj"));
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -12,6 +12,7 @@
 #include "common/process/notify.h"
 #include "common/process/program.h"
 #include "common/wire/channel.h"
+#include "drivers/camera/make_camera.h"
 
 namespace cyclorama {
 namespace {
@@ -30,11 +31,14 @@ struct Options {
   std::vector<std::string> wands;
   std::optional<double> field_of_view_deg;
   std::optional<double> decimate;
+  bool list_cameras = false;
 };
 
 void add_options(CLI::App* app, Options* ret) {
   app->add_option("--config", ret->config, "Settings (tracker.toml); without it the defaults hold")->type_name("FILE");
-  app->add_option("--camera", ret->camera, "file:PATH[?frames_per_second=N&loop=no] or simulated[:FILE.toml]")
+  app->add_option("--camera", ret->camera,
+                  "v4l2:PORT[?width_px=N&height_px=N&frames_per_second=N&exposure_ms=N], libcamera:ID[?...], "
+                  "file:PATH[?frames_per_second=N&loop=no] or simulated[:FILE.toml]")
       ->type_name("CAMERA");
   app->add_option("--tour", ret->tour, "Where the tour listens")->type_name("HOST:PORT");
   app->add_option("--listen", ret->listen, "Where to show live state to the operator")->type_name("HOST:PORT");
@@ -49,6 +53,23 @@ void add_options(CLI::App* app, Options* ret) {
       ->check(CLI::Range(1.0, 170.0));
   app->add_option("--decimate", ret->decimate, "Seek tags in a picture this many times smaller")
       ->check(CLI::Range(1.0, 8.0));
+  app->add_flag("--list-cameras", ret->list_cameras,
+                "Say which cameras are plugged in, each with the line for tracker.toml, and end");
+}
+
+/// A block per camera that can be pasted into tracker.toml.
+void print_cameras() {
+  const std::vector<ListedCamera> cameras = list_cameras();
+  if (cameras.empty()) fmt::print("# No camera is plugged in, or none that the kernel or libcamera drives.\n");
+  for (const ListedCamera& camera : cameras) {
+    fmt::print("# {}{}{}\n", camera.name, camera.name.empty() ? "" : ", now ", camera.path);
+    if (!camera.sends.empty()) fmt::print("# sends {}\n", camera.sends);
+    if (!camera.problem.empty()) fmt::print("# cannot be used: {}\n", camera.problem);
+    const std::string kind = camera.spec.substr(0, camera.spec.find(':'));
+    const std::string place = camera.spec.substr(kind.size() + 1);
+    const bool is_path = kind == "v4l2" && place.starts_with("/");
+    fmt::print("[camera]\nkind = \"{}\"\n{} = \"{}\"\n\n", kind, is_path ? "device" : "port", place);
+  }
 }
 
 Result<TrackerSettings> settings_of(const Options& options) {
@@ -77,6 +98,10 @@ Result<TrackerSettings> settings_of(const Options& options) {
 }
 
 Status run(const Options& options, const StopSignal& stop) {
+  if (options.list_cameras) {
+    print_cameras();
+    return Done{};
+  }
   TRY_ASSIGN(const TrackerSettings settings, settings_of(options));
   const SteadyClock clock;
   InspectionService inspection("tracker");

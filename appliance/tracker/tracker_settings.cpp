@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "appliance/tracker/camera_settings.h"
 #include "common/base/check.h"
 #include "common/config/config.h"
 #include "common/wand/folded_card.h"
@@ -13,7 +14,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 void read_camera(ConfigTable camera, TrackerSettings* ret) {
-  ret->camera = camera.text("source", ret->camera);
+  ret->camera = camera_source(&camera, ret->camera);
   ret->name = camera.text("name", ret->name);
   ret->lens.field_of_view_rad = camera.number("field_of_view_deg", {1, 170}, 60.0) * kDegree;
   if (camera.has("focal_px")) {

@@ -110,5 +110,31 @@ TEST(TrackerSettings, names_the_line_of_a_mistake) {
   EXPECT_THAT(mistake_in("[lens]\n"), HasSubstr("tracker.toml:1:"));
 }
 
+TEST(TrackerSettings, names_a_real_camera_by_its_port_or_path) {
+  const auto camera_of = [](const std::string& lines) {
+    const auto settings = TrackerSettings::parse("[camera]\n" + lines, "tracker.toml");
+    return settings ? settings->camera : settings.error().message();
+  };
+  EXPECT_EQ(camera_of("kind = 'v4l2'"), "v4l2:");
+  EXPECT_EQ(camera_of("kind = 'v4l2'\nport = 'usb-0000:00:14.0-2'"), "v4l2:usb-0000:00:14.0-2");
+  EXPECT_EQ(camera_of("kind = 'libcamera'\nport = '/base/soc/i2c0/imx219@10'"), "libcamera:/base/soc/i2c0/imx219@10");
+  EXPECT_EQ(camera_of("kind = 'v4l2'\ndevice = '/dev/video3'\nwidth_px = 1280\nheight_px = 720\n"
+                      "frames_per_second = 59.94\nexposure_ms = 2.5\nmemory = 'dma_buf'"),
+            "v4l2:/dev/video3?width_px=1280&height_px=720&frames_per_second=59.94&exposure_ms=2.5&memory=dma_buf");
+}
+
+TEST(TrackerSettings, refuses_a_camera_that_is_named_twice_or_not_at_all) {
+  EXPECT_THAT(mistake_in("[camera]\nkind = 'v4l2'\nsource = 'simulated'"), HasSubstr("remove one"));
+  EXPECT_THAT(mistake_in("[camera]\nkind = 'v4l2'\nport = 'a'\ndevice = '/b'"), HasSubstr("remove one"));
+  EXPECT_THAT(mistake_in("[camera]\nport = 'a'"), HasSubstr("needs kind"));
+  EXPECT_THAT(mistake_in("[camera]\nexposure_ms = 3"), HasSubstr("needs kind"));
+  EXPECT_THAT(mistake_in("[camera]\nkind = 'webcam'"), HasSubstr("v4l2"));
+  EXPECT_THAT(mistake_in("[camera]\nkind = 'v4l2'\nport = 'a?width_px=3'"), HasSubstr("no port does"));
+  EXPECT_THAT(mistake_in("[camera]\nkind = 'v4l2'\ndevice = 'video0'"), HasSubstr("must be a path"));
+  EXPECT_THAT(mistake_in("[camera]\nkind = 'v4l2'\nport = '/dev/video0'"), HasSubstr("write device"));
+  EXPECT_THAT(mistake_in("[camera]\nkind = 'v4l2'\nframes_per_second = 0"), HasSubstr("frames_per_second"));
+  EXPECT_THAT(mistake_in("[camera]\nkind = 'libcamera'\nmemory = 'dma_buf'"), HasSubstr("v4l2"));
+}
+
 }  // namespace
 }  // namespace cyclorama

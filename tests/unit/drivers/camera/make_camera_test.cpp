@@ -22,7 +22,7 @@ TEST(MakeCamera, lists_the_kinds_when_it_does_not_know_one) {
   for (const char* spec : {"", ":", "webcam", "v4l3:/dev/video0", "FILE:x", "\xff\x01"}) {
     const Error error = error_of(spec);
     EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument) << spec;
-    EXPECT_THAT(error.message(), HasSubstr("the kinds are file:, simulated:"));
+    EXPECT_THAT(error.message(), HasSubstr("the kinds are v4l2:, libcamera:, file:, simulated:"));
   }
 }
 
@@ -40,6 +40,22 @@ TEST(MakeCamera, refuses_options_that_it_does_not_know) {
     EXPECT_EQ(error_of(std::string("file:x.png?frames_per_second=") + rate).code(), ErrorCode::kInvalidArgument)
         << rate;
   }
+}
+
+TEST(MakeCamera, refuses_options_of_real_cameras_before_it_looks_for_one) {
+  for (const char* line : {"v4l2:?width_px=0", "v4l2:?height_px=nan", "v4l2:?frames_per_second=0",
+                           "v4l2:?exposure_ms=-1", "v4l2:?memory=disk", "v4l2:?colour=yes", "v4l2:usb-1?=&==",
+                           "libcamera:?memory=dma_buf", "libcamera:?width_px=9999", "simulated:?width_px=640"}) {
+    EXPECT_EQ(error_of(line).code(), ErrorCode::kInvalidArgument) << line;
+  }
+}
+
+TEST(MakeCamera, says_that_a_real_camera_is_not_there) {
+  for (const char* line :
+       {"v4l2:no-such-port", "v4l2:/dev/no-such-camera", "v4l2:no-such-port?width_px=640&exposure_ms=0"}) {
+    EXPECT_EQ(error_of(line).code(), ErrorCode::kNotFound) << line;
+  }
+  EXPECT_EQ(error_of("v4l2:/dev/null").code(), ErrorCode::kNotFound);
 }
 
 TEST(MakeCamera, makes_the_demo_s_camera_from_one_word) {

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/tracker/camera_settings.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace cyclorama {
+namespace {
+
+constexpr const char* kPlace = "port";
+constexpr const char* kPath = "device";
+/// What a `source` says for itself.
+constexpr std::array kKeysOfKind{kPlace, kPath, "width_px", "height_px", "frames_per_second", "exposure_ms", "memory"};
+
+/// Where the camera is; characters that would begin an option are no part of any port.
+std::string place_of(const std::string& kind, ConfigTable* camera) {
+  if (camera->has(kPlace) && camera->has(kPath))
+    camera->refuse(kPath, "and port name the same camera twice; remove one");
+  const char* const key = camera->has(kPath) ? kPath : kPlace;
+  const std::string place = camera->text(key, "");
+  if (place.find_first_of("?&\n") != std::string::npos)
+    camera->refuse(key, "holds '?', '&' or a line's end; no port does");
+  if (key == kPath && !place.starts_with("/")) camera->refuse(kPath, "must be a path, as /dev/v4l/by-path/...");
+  // libcamera's ids are paths of a device tree.
+  if (key == kPlace && kind == "v4l2" && place.starts_with("/")) {
+    camera->refuse(kPlace, "is a path; write device = \"...\"");
+  }
+  return place;
+}
+
+}  // namespace
+
+std::string camera_source(ConfigTable* camera, const std::string& fallback) {
+  if (!camera->has("kind")) {
+    for (const char* key : kKeysOfKind) {
+      if (camera->has(key)) camera->refuse(key, "needs kind = \"v4l2\" or \"libcamera\"");
+    }
+    return camera->text("source", fallback);
+  }
+  if (camera->has("source")) camera->refuse("source", "and kind say the same; remove one");
+  const std::string kind = camera->choice("kind", {"v4l2", "libcamera"});
+  std::string options;
+  const auto add = [&](const char* key, Range range) {
+    if (camera->has(key)) options += fmt::format("&{}={:.9g}", key, camera->number(key, range));
+  };
+  std::string line = fmt::format("{}:{}", kind, place_of(kind, camera));
+  add("width_px", {16, 8192});
+  add("height_px", {16, 8192});
+  add("frames_per_second", {1, 1000});
+  add("exposure_ms", {0, 1000});
+  if (camera->has("memory")) {
+    const std::string memory = camera->choice("memory", {"mapped", "dma_buf"});
+    if (kind != "v4l2") camera->refuse("memory", "is an option of kind = \"v4l2\"");
+    options += "&memory=" + memory;
+  }
+  if (!options.empty()) line += "?" + options.substr(1);
+  return line;
+}
+
+}  // namespace cyclorama

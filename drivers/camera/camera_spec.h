@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// A line "KIND:ARGUMENT?key=value&key=value", cut. Borrows the line.
+struct CameraSpec {
+  std::string_view line;
+  std::string_view kind;
+  std::string_view argument;
+  std::vector<std::pair<std::string_view, std::string_view>> options;
+
+  /// Any line is one; what its words mean is its kind's.
+  static CameraSpec parse(std::string_view line);
+
+  /// kInvalidArgument, with the line.
+  [[nodiscard]] Error refused(std::string_view why) const;
+  /// A number within [least, most] from `text`. kInvalidArgument  names the key and the range.
+  [[nodiscard]] Result<double> number(std::string_view key, std::string_view text, double least, double most) const;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/camera/picture_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+/// A rate within this of the wish is the wish: NTSC's 29.97 is 30.
+constexpr double kSameRate = 0.02;
+/// Half of the wanted pictures cost as much as four times the pixels.
+constexpr double kRateWeight = 4.0;
+/// Half of the pixels cost as much as a quarter of the wanted pictures' number, double of them half of that.
+constexpr double kSmallerWeight = 1.0;
+constexpr double kLargerWeight = 0.5;
+
+/// What reading the pixels weighs; a JPEG takes milliseconds, the others a tenth of one.
+double layout_weight(PixelLayout layout) {
+  switch (layout) {
+    case PixelLayout::kGrey8:
+      return 0.0;
+    case PixelLayout::kYuyv:
+    case PixelLayout::kUyvy:
+      return 0.02;
+    case PixelLayout::kJpeg:
+      return 0.2;
+    default:
+      return 0.01;
+  }
+}
+
+double penalty_of(const PictureOffer& offer, const PictureWish& wish) {
+  const double octaves = std::log2(static_cast<double>(offer.width_px) * offer.height_px) -
+                         std::log2(static_cast<double>(wish.width_px) * wish.height_px);
+  const double size = octaves < 0.0 ? -kSmallerWeight * octaves : kLargerWeight * octaves;
+  // Of another shape, part of the picture is lost or was never in it.
+  const double shape = std::abs(std::log2(static_cast<double>(offer.width_px) / offer.height_px) -
+                                std::log2(static_cast<double>(wish.width_px) / wish.height_px));
+  double rate = 0.0;
+  if (offer.frames_per_second > 0.0) {
+    const double shortfall = 1.0 - offer.frames_per_second / wish.frames_per_second;
+    if (shortfall > kSameRate) rate = kRateWeight * shortfall;
+    // Quicker than needed leaves less time for light.
+    if (shortfall < -kSameRate) rate = 0.05 * std::min(-shortfall, 4.0);
+  }
+  return size + 0.25 * shape + rate + layout_weight(offer.layout);
+}
+
+}  // namespace
+
+Result<std::size_t> choose_picture(const std::vector<PictureOffer>& offers, const PictureWish& wish) {
+  CHECK(wish.width_px > 0 && wish.height_px > 0 && wish.frames_per_second > 0.0);
+  std::size_t best = offers.size();
+  double least = 0.0;
+  for (std::size_t i = 0; i < offers.size(); ++i) {
+    if (offers[i].width_px <= 0 || offers[i].height_px <= 0) continue;
+    const double penalty = penalty_of(offers[i], wish);
+    const bool is_tie = best != offers.size() && penalty == least;
+    if (best == offers.size() || penalty < least || (is_tie && offers[i].fourcc < offers[best].fourcc)) {
+      best = i;
+      least = penalty;
+    }
+  }
+  if (best == offers.size()) {
+    return Error(ErrorCode::kNotFound, "it offers no pixels that can be read: grey, planar or packed YUV, or JPEG");
+  }
+  return best;
+}
+
+std::string fourcc_text(std::uint32_t fourcc) {
+  std::string text;
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    const auto letter = static_cast<char>(fourcc >> shift & 0x7fU);
+    text += letter > ' ' && letter < 0x7f ? letter : letter == ' ' ? ' ' : '?';
+  }
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+std::string describe(const PictureOffer& offer) {
+  const std::string size = fmt::format("{}x{} {}", offer.width_px, offer.height_px, fourcc_text(offer.fourcc));
+  return offer.frames_per_second > 0.0 ? fmt::format("{} at {:.4g} per second", size, offer.frames_per_second) : size;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/camera/v4l2/exposure.h"
+
+#include <linux/videodev2.h>
+
+#include <algorithm>
+
+namespace cyclorama {
+namespace {
+
+/// In the device's steps, within its range.
+long nearest(const DeviceControl& control, long wished) {
+  const long inside = std::clamp(wished, control.least, std::max(control.least, control.most));
+  return control.least + (inside - control.least) / control.step * control.step;
+}
+
+}  // namespace
+
+const std::uint32_t kGainControl = V4L2_CID_GAIN;
+
+Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished) {
+  ExposureSet set;
+  if (wished <= Duration::zero()) return set;
+  // The order matters: UVC devices take a time only once exposure is manual.
+  TRY_ASSIGN(const bool is_manual, device.set_control(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL));
+  if (!is_manual) {
+    // Some know only "shutter priority": the time is ours, the aperture the device's.
+    TRY(device.set_control(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_SHUTTER_PRIORITY));
+  }
+  TRY(device.set_control(V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0));
+  if (const auto time = device.control(V4L2_CID_EXPOSURE_ABSOLUTE)) {
+    const long value = nearest(*time, std::max(1L, wished / kExposureUnit));
+    TRY_ASSIGN(const bool is_taken, device.set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value));
+    if (is_taken) set.exposure = kExposureUnit * value;
+  }
+  TRY_ASSIGN(const bool follows_light, device.set_control(V4L2_CID_AUTOGAIN, 1));
+  if (!follows_light && set.exposure) {
+    if (const auto gain = device.control(V4L2_CID_GAIN); gain && gain->most > gain->least) {
+      set.gain = GainRange{gain->least, gain->most, gain->step};
+      set.gain_now = gain->value;
+    }
+  }
+  return set;
+}
+
+}  // namespace cyclorama

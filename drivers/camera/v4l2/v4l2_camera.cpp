@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/camera/v4l2/v4l2_camera.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <ctime>
+#include <utility>
+
+namespace cyclorama {
+namespace {
+
+/// A new gain shows in the third picture or so after it; then one is looked at again.
+constexpr int kPicturesPerGain = 8;
+/// A device that fills buffers as quickly as it gets them back does not keep us for ever.
+constexpr int kMostTaken = 16;
+
+timespec timeout_until(TimePoint deadline, TimePoint now) {
+  const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(std::max(deadline - now, Duration::zero()));
+  timespec timeout{};
+  timeout.tv_sec = left.count() / 1'000'000'000;
+  timeout.tv_nsec = left.count() % 1'000'000'000;
+  return timeout;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> V4l2Camera::open(std::string_view where, const V4l2CameraOptions& options,
+                                                 const Clock& clock) {
+  TRY_ASSIGN(NamedDevice named, open_video_device(where));
+  // A grabber's sizes are its signal's. Without one, what is wrong comes out at the start.
+  static_cast<void>(named.device.follow_signal());
+  TRY_ASSIGN(const std::vector<PictureOffer> offers, named.device.offers(options.wish));
+  auto chosen = choose_picture(offers, options.wish);
+  if (!chosen) return std::move(chosen).error().while_doing(fmt::format("camera at {}", named.place));
+  return std::unique_ptr<Camera>(new V4l2Camera(std::move(named), offers[*chosen], options, clock));
+}
+
+Error V4l2Camera::fail(Error error) {
+  buffers_.reset();
+  failure_ = Error(ErrorCode::kUnavailable, error.message());
+  return *failure_;
+}
+
+Status V4l2Camera::start() {
+  if (failure_) return *failure_;
+  if (buffers_) return Done{};
+  auto done = set_up();
+  if (!done) {
+    buffers_.reset();
+    if (done.error().code() == ErrorCode::kUnavailable) return fail(std::move(done).error());
+  }
+  return done;
+}
+
+Status V4l2Camera::set_up() {
+  device_.subscribe_to_source_changes();
+  TRY(device_.follow_signal());
+  TRY_ASSIGN(format_, device_.set_format(offer_));
+  TRY(device_.set_rate(options_.wish.frames_per_second));
+  TRY_ASSIGN(exposure_, set_exposure(device_, options_.exposure));
+  auto buffers = StreamBuffers::start(device_.fd(), options_.memory);
+  if (!buffers) return std::move(buffers).error().while_doing(fmt::format("camera at {}", device_.port()));
+  buffers_.emplace(*std::move(buffers));
+  last_kernel_sequence_.reset();
+  pictures_since_gain_ = 0;
+  damage_.clear();
+  return Done{};
+}
+
+Result<bool> V4l2Camera::wait(TimePoint deadline) {
+  for (;;) {
+    pollfd asked{};
+    asked.fd = device_.fd();
+    asked.events = POLLIN | POLLPRI;
+    const timespec timeout = timeout_until(deadline, clock_.now());
+    const int ready = ::ppoll(&asked, 1, &timeout, nullptr);
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready < 0) return fail(device_error(fmt::format("camera at {}: waiting for a picture", device_.port())));
+    if (ready == 0) return false;
+    if ((asked.revents & POLLPRI) != 0 && device_.took_source_change()) {
+      return fail(Error(ErrorCode::kUnavailable,
+                        fmt::format("camera at {}: its signal has another shape now", device_.port())));
+    }
+    // POLLERR and POLLHUP as well: taking a picture then says what is wrong.
+    if ((asked.revents & ~POLLPRI) != 0) return true;
+  }
+}
+
+Result<std::optional<FilledBuffer>> V4l2Camera::take_newest() {
+  std::optional<FilledBuffer> newest;
+  for (int taken = 0; taken < kMostTaken; ++taken) {
+    TRY_ASSIGN(const std::optional<FilledBuffer> filled, buffers_->take());
+    if (!filled) break;
+    if (filled->is_damaged || filled->bytes == 0) {
+      damage_ = "it marks its pictures as damaged: a bad cable, or a bus without room";
+      TRY(buffers_->give_back(*filled));
+      continue;
+    }
+    if (newest) TRY(buffers_->give_back(*newest));
+    newest = filled;
+  }
+  return newest;
+}
+
+Result<std::shared_ptr<const Frame>> V4l2Camera::read(const FilledBuffer& filled) {
+  auto frame = std::make_shared<Frame>();
+  const RawPicture raw{format_.layout, format_.width, format_.height, format_.row_bytes, buffers_->bytes(filled)};
+  buffers_->begin_reading(filled);
+  const Status is_read = to_grey(raw, &jpeg_, &frame->pixels);
+  buffers_->end_reading(filled);
+  TRY(is_read);
+  // The driver counts in 32 bits, from 0 at each start; ours goes on.
+  const std::uint32_t step = last_kernel_sequence_ ? filled.sequence - *last_kernel_sequence_ : 1U;
+  constexpr std::uint32_t kMostStep = 1U << 16U;
+  sequence_ += step == 0 || step > kMostStep ? 1U : step;
+  last_kernel_sequence_ = filled.sequence;
+  frame->sequence = sequence_;
+  frame->captured_at = capture_time(filled.stamp, exposure_.exposure.value_or(Duration::zero()), clock_.now());
+  return std::shared_ptr<const Frame>(std::move(frame));
+}
+
+Result<std::shared_ptr<const Frame>> V4l2Camera::next_frame(TimePoint deadline) {
+  if (failure_) return *failure_;
+  if (!buffers_) return Error(ErrorCode::kUnavailable, fmt::format("camera '{}' was not started", id_));
+  do {
+    TRY_ASSIGN(const bool is_ready, wait(deadline));
+    if (!is_ready) break;
+    auto newest = take_newest();
+    if (!newest) return fail(std::move(newest).error().while_doing(id_));
+    if (!*newest) continue;
+    auto frame = read(**newest);
+    if (auto given = buffers_->give_back(**newest); !given) return fail(std::move(given).error().while_doing(id_));
+    if (frame) {
+      damage_.clear();
+      follow_light((*frame)->pixels);
+      return frame;
+    }
+    damage_ = frame.error().message();
+  } while (clock_.now() < deadline);
+  return Error(ErrorCode::kTimedOut, fmt::format("camera '{}': no picture before the deadline{}{}", id_,
+                                                 damage_.empty() ? "" : "; ", damage_));
+}
+
+void V4l2Camera::follow_light(const GreyImage& picture) {
+  if (!exposure_.gain || ++pictures_since_gain_ < kPicturesPerGain) return;
+  pictures_since_gain_ = 0;
+  const long gain = next_gain(exposure_.gain_now, bright_level(picture), *exposure_.gain);
+  if (gain == exposure_.gain_now) return;
+  // A device that is gone says so with its next picture; one that refuses keeps the gain that it has.
+  static_cast<void>(device_.set_control(kGainControl, gain));
+  exposure_.gain_now = gain;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/camera/v4l2/video_nodes.h"
+
+#include <fmt/format.h>
+#include <linux/videodev2.h>
+
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace cyclorama {
+namespace {
+
+/// The kernel has numbers for 256 devices. Asking for each needs neither udev nor a listing of /dev.
+constexpr int kNodes = 256;
+
+std::string node_path(int number) { return fmt::format("/dev/video{}", number); }
+
+/// Calls `visit(NamedDevice)` for every camera, lowest number first, until it returns false; `fail(path, Error)` for
+/// what is there and cannot be looked at.
+template <typename Visit, typename Fail>
+void for_each_camera(Visit visit, Fail fail) {
+  std::map<std::string, int> at_port;
+  for (int number = 0; number < kNodes; ++number) {
+    auto device = VideoDevice::open(node_path(number));
+    if (!device) {
+      // Neither absent numbers nor devices that are no cameras are worth a word.
+      if (device.error().code() != ErrorCode::kNotFound) fail(node_path(number), device.error());
+      continue;
+    }
+    const int before = at_port[device->port()]++;
+    const std::string place = before == 0 ? device->port() : fmt::format("{}+{}", device->port(), before);
+    if (!visit(NamedDevice{*std::move(device), place})) return;
+  }
+}
+
+Result<NamedDevice> open_path(const std::string& path) {
+  TRY_ASSIGN(VideoDevice device, VideoDevice::open(path));
+  std::string place = device.port();
+  for_each_camera(
+      [&](const NamedDevice& other) {
+        if (other.device.number() != device.number()) return true;
+        place = other.place;
+        return false;
+      },
+      [](const std::string&, const Error&) {});
+  return NamedDevice{std::move(device), std::move(place)};
+}
+
+std::string sends_of(const VideoDevice& device) {
+  const PictureWish wish;
+  const auto offers = device.offers(wish);
+  if (!offers) return "";
+  const auto chosen = choose_picture(*offers, wish);
+  return chosen ? describe((*offers)[*chosen]) : "";
+}
+
+}  // namespace
+
+Result<NamedDevice> open_video_device(std::string_view where) {
+  if (where.starts_with("/")) return open_path(std::string(where));
+  std::optional<NamedDevice> found;
+  std::string others;
+  std::optional<Error> failure;
+  for_each_camera(
+      [&](NamedDevice&& camera) {
+        if (where.empty() || camera.place == where) {
+          found.emplace(std::move(camera));
+          return false;
+        }
+        others += fmt::format("{}{}", others.empty() ? "" : ", ", camera.place);
+        return true;
+      },
+      [&](const std::string&, const Error& error) {
+        if (!failure) failure = error;
+      });
+  if (found) return *std::move(found);
+  if (others.empty() && failure) return *failure;
+  return Error(ErrorCode::kNotFound,
+               fmt::format("no camera {}{}; there {}", where.empty() ? "is plugged in" : "at port ", where,
+                           others.empty() ? "is none" : "are cameras at " + others));
+}
+
+std::vector<ListedCamera> list_v4l2_cameras() {
+  std::vector<ListedCamera> cameras;
+  for_each_camera(
+      [&](const NamedDevice& camera) {
+        ListedCamera listed{"v4l2:" + camera.place, camera.device.name(), camera.device.path(), sends_of(camera.device),
+                            ""};
+        if (listed.sends.empty()) listed.problem = "it offers no pixels that can be read";
+        cameras.push_back(std::move(listed));
+        return true;
+      },
+      [&](const std::string& path, const Error& error) {
+        cameras.push_back({"v4l2:" + path, "", path, "", error.message()});
+      });
+  return cameras;
+}
+
+}  // namespace cyclorama

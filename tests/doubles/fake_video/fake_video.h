@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+/// V4L2 cameras described as data, in the place of the kernel's: whoever links fake_video gets them instead of the
+/// machine's (the linker's --wrap of open, ioctl, mmap...). Time is the clock's, which waiting moves.
+///
+///   ManualClock clock;
+///   FakeVideo video({usb_camera()}, &clock);
+///   auto camera = V4l2Camera::open(...);
+///   video.fail("VIDIOC_S_FMT", EBUSY);              // The next call of that name, once.
+///   video.fail_nth(7, EIO);                         // The seventh call from now, whatever it is.
+///   video.unplug(0);
+#pragma once
+
+#include <linux/videodev2.h>
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/base/unique_fd.h"
+#include "common/image/image.h"
+#include "tests/doubles/manual_clock.h"
+
+namespace cyclorama {
+
+struct FakeSize {
+  int width = 640;
+  int height = 480;
+  std::vector<double> rates{30.0};  ///< Empty: the driver tells none.
+};
+
+struct FakeFormat {
+  std::uint32_t fourcc = V4L2_PIX_FMT_YUYV;
+  std::vector<FakeSize> sizes{{}};  ///< Empty: the driver lists none and has the one of its signal, 640x480.
+};
+
+struct FakeControl {
+  long least = 0;
+  long most = 1;
+  long step = 1;
+  long value = 0;
+};
+
+struct FakeVideoDevice {
+  std::string path = "/dev/video0";
+  std::string port = "usb-0000:00:14.0-2";
+  std::string name = "Fake camera";
+  std::uint32_t can = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+  std::vector<FakeFormat> formats{{}};
+  bool has_ranges = false;  ///< Sizes from 16x16 to 4096x4096 in steps of 8, rates from 1 to 120.
+  std::map<std::uint32_t, FakeControl> controls;
+  std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  Duration exposure = std::chrono::milliseconds(4);  ///< Ends when the picture is there.
+  std::uint32_t row_padding = 0;
+  bool is_grabber = false;  ///< Its size is its signal's.
+  bool has_signal = true;
+  bool exports_dma_bufs = true;
+};
+
+/// A camera as most are: YUYV at 30 per second in VGA, JPEG at 30 in all sizes, exposure and gain to set.
+FakeVideoDevice usb_camera();
+/// One for machine vision: grey, any size.
+FakeVideoDevice grey_camera();
+
+/// What the fake shows at a place of picture `sequence`.
+[[nodiscard]] std::uint8_t fake_level(std::uint32_t sequence, int x, int y);
+
+/// All there is, until it dies; one at a time. Thread-bound, to the camera's thread.
+class FakeVideo {
+ public:
+  FakeVideo(std::vector<FakeVideoDevice> devices, ManualClock* clock);
+  ~FakeVideo();
+  FakeVideo(const FakeVideo&) = delete;
+  FakeVideo& operator=(const FakeVideo&) = delete;
+
+  /// To be changed at will.
+  FakeVideoDevice& device(std::size_t number) { return devices_.at(number)->device; }
+  void unplug(std::size_t number);
+  void plug(std::size_t number) { devices_.at(number)->is_plugged = true; }
+  /// Another program streams from it, or no longer.
+  void set_taken(std::size_t number, bool is_taken) { devices_.at(number)->is_taken = is_taken; }
+  /// No more pictures, and no word about it.
+  void set_stalled(std::size_t number, bool is_stalled) { devices_.at(number)->is_stalled = is_stalled; }
+  /// The next pictures carry V4L2_BUF_FLAG_ERROR.
+  void damage(std::size_t number, int pictures) { devices_.at(number)->damaged = pictures; }
+  /// The next pictures are cut short.
+  void shorten(std::size_t number, int pictures) { devices_.at(number)->shortened = pictures; }
+  /// The signal has another shape: a source change event.
+  void change_source(std::size_t number) { devices_.at(number)->has_event = true; }
+
+  /// Lets `passes` calls of this name pass and fails the next one with this errno.
+  void fail(const std::string& call, int error, int passes = 0) { fault_ = Fault{call, error, passes}; }
+  void fail_nth(int nth, int error) { fault_ = Fault{"", error, nth - 1}; }
+  [[nodiscard]] bool was_fault_met() const { return !fault_; }
+  /// The call that met it.
+  [[nodiscard]] const std::string& failed_call() const { return failed_call_; }
+
+  /// Open files, exported buffers and maps, and devices that still have buffers.
+  [[nodiscard]] std::size_t held() const;
+  /// How often each call was made.
+  [[nodiscard]] const std::map<std::string, int>& calls() const { return calls_; }
+
+  // What follows is for the wrapped calls alone.
+
+  struct Buffer {
+    UniqueFd memory;
+    bool is_queued = false;
+    v4l2_buffer filled{};
+  };
+  struct DeviceState {
+    FakeVideoDevice device;
+    std::size_t number = 0;
+    bool is_plugged = true;
+    bool is_taken = false;
+    bool is_stalled = false;
+    bool has_event = false;
+    int damaged = 0;
+    int shortened = 0;
+    v4l2_pix_format format{};
+    v4l2_fract interval{1, 30};
+    int owner_fd = -1;  ///< Who has buffers.
+    bool is_streaming = false;
+    std::vector<Buffer> buffers;
+    std::deque<std::uint32_t> queued;
+    std::deque<std::uint32_t> filled;
+    TimePoint next_at{};
+    std::uint32_t sequence = 0;
+  };
+
+  static FakeVideo* the_or_null();
+  /// 0, or the errno that this call must fail with.
+  int meet(const char* call);
+  DeviceState* device_of(int fd);
+  DeviceState* device_at(const std::string& path);
+  void opened(int fd, DeviceState* device) { fds_[fd] = device; }
+  void closed(int fd);
+  /// Exposes and fills what is due by now.
+  void run(DeviceState* device);
+  void free_buffers(DeviceState* device);
+  /// The V4L2 request; errno, or 0.
+  int request(DeviceState* device, int fd, unsigned long code, void* argument);
+  [[nodiscard]] ManualClock& clock() { return *clock_; }
+
+  std::set<void*> maps;
+  std::set<int> exported;
+
+ private:
+  struct Fault {
+    std::string call;  ///< Empty: any.
+    int error = 0;
+    int passes = 0;
+  };
+  void fill(DeviceState* device, std::uint32_t index);
+
+  std::vector<std::unique_ptr<DeviceState>> devices_;
+  std::map<int, DeviceState*> fds_;
+  ManualClock* clock_;
+  std::optional<Fault> fault_;
+  std::string failed_call_;
+  std::map<std::string, int> calls_;
+};
+
+}  // namespace cyclorama

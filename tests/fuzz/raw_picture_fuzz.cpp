@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "drivers/camera/raw_picture.h"
+
+/// Any bytes in any layout are a picture of the size that was asked for, or an Error.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  if (size < 6) return 0;
+  RawPicture raw;
+  raw.layout = static_cast<PixelLayout>(data[0] % (static_cast<int>(PixelLayout::kJpeg) + 1));
+  raw.width = static_cast<std::int8_t>(data[1]) * 4;
+  raw.height = static_cast<std::int8_t>(data[2]) * 4;
+  raw.row_bytes = static_cast<std::size_t>(data[3]) << (data[4] % 60U);
+  raw.bytes = std::as_bytes(std::span(data + 5, size - 5));
+  JpegDecoder jpeg;
+  GreyImage grey;
+  const auto done = to_grey(raw, &jpeg, &grey);
+  if (done && (grey.width() != raw.width || grey.height() != raw.height)) std::abort();
+  return 0;
+}

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/camera/picture_choice.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace cyclorama {
+namespace {
+
+constexpr std::uint32_t code(const char (&letters)[5]) {
+  std::uint32_t value = 0;
+  for (unsigned i = 0; i < 4; ++i) value |= static_cast<std::uint32_t>(letters[i]) << 8U * i;
+  return value;
+}
+
+PictureOffer grey(int width, int height, double rate) {
+  return {code("GREY"), PixelLayout::kGrey8, width, height, rate};
+}
+PictureOffer yuyv(int width, int height, double rate) {
+  return {code("YUYV"), PixelLayout::kYuyv, width, height, rate};
+}
+PictureOffer mjpg(int width, int height, double rate) {
+  return {code("MJPG"), PixelLayout::kJpeg, width, height, rate};
+}
+
+std::string chosen(std::vector<PictureOffer> offers, const PictureWish& wish = {}) {
+  const auto first = choose_picture(offers, wish);
+  EXPECT_TRUE(first.has_value());
+  // Whatever order a driver lists them in.
+  std::mt19937 random(1);
+  const std::string text = describe(offers[*first]);
+  for (int i = 0; i < 20; ++i) {
+    std::shuffle(offers.begin(), offers.end(), random);
+    EXPECT_EQ(describe(offers[*choose_picture(offers, wish)]), text);
+  }
+  return text;
+}
+
+TEST(PictureChoice, takes_the_cheapest_pixels_of_what_is_wanted) {
+  EXPECT_EQ(chosen({mjpg(640, 480, 30), yuyv(640, 480, 30), grey(640, 480, 30)}), "640x480 GREY at 30 per second");
+  EXPECT_EQ(chosen({mjpg(640, 480, 30), yuyv(640, 480, 30)}), "640x480 YUYV at 30 per second");
+}
+
+TEST(PictureChoice, takes_a_jpeg_where_only_that_comes_at_the_rate) {
+  const PictureWish wish{1280, 720, 30.0};
+  EXPECT_EQ(chosen({yuyv(1280, 720, 10), mjpg(1280, 720, 30)}, wish), "1280x720 MJPG at 30 per second");
+  EXPECT_EQ(chosen({yuyv(640, 480, 15), mjpg(640, 480, 30)}), "640x480 MJPG at 30 per second");
+}
+
+TEST(PictureChoice, takes_the_rate_that_is_wanted_before_a_quicker_one) {
+  EXPECT_EQ(chosen({grey(640, 480, 120), grey(640, 480, 30), grey(640, 480, 15)}), "640x480 GREY at 30 per second");
+  EXPECT_EQ(chosen({grey(640, 480, 60), grey(640, 480, 15)}), "640x480 GREY at 60 per second");
+  EXPECT_EQ(chosen({grey(640, 480, 30000.0 / 1001), grey(640, 480, 60)}), "640x480 GREY at 29.97 per second");
+}
+
+TEST(PictureChoice, takes_a_size_near_by_and_rather_larger) {
+  EXPECT_EQ(chosen({grey(320, 240, 30), grey(800, 600, 30), grey(1920, 1080, 30)}), "800x600 GREY at 30 per second");
+  EXPECT_EQ(chosen({grey(320, 240, 30), grey(1280, 960, 30)}), "1280x960 GREY at 30 per second");
+  EXPECT_EQ(chosen({grey(640, 360, 30), grey(640, 480, 30)}), "640x480 GREY at 30 per second");
+  EXPECT_EQ(chosen({grey(640, 480, 5), grey(800, 600, 30)}), "800x600 GREY at 30 per second");
+}
+
+TEST(PictureChoice, takes_what_there_is) {
+  EXPECT_EQ(chosen({mjpg(160, 120, 5)}), "160x120 MJPG at 5 per second");
+  EXPECT_EQ(chosen({yuyv(4096, 4096, 0)}), "4096x4096 YUYV");
+}
+
+TEST(PictureChoice, refuses_nothing_and_sizes_that_are_none) {
+  EXPECT_EQ(choose_picture({}, {}).error().code(), ErrorCode::kNotFound);
+  EXPECT_FALSE(choose_picture({grey(0, 480, 30), grey(640, -1, 30)}, {}).has_value());
+}
+
+TEST(FourccText, never_prints_what_is_no_letter) {
+  EXPECT_EQ(fourcc_text(code("NV12")), "NV12");
+  EXPECT_EQ(fourcc_text(code("Y16 ")), "Y16");
+  EXPECT_EQ(fourcc_text(0), "????");
+  EXPECT_EQ(fourcc_text(0x07ff1b0aU).size(), 4U);
+}
+
+}  // namespace
+}  // namespace cyclorama

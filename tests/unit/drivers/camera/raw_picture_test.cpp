@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/camera/raw_picture.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kWidth = 5;
+constexpr int kHeight = 4;
+
+std::uint8_t level(int x, int y) { return static_cast<std::uint8_t>(10 * y + 50 * x + 3); }
+
+/// Of each byte that is not brightness: loud enough to be noticed.
+constexpr std::byte kNoise{0xee};
+
+struct Written {
+  RawPicture raw;
+  std::vector<std::byte> bytes;
+};
+
+/// A picture of level() in rows with `padding` bytes; the last row has none, as drivers may leave it out.
+Written write(PixelLayout layout, std::size_t padding) {
+  Written written;
+  const std::size_t row = kWidth * bytes_per_pixel(layout);
+  written.raw = {layout, kWidth, kHeight, row + padding, {}};
+  written.bytes.assign((row + padding) * kHeight - padding, kNoise);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      std::byte* const pixel = written.bytes.data() + static_cast<std::size_t>(y) * (row + padding) +
+                               static_cast<std::size_t>(x) * bytes_per_pixel(layout);
+      const int surplus = layout == PixelLayout::kGrey16 ? 8 : layout == PixelLayout::kGrey12 ? 4 : 2;
+      const unsigned deep = (static_cast<unsigned>(level(x, y)) << static_cast<unsigned>(surplus)) | 3U;
+      switch (layout) {
+        case PixelLayout::kGrey8:
+        case PixelLayout::kYuyv:
+          pixel[0] = static_cast<std::byte>(level(x, y));
+          break;
+        case PixelLayout::kUyvy:
+          pixel[1] = static_cast<std::byte>(level(x, y));
+          break;
+        default:
+          pixel[0] = static_cast<std::byte>(deep & 0xffU);
+          pixel[1] = static_cast<std::byte>(deep >> 8U);
+      }
+    }
+  }
+  return written;
+}
+
+class ToGrey : public testing::TestWithParam<PixelLayout> {};
+
+TEST_P(ToGrey, reads_brightness_and_nothing_else) {
+  JpegDecoder jpeg;
+  for (const std::size_t padding : {0U, 1U, 7U, 64U}) {
+    Written written = write(GetParam(), padding);
+    written.raw.bytes = written.bytes;
+    GreyImage grey;
+    const auto done = to_grey(written.raw, &jpeg, &grey);
+    ASSERT_TRUE(done.has_value()) << done.error().message();
+    ASSERT_EQ(grey.width(), kWidth);
+    ASSERT_EQ(grey.height(), kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) EXPECT_EQ(*grey.at(x, y), level(x, y)) << x << " " << y;
+    }
+  }
+}
+
+TEST_P(ToGrey, refuses_a_picture_that_is_one_byte_short) {
+  JpegDecoder jpeg;
+  for (const std::size_t padding : {0U, 7U}) {
+    const Written written = write(GetParam(), padding);
+    GreyImage grey;
+    for (std::size_t bytes = 0; bytes < written.bytes.size(); ++bytes) {
+      // A copy of just that length, so that a sanitizer sees one byte too far.
+      const std::vector<std::byte> cut(written.bytes.begin(),
+                                       written.bytes.begin() + static_cast<std::ptrdiff_t>(bytes));
+      RawPicture raw = written.raw;
+      raw.bytes = cut;
+      const auto done = to_grey(raw, &jpeg, &grey);
+      ASSERT_FALSE(done.has_value()) << bytes;
+      EXPECT_EQ(done.error().code(), ErrorCode::kBadData);
+    }
+  }
+}
+
+TEST_P(ToGrey, refuses_sizes_that_make_no_sense) {
+  JpegDecoder jpeg;
+  Written written = write(GetParam(), 0);
+  written.raw.bytes = written.bytes;
+  GreyImage grey;
+  const std::size_t row = written.raw.row_bytes;
+  for (const auto& [width, height, row_bytes] :
+       {std::tuple{0, kHeight, row}, std::tuple{kWidth, 0, row}, std::tuple{-1, kHeight, row},
+        std::tuple{kWidth, kHeight, row - 1}, std::tuple{kWidth, kHeight, std::size_t{0}},
+        std::tuple{1 << 30, 1 << 30, std::size_t{1} << 31}, std::tuple{kWidth, kHeight, SIZE_MAX / 2}}) {
+    RawPicture raw = written.raw;
+    raw.width = width;
+    raw.height = height;
+    raw.row_bytes = row_bytes;
+    EXPECT_FALSE(to_grey(raw, &jpeg, &grey).has_value()) << width << "x" << height << " in " << row_bytes;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllLayouts, ToGrey,
+                         testing::Values(PixelLayout::kGrey8, PixelLayout::kGrey10, PixelLayout::kGrey12,
+                                         PixelLayout::kGrey16, PixelLayout::kYuyv, PixelLayout::kUyvy));
+
+TEST(ToGreyOfDeepPixels, keeps_white_white_when_a_driver_sets_bits_above_the_promised) {
+  JpegDecoder jpeg;
+  const std::vector<std::byte> bytes{std::byte{0xff}, std::byte{0xff}};
+  GreyImage grey;
+  ASSERT_TRUE(to_grey({PixelLayout::kGrey10, 1, 1, 2, bytes}, &jpeg, &grey).has_value());
+  EXPECT_EQ(*grey.at(0, 0), 255);
+}
+
+std::vector<std::byte> jpeg_of(int width, int height, std::uint8_t grey) {
+  RgbImage picture(width, height, grey);
+  JpegEncoder encoder;
+  return *encoder.encode(picture, {90, true});
+}
+
+TEST(ToGreyOfJpeg, decodes_and_checks_the_size) {
+  JpegDecoder jpeg;
+  const auto bytes = jpeg_of(32, 16, 77);
+  GreyImage grey;
+  ASSERT_TRUE(to_grey({PixelLayout::kJpeg, 32, 16, 0, bytes}, &jpeg, &grey).has_value());
+  EXPECT_NEAR(*grey.at(20, 10), 77, 2);
+  const auto other = to_grey({PixelLayout::kJpeg, 16, 16, 0, bytes}, &jpeg, &grey);
+  ASSERT_FALSE(other.has_value());
+  EXPECT_THAT(other.error().message(), HasSubstr("32x16 instead of 16x16"));
+  for (std::size_t cut = 0; cut < bytes.size(); cut += 13) {
+    EXPECT_FALSE(to_grey({PixelLayout::kJpeg, 32, 16, 0, std::span(bytes).first(cut)}, &jpeg, &grey).has_value())
+        << cut;
+  }
+}
+
+/// UVC cameras leave out the Huffman tables, as the AVI format of 1996 does, and fill their buffers up with zeros.
+TEST(ToGreyOfJpeg, decodes_a_camera_s_jpeg_without_huffman_tables) {
+  JpegDecoder jpeg;
+  std::vector<std::byte> bytes = jpeg_of(32, 16, 90);
+  for (std::size_t at = 2; at + 4 <= bytes.size() && bytes[at] == std::byte{0xff};) {
+    const std::size_t length =
+        2 + (static_cast<std::size_t>(bytes[at + 2]) << 8U) + static_cast<std::size_t>(bytes[at + 3]);
+    const bool is_table = bytes[at + 1] == std::byte{0xc4};
+    if (bytes[at + 1] == std::byte{0xda}) break;
+    if (is_table) {
+      bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                  bytes.begin() + static_cast<std::ptrdiff_t>(at + length));
+    } else {
+      at += length;
+    }
+  }
+  bytes.resize(bytes.size() + 512, std::byte{0});
+  GreyImage grey;
+  const auto done = to_grey({PixelLayout::kJpeg, 32, 16, 0, bytes}, &jpeg, &grey);
+  ASSERT_TRUE(done.has_value()) << done.error().message();
+  EXPECT_NEAR(*grey.at(20, 10), 90, 2);
+}
+
+}  // namespace
+}  // namespace cyclorama

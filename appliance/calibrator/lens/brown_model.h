@@ -48,11 +48,11 @@ template <typename T>
 void brown_pixel(const T* block, const T& x, const T& y, T* u, T* v) {
   const T xx = x * x;
   const T yy = y * y;
-  const T xy2 = T(2.0) * x * y;
+  const T xy2 = 2.0 * x * y;
   const T rr = xx + yy;
-  const T radial = T(1.0) + rr * (block[kK1] + rr * (block[kK2] + rr * block[kK3]));
-  *u = block[kFocalU] * (x * radial + block[kP1] * xy2 + block[kP2] * (rr + T(2.0) * xx)) + block[kCentreU];
-  *v = block[kFocalV] * (y * radial + block[kP1] * (rr + T(2.0) * yy) + block[kP2] * xy2) + block[kCentreV];
+  const T radial = 1.0 + rr * (block[kK1] + rr * (block[kK2] + rr * block[kK3]));
+  *u = block[kFocalU] * (x * radial + block[kP1] * xy2 + block[kP2] * (rr + 2.0 * xx)) + block[kCentreU];
+  *v = block[kFocalV] * (y * radial + block[kP1] * (rr + 2.0 * yy) + block[kP2] * xy2) + block[kCentreV];
 }
 
 }  // namespace cyclorama

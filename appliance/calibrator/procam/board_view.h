@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/geometry/rigid_transform.h"
+
+namespace cyclorama {
+
+namespace frame {
+struct Board;  ///< A chessboard: origin at its first inner corner, x along the rows, y along the columns, z = 0.
+}
+
+/// One pose of a flat board, seen by the camera and lit by the projector: three lists of the same length.
+struct BoardView {
+  std::vector<Eigen::Vector2d> board_m;
+  std::vector<Eigen::Vector2d> camera_px;     ///< First pixel's centre at (0.5, 0.5).
+  std::vector<Eigen::Vector2d> projector_px;  ///< Likewise.
+};
+
+/// The inner corners of a chessboard, row by row.
+[[nodiscard]] inline std::vector<Eigen::Vector2d> chessboard_corners(int columns, int rows, double square_m) {
+  std::vector<Eigen::Vector2d> corners;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) corners.emplace_back(square_m * x, square_m * y);
+  }
+  return corners;
+}
+
+}  // namespace cyclorama

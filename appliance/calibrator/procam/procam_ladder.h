@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "appliance/calibrator/procam/procam_solve.h"
+
+namespace cyclorama {
+
+/// One pair of lens models, and what it predicts.
+struct LadderRung {
+  LensRung camera = LensRung::kPinhole;
+  LensRung projector = LensRung::kPinhole;
+  int freedom = 0;               ///< Numbers that both lenses leave free.
+  double training_rms_px = 0.0;  ///< Stereo, of all views; never what a model is chosen by.
+  double heldout_rms_px =
+      0.0;  ///< Over all left-out views, HeldOut::stereo_rms_px; infinite when one was not determined.
+  double prediction_rms_px = 0.0;  ///< Likewise, HeldOut::projector_rms_px: nothing of the projector is fitted.
+  double centre_scatter_px = 0.0;  ///< How far apart the left-out views put the projector's centre, at most.
+  std::vector<HeldOut> folds = {};  ///< By the view left out.
+};
+
+struct ProcamLadder {
+  std::vector<LadderRung> rungs;
+  std::size_t chosen = 0;         ///< Of rungs.
+  ProcamCalibration calibration;  ///< With it, of all views.
+};
+
+/// A richer model must predict left-out views better by this share, or the smaller one stays.
+inline constexpr double kWorthARung = 0.03;
+
+/// Leaves every view out once, for every pair of models, and takes the least model that predicts as well as any.
+/// Errors as solve_procam(); kBadData also with fewer than three views, for then there is nothing to leave out.
+Result<ProcamLadder> climb_procam(const std::vector<BoardView>& views, PictureSize camera, PictureSize projector);
+
+}  // namespace cyclorama

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Decodes and calibrates the real captures, and measures both. Usage: calibration_real FOLDER [--quick]
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/decode/decode_quality.h"
+#include "appliance/calibrator/procam/chessboard.h"
+#include "appliance/calibrator/procam/procam_ladder.h"
+#include "appliance/calibrator/procam/projector_corners.h"
+#include "tests/bench/calibration/procam_truth.h"
+#include "tests/doubles/lit_wall.h"
+#include "tests/doubles/real_captures.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kColumns = 9;
+constexpr int kRows = 7;
+constexpr double kSquareM = 0.075;
+/// Of the light between white and black: below it is the board's shadow, where light comes by detours alone.
+constexpr double kLit = 20.0 / 255.0;
+constexpr double kCornerRadiusPx = 24.0;
+
+struct Capture {
+  Decoder decoder;
+  GreyImage white;
+};
+
+Result<std::vector<Capture>> load(const std::filesystem::path& folder) {
+  std::vector<Capture> captures;
+  for (int c = 0; c < kRealCaptures; ++c) {
+    TRY_ASSIGN(Decoder decoder, real_decoder(folder, c));
+    TRY_ASSIGN(GreyImage white, real_photo(folder, c, kRealWhite));
+    captures.push_back({std::move(decoder), std::move(white)});
+  }
+  return captures;
+}
+
+Result<BoardView> view_of(const Capture& capture, const Decoded& decoded) {
+  TRY_ASSIGN(const auto corners, find_chessboard(capture.white, kColumns, kRows));
+  const auto board = chessboard_corners(kColumns, kRows, kSquareM);
+  BoardView view;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto place = projector_place(decoded, corners[i], kCornerRadiusPx);
+    if (!place) continue;
+    view.board_m.push_back(board[i]);
+    view.camera_px.push_back(corners[i]);
+    view.projector_px.push_back(*place);
+  }
+  return view;
+}
+
+/// What a view's decoding is worth, by itself and by the calibration.
+struct Figures {
+  double coverage = 0.0;
+  double gross = 0.0;
+  double gross_by_planes = 0.0;
+  double residual_median_px = 0.0;
+  double residual_p99_px = 0.0;
+  double truth_median_px = 0.0;
+};
+
+Figures figures_of(const std::vector<Decoded>& decoded, const std::vector<BoardView>& views,
+                   const ProcamCalibration& calibration, int every) {
+  Figures mean;
+  TruthScore score;
+  for (std::size_t i = 0; i < decoded.size(); ++i) {
+    const DecodeQuality quality = quality_of(decoded[i], kLit);
+    const auto share = 1.0 / static_cast<double>(decoded.size());
+    mean.coverage += share * quality.coverage;
+    mean.gross_by_planes += share * quality.gross;
+    mean.residual_median_px += share * quality.residual_median_px;
+    mean.residual_p99_px += share * quality.residual_p99_px;
+    score_against(decoded[i], views[i], calibration, i, every, &score);
+  }
+  mean.gross = score.gross();
+  mean.truth_median_px = score.board_median_px();
+  return mean;
+}
+
+Result<std::vector<Decoded>> decode(const std::vector<Capture>& captures, const DecodeSettings& settings) {
+  std::vector<Decoded> all;
+  for (const Capture& capture : captures) {
+    TRY_ASSIGN(Decoded decoded, capture.decoder.finish(settings));
+    all.push_back(std::move(decoded));
+  }
+  return all;
+}
+
+/// Whole pixels: what the same readings give without edges.
+Decoded whole_pixels(Decoded decoded) {
+  for (std::size_t i = 0; i < decoded.fate.data().size(); ++i) {
+    if (decoded.fate.data()[i] != PixelFate::kDecoded) continue;
+    for (std::size_t a = 0; a < 2; ++a) {
+      float& place = decoded.position_px.data()[2 * i + a];
+      place = std::floor(place) + 0.5f;
+    }
+  }
+  return decoded;
+}
+
+void print_curve_row(const std::string& name, const Figures& f) {
+  fmt::print("| {:<24} | {:6.2f} | {:7.4f} | {:7.4f} | {:6.3f} | {:6.3f} | {:6.3f} |\n", name, 100.0 * f.coverage,
+             100.0 * f.gross, 100.0 * f.gross_by_planes, f.residual_median_px, f.residual_p99_px, f.truth_median_px);
+}
+
+Status print_curves(const std::vector<Capture>& captures, const std::vector<BoardView>& views,
+                    const ProcamCalibration& calibration, bool is_quick) {
+  fmt::print("\nEach setting by itself, the others as they are by default; means of the captures\n");
+  fmt::print(
+      "| setting                  | lit, % | gross,% | planes% | median | p99 px | board  "
+      "|\n|---|---|---|---|---|---|---|\n");
+  const auto row = [&](const std::string& name, const DecodeSettings& settings) -> Status {
+    TRY_ASSIGN(const auto decoded, decode(captures, settings));
+    print_curve_row(name, figures_of(decoded, views, calibration, 3));
+    return Done{};
+  };
+  TRY(row("default", DecodeSettings{}));
+  if (is_quick) return Done{};
+  for (const double sigmas : {0.0, 1.0, 2.0, 3.0, 5.0, 8.0}) {
+    DecodeSettings settings;
+    settings.undecided.sigmas = sigmas;
+    TRY(row(fmt::format("undecided sigmas {:g}", sigmas), settings));
+  }
+  for (const double contrast : {0.0, 0.01, 0.02, 0.05, 0.1, 0.2}) {
+    DecodeSettings settings;
+    settings.undecided.contrast = contrast;
+    TRY(row(fmt::format("undecided contrast {:g}", contrast), settings));
+  }
+  for (const int patch : {1, 10, 30, 60, 120, 300, 1000}) {
+    DecodeSettings settings;
+    settings.smallest_patch_px = patch;
+    TRY(row(fmt::format("smallest patch {}", patch), settings));
+  }
+  for (const double darkest : {0.005, 0.01, 0.02, 0.04, 0.08}) {
+    DecodeSettings settings;
+    settings.darkest = darkest;
+    TRY(row(fmt::format("darkest {:g}", darkest), settings));
+  }
+  for (const double sigma : {0.1, 0.3, 0.6, 1.2, 2.4}) {
+    DecodeSettings settings;
+    settings.largest_sigma_px = sigma;
+    TRY(row(fmt::format("largest sigma {:g} px", sigma), settings));
+  }
+  for (const double disturbance : {0.03, 0.06, 0.12, 0.25, 1.0}) {
+    DecodeSettings settings;
+    settings.disturbance = disturbance;
+    TRY(row(fmt::format("disturbance {:g}", disturbance), settings));
+  }
+  DecodeSettings bare;
+  bare.undecided = {};
+  bare.smallest_patch_px = 1;
+  bare.darkest = 0.0;
+  bare.disturbance = 10.0;
+  bare.largest_sigma_px = 100.0;
+  return row("no threshold at all", bare);
+}
+
+void print_lens(const char* name, const BrownParameters& lens, const BrownBlock& sigma) {
+  fmt::print(
+      "{}: f {:.1f} ± {:.1f}, centre ({:.1f} ± {:.1f}, {:.1f} ± {:.1f}), k1 {:.4f} ± {:.4f}, k2 {:.3f}, p ({:.5f}, "
+      "{:.5f}), k3 {:.2f}\n",
+      name, lens.focal_u_px, sigma[kFocalU], lens.centre_u_px, sigma[kCentreU], lens.centre_v_px, sigma[kCentreV],
+      lens.k1, sigma[kK1], lens.k2, lens.p1, lens.p2, lens.k3);
+}
+
+void print_ladder(const ProcamLadder& ladder) {
+  fmt::print(
+      "\n| camera | projector | free | training px | left out px | predicted px | centre scatter px "
+      "|\n|---|---|---|---|---|---|---|\n");
+  for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
+    const LadderRung& rung = ladder.rungs[i];
+    fmt::print("| {} | {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.1f} |{}\n", name_of(rung.camera),
+               name_of(rung.projector), rung.freedom, rung.training_rms_px, rung.heldout_rms_px, rung.prediction_rms_px,
+               rung.centre_scatter_px, i == ladder.chosen ? " <- chosen" : "");
+  }
+  const LadderRung& chosen = ladder.rungs[ladder.chosen];
+  fmt::print("\n| left out | camera px | projector, predicted px | stereo px |\n|---|---|---|---|\n");
+  for (std::size_t i = 0; i < chosen.folds.size(); ++i) {
+    const HeldOut& fold = chosen.folds[i];
+    fmt::print("| capture {} | {:.3f} | {:.3f} | {:.3f} |\n", i, fold.camera_rms_px, fold.projector_rms_px,
+               fold.stereo_rms_px);
+  }
+}
+
+/// Cameras of 0.3 to 20 megapixels before the same projector: a wall as formulas, for no such photographs are at hand.
+Status print_sizes() {
+  fmt::print(
+      "\nSimulated cameras before a projector of 1024x768\n| camera | projector px a camera px | decoded, % | gross, % "
+      "| median px | decoding, s |\n|---|---|---|---|---|---|\n");
+  TRY_ASSIGN(const PatternSet set, structured_light({.width_px = 1024, .height_px = 768}));
+  for (const int width : {240, 640, 1280, 2592, 5184}) {
+    LitWall wall;
+    wall.camera_width_px = width;
+    wall.camera_height_px = width * 3 / 4;
+    const double scale = 1000.0 / width;
+    wall.projector_place = [scale](double u, double v) { return Eigen::Vector2d(12.0 + scale * u, 9.0 + scale * v); };
+    wall.blur_px = std::max(0.7, 0.5 * scale);
+    const Decoder decoder = wall.decoder(set);
+    const auto before = std::chrono::steady_clock::now();
+    TRY_ASSIGN(const Decoded decoded, decoder.finish());
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - before;
+    const WallErrors errors = errors_of(wall, decoded);
+    const auto pixels = static_cast<double>(decoded.fate.data().size());
+    fmt::print("| {}x{} | {:.2f} | {:.2f} | {:.4f} | {:.3f} | {:.2f} |\n", width, width * 3 / 4, scale,
+               100.0 * errors.decoded / pixels, 100.0 * errors.gross / std::max(1, errors.decoded), errors.median_px,
+               seconds.count());
+  }
+  return Done{};
+}
+
+Status run(const std::filesystem::path& folder, bool is_quick) {
+  TRY_ASSIGN(const auto captures, load(folder));
+  const auto before = std::chrono::steady_clock::now();
+  TRY_ASSIGN(const auto decoded, decode(captures, DecodeSettings{}));
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - before;
+  std::vector<BoardView> views;
+  fmt::print("| capture | noise, % | of pixels: lit, % |");
+  for (std::size_t f = 0; f < kPixelFates; ++f) fmt::print(" {}, % |", name_of(static_cast<PixelFate>(f)));
+  fmt::print(" of lit: decoded, % | median px | whole pixels |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (std::size_t i = 0; i < captures.size(); ++i) {
+    const DecodeQuality quality = quality_of(decoded[i], kLit);
+    const auto pixels = static_cast<double>(decoded[i].fate.data().size());
+    fmt::print("| {} | {:.2f} | {:.1f} |", i, 100.0 * decoded[i].noise, 100.0 * quality.lit / pixels);
+    for (const int count : quality.fates) fmt::print(" {:.2f} |", 100.0 * count / pixels);
+    fmt::print(" {:.2f} | {:.3f} | {:.3f} |\n", 100.0 * quality.coverage, quality.residual_median_px,
+               quality_of(whole_pixels(decoded[i]), kLit).residual_median_px);
+    TRY_ASSIGN(BoardView view, view_of(captures[i], decoded[i]));
+    fmt::print("  capture {}: {} corners on the projector\n", i, view.board_m.size());
+    views.push_back(std::move(view));
+  }
+  fmt::print("decoding takes {:.2f} s a capture of 1.3 megapixels\n",
+             seconds.count() / static_cast<double>(captures.size()));
+  TRY_ASSIGN(const ProcamLadder ladder, climb_procam(views, {1280, 1024}, {1024, 768}));
+  print_ladder(ladder);
+  const ProcamCalibration& calibration = ladder.calibration;
+  print_lens("camera", calibration.camera, calibration.camera_sigma);
+  print_lens("projector", calibration.projector, calibration.projector_sigma);
+  fmt::print("camera {:.3f}, projector {:.3f}, stereo {:.3f} px; rank {} of {}; {} of {} starting points agree\n",
+             calibration.camera_rms_px, calibration.projector_rms_px, calibration.stereo_rms_px, calibration.rank,
+             calibration.unknowns, calibration.restarts_agreeing, kRestarts);
+  TRY(print_curves(captures, views, calibration, is_quick));
+  if (!is_quick) TRY(print_sizes());
+  const Figures figures = figures_of(decoded, views, calibration, 1);
+  const LadderRung& chosen = ladder.rungs[ladder.chosen];
+  std::string folds;
+  for (const HeldOut& fold : chosen.folds)
+    folds += fmt::format("{}{:.4f}", folds.empty() ? "" : ", ", fold.stereo_rms_px);
+  fmt::print(
+      "{{\"benchmark\": \"calibration-real\", \"coverage\": {:.4f}, \"gross\": {:.6f}, \"residual_median_px\": {:.4f}, "
+      "\"stereo_rms_px\": {:.4f}, "
+      "\"heldout_rms_px\": {:.4f}, \"heldout_by_capture_px\": [{}], \"predicted_rms_px\": {:.4f}, \"camera_model\": "
+      "\"{}\", \"projector_model\": \"{}\", "
+      "\"decode_s\": {:.3f}}}\n",
+      figures.coverage, figures.gross, figures.residual_median_px, calibration.stereo_rms_px, chosen.heldout_rms_px,
+      folds, chosen.prediction_rms_px, name_of(chosen.camera), name_of(chosen.projector),
+      seconds.count() / static_cast<double>(captures.size()));
+  return Done{};
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  if (argc < 2) return 2;
+  const auto status = cyclorama::run(argv[1], argc > 2 && std::strcmp(argv[2], "--quick") == 0);
+  if (!status) fmt::print(stderr, "calibration_real: {}\n", status.error().message());
+  return status ? 0 : 1;
+}

@@ -43,14 +43,18 @@ struct BitThreshold {
                                       const BitThreshold& threshold);
 
 /// Whether all readings that the undecided bits leave open lie in the same cell of 2^level pixels, or the next. Gray
-/// code promises this at the edge of a stripe: there one bit is open, and both its readings are true.
+/// code promises this at the edge of a stripe: there one bit is open, and both its readings are true. Where all finer
+/// bits are decided they must agree that there is an edge: the readings lie no further apart than a cell.
 [[nodiscard]] inline bool is_settled(std::uint16_t place, std::uint16_t undecided, int level) {
-  const unsigned cell = static_cast<unsigned>(place) >> level;
-  for (unsigned open = static_cast<unsigned>(undecided) >> level; open != 0; open &= open - 1) {
+  const auto whole = static_cast<unsigned>(place);
+  const int cell = static_cast<int>(whole >> level);
+  for (unsigned open = static_cast<unsigned>(undecided) >> level << level; open != 0; open &= open - 1) {
     const unsigned lowest = open & (~open + 1U);
     // Flipping one bit of a Gray code mirrors all that is below.
-    const unsigned other = cell ^ (2U * lowest - 1U);
-    if (std::abs(static_cast<int>(other) - static_cast<int>(cell)) > 1) return false;
+    const unsigned other = whole ^ (2U * lowest - 1U);
+    if (std::abs(static_cast<int>(other >> level) - cell) > 1) return false;
+    const bool finer_are_decided = (static_cast<unsigned>(undecided) & (lowest - 1U)) == 0;
+    if (finer_are_decided && std::abs(static_cast<int>(other) - static_cast<int>(whole)) > 1 << level) return false;
   }
   return true;
 }

@@ -166,6 +166,7 @@ double Decoder::measured_noise(const Image<float, 1>& amplitude) const {
 void Decoder::judge_light(const DecodeSettings& settings, Decoded* decoded) const {
   const auto darkest = static_cast<float>(std::max(settings.darkest, 3.0 * decoded->noise));
   const auto saturated = static_cast<float>(settings.saturated);
+  const auto least_share = static_cast<float>(settings.least_direct_share);
   for (std::size_t i = 0; i < white_.data().size(); ++i) {
     const float amplitude = std::max(0.0f, decoded->amplitude.data()[i]);
     const float direct = std::clamp(most_.data()[i] - least_.data()[i], 0.0f, 1e6f);
@@ -176,7 +177,7 @@ void Decoder::judge_light(const DecodeSettings& settings, Decoded* decoded) cons
     PixelFate& fate = decoded->fate.data()[i];
     if (white_.data()[i] >= saturated) {
       fate = PixelFate::kSaturated;
-    } else if (direct < darkest || amplitude < darkest) {
+    } else if (direct < darkest || amplitude < darkest || direct < least_share * amplitude) {
       fate = PixelFate::kDark;
     } else if (spread > settings.disturbance * static_cast<double>(amplitude) + 2.0 * decoded->noise) {
       fate = PixelFate::kDisturbed;

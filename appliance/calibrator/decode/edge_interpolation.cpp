@@ -17,6 +17,8 @@ constexpr double kFurthestEdges = 96.0;
 /// What interpolating between edges misses, in stripes: measured against planes on real captures
 /// (docs/design/structured-light.md).
 constexpr double kModelSigma = 0.02;
+/// And what a straight line between two camera pixels misses of an edge between them, in camera pixels.
+constexpr double kCrossingSigma = 0.05;
 
 struct Crossing {
   double at = 0.0;     ///< In camera pixels along the line; the centre of its first pixel is 0.
@@ -128,7 +130,7 @@ class Line {
     const double sigma_profile =
         std::numbers::sqrt2 * noise_ / std::max(1e-3, static_cast<double>(amplitude_.data()[pixel(i)]));
     crossings_.push_back({.at = static_cast<double>(i) - low / difference,
-                          .sigma = std::min(sigma_profile / std::abs(difference), 0.5),
+                          .sigma = std::min(std::hypot(sigma_profile / std::abs(difference), kCrossingSigma), 0.5),
                           .boundary = boundary,
                           .begins = begins_});
     begins_ = false;

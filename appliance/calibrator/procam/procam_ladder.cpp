@@ -39,6 +39,41 @@ void leave_each_out(const std::vector<BoardView>& views, const ProcamChoice& cho
   }
 }
 
+LadderRung tried(const std::vector<BoardView>& views, const ProcamChoice& choice) {
+  LadderRung rung;
+  rung.camera = choice.camera_rung;
+  rung.projector = choice.projector_rung;
+  rung.board = choice.board_rung;
+  rung.freedom =
+      freedom_of(rung.camera) + freedom_of(rung.projector) + (rung.board == BoardRung::kBent ? kBoardValues : 0);
+  const auto all = solve_procam(views, choice);
+  rung.training_rms_px = all ? all->stereo_rms_px : std::numeric_limits<double>::infinity();
+  if (all) {
+    leave_each_out(views, choice, &rung);
+  } else {
+    rung.heldout_rms_px = rung.prediction_rms_px = std::numeric_limits<double>::infinity();
+  }
+  return rung;
+}
+
+/// The models that are richer in one thing.
+std::vector<ProcamChoice> above(const ProcamChoice& choice) {
+  std::vector<ProcamChoice> choices;
+  const auto add_lens = [&](LensRung ProcamChoice::*lens) {
+    for (std::size_t i = static_cast<std::size_t>(choice.*lens) + 1, n = 0; i < kRungs && n < 2; ++i, ++n) {
+      choices.push_back(choice);
+      choices.back().*lens = kLensRungs.at(i);
+    }
+  };
+  add_lens(&ProcamChoice::camera_rung);
+  add_lens(&ProcamChoice::projector_rung);
+  if (choice.board_rung == BoardRung::kFlat) {
+    choices.push_back(choice);
+    choices.back().board_rung = BoardRung::kBent;
+  }
+  return choices;
+}
+
 }  // namespace
 
 Result<ProcamLadder> climb_procam(const std::vector<BoardView>& views, PictureSize camera, PictureSize projector) {
@@ -46,37 +81,35 @@ Result<ProcamLadder> climb_procam(const std::vector<BoardView>& views, PictureSi
     return Error(ErrorCode::kBadData,
                  "a model is chosen by views that are left out: photograph the board in three poses or more");
   }
+  ProcamChoice standing{camera, projector, LensRung::kPinhole, LensRung::kPinhole};
+  // What is wrong with the views themselves is wrong on every rung.
+  const auto least = solve_procam(views, standing);
+  if (!least && least.error().code() == ErrorCode::kInvalidArgument) return least.error();
+  standing.starts = 1;
   ProcamLadder ladder;
-  double best = std::numeric_limits<double>::infinity();
-  for (std::size_t c = 0; c < kRungs; ++c) {
-    for (std::size_t p = 0; p < kRungs; ++p) {
-      LadderRung rung{.camera = kLensRungs.at(c), .projector = kLensRungs.at(p)};
-      rung.freedom = freedom_of(rung.camera) + freedom_of(rung.projector);
-      const ProcamChoice choice{camera, projector, rung.camera, rung.projector};
-      const auto all = solve_procam(views, choice);
-      // What is wrong with the views themselves is wrong on every rung.
-      if (!all && all.error().code() == ErrorCode::kInvalidArgument) return all.error();
-      rung.training_rms_px = all ? all->stereo_rms_px : std::numeric_limits<double>::infinity();
-      leave_each_out(views, choice, &rung);
-      if (all) best = std::min(best, rung.heldout_rms_px);
-      ladder.rungs.push_back(std::move(rung));
+  ladder.rungs.push_back(tried(views, standing));
+  for (bool climbs = true; climbs;) {
+    climbs = false;
+    double best = ladder.rungs[ladder.chosen].heldout_rms_px * (1.0 - kWorthARung);
+    ProcamChoice better = standing;
+    for (const ProcamChoice& choice : above(standing)) {
+      ladder.rungs.push_back(tried(views, choice));
+      // The first rung may not be determined; anything that is is better.
+      if (!(ladder.rungs.back().heldout_rms_px < best)) continue;
+      best = ladder.rungs.back().heldout_rms_px;
+      better = choice;
+      ladder.chosen = ladder.rungs.size() - 1;
+      climbs = true;
     }
+    standing = better;
   }
-  if (!std::isfinite(best)) {
+  if (!std::isfinite(ladder.rungs[ladder.chosen].heldout_rms_px)) {
     return Error(ErrorCode::kBadData,
                  "no lens model is determined when a view is left out: photograph the board in more poses, turned "
                  "by 20 degrees or more about different axes");
   }
-  const LadderRung* chosen = nullptr;
-  for (const LadderRung& rung : ladder.rungs) {
-    if (!(rung.heldout_rms_px <= best * (1.0 + kWorthARung)) || !std::isfinite(rung.training_rms_px)) continue;
-    if (chosen == nullptr || rung.freedom < chosen->freedom ||
-        (rung.freedom == chosen->freedom && rung.heldout_rms_px < chosen->heldout_rms_px)) {
-      chosen = &rung;
-    }
-  }
-  ladder.chosen = static_cast<std::size_t>(chosen - ladder.rungs.data());
-  TRY_ASSIGN(ladder.calibration, solve_procam(views, {camera, projector, chosen->camera, chosen->projector}));
+  standing.starts = kMostStarts;
+  TRY_ASSIGN(ladder.calibration, solve_procam(views, standing));
   return ladder;
 }
 

@@ -7,16 +7,17 @@
 
 namespace cyclorama {
 
-/// One pair of lens models, and what it predicts.
+/// Models of both lenses and of the board, and what they predict.
 struct LadderRung {
   LensRung camera = LensRung::kPinhole;
   LensRung projector = LensRung::kPinhole;
-  int freedom = 0;               ///< Numbers that both lenses leave free.
+  BoardRung board = BoardRung::kFlat;
+  int freedom = 0;               ///< Numbers that lenses and board leave free.
   double training_rms_px = 0.0;  ///< Stereo, of all views; never what a model is chosen by.
   double heldout_rms_px =
       0.0;  ///< Over all left-out views, HeldOut::stereo_rms_px; infinite when one was not determined.
-  double prediction_rms_px = 0.0;  ///< Likewise, HeldOut::projector_rms_px: nothing of the projector is fitted.
-  double centre_scatter_px = 0.0;  ///< How far apart the left-out views put the projector's centre, at most.
+  double prediction_rms_px = 0.0;   ///< Likewise, HeldOut::projector_rms_px: nothing of the projector is fitted.
+  double centre_scatter_px = 0.0;   ///< How far apart the left-out views put the projector's centre, at most.
   std::vector<HeldOut> folds = {};  ///< By the view left out.
 };
 
@@ -29,8 +30,10 @@ struct ProcamLadder {
 /// A richer model must predict left-out views better by this share, or the smaller one stays.
 inline constexpr double kWorthARung = 0.03;
 
-/// Leaves every view out once, for every pair of models, and takes the least model that predicts as well as any.
-/// Errors as solve_procam(); kBadData also with fewer than three views, for then there is nothing to leave out.
+/// Climbs from the least model: of all that are one or two rungs richer in one thing (the camera's lens, the
+/// projector's, the board), the one that predicts left-out views best is taken, as long as it is worth it. All that
+/// were tried are told. Errors as solve_procam(); kBadData also with fewer than three views, for then there is nothing
+/// to leave out.
 Result<ProcamLadder> climb_procam(const std::vector<BoardView>& views, PictureSize camera, PictureSize projector);
 
 }  // namespace cyclorama

@@ -23,11 +23,14 @@ namespace {
 
 using PoseBlock = std::array<double, 6>;  ///< Angle-axis, then translation.
 
+using BoardBlock = std::array<double, kBoardValues>;  ///< As BoardShape.
+
 /// All unknowns. Addresses are Ceres's names for them: the lists do not grow while a problem lives.
 struct Unknowns {
   BrownBlock camera = {};
   BrownBlock projector = {};
   PoseBlock projector_from_camera = {};
+  BoardBlock shape = {};
   std::vector<PoseBlock> boards;
 };
 
@@ -63,14 +66,24 @@ bool pixel_error(const T* lens, bool is_square, const T* point, const Eigen::Vec
   return true;
 }
 
+/// A corner where it lies on the board.
+template <typename T>
+void shaped(const T* shape, const Eigen::Vector2d& corner, T* point) {
+  point[0] = constant<T>(corner.x());
+  point[1] = corner.y() * (1.0 + shape[0]);
+  point[2] = (corner.x() * corner.x()) * shape[1] + (corner.x() * corner.y()) * shape[2] +
+             (corner.y() * corner.y()) * shape[3];
+}
+
 struct CameraError {
   Eigen::Vector2d board;
   Eigen::Vector2d seen;
   bool is_square;
   template <typename T>
-  bool operator()(const T* lens, const T* pose, T* error) const {
-    const T point[3] = {constant<T>(board.x()), constant<T>(board.y()), constant<T>(0.0)};
+  bool operator()(const T* lens, const T* shape, const T* pose, T* error) const {
+    T point[3];
     T in_camera[3];
+    shaped(shape, board, point);
     moved(pose, point, in_camera);
     return pixel_error(lens, is_square, in_camera, seen, error);
   }
@@ -81,10 +94,11 @@ struct ProjectorError {
   Eigen::Vector2d seen;
   bool is_square;
   template <typename T>
-  bool operator()(const T* lens, const T* projector_from_camera, const T* pose, T* error) const {
-    const T point[3] = {constant<T>(board.x()), constant<T>(board.y()), constant<T>(0.0)};
+  bool operator()(const T* lens, const T* projector_from_camera, const T* shape, const T* pose, T* error) const {
+    T point[3];
     T in_camera[3];
     T in_projector[3];
+    shaped(shape, board, point);
     moved(pose, point, in_camera);
     moved(projector_from_camera, in_camera, in_projector);
     return pixel_error(lens, is_square, in_projector, seen, error);
@@ -122,18 +136,18 @@ void hold(const std::vector<int>& values, double* lens, ceres::Problem* problem)
   problem->SetManifold(lens, new ceres::SubsetManifold(kBrownValues, values));  // The problem owns it.
 }
 
-void add_camera(const BoardView& view, bool is_square, BrownBlock* lens, PoseBlock* pose, ceres::Problem* problem) {
+void add_camera(const BoardView& view, bool is_square, Unknowns* unknowns, PoseBlock* pose, ceres::Problem* problem) {
   for (std::size_t i = 0; i < view.board_m.size(); ++i) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<CameraError, 2, kBrownValues, 6>(
+    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<CameraError, 2, kBrownValues, kBoardValues, 6>(
                                   new CameraError{view.board_m[i], view.camera_px[i], is_square}),
-                              nullptr, lens->data(), pose->data());
+                              nullptr, unknowns->camera.data(), unknowns->shape.data(), pose->data());
   }
 }
 
 void add_projector(const BoardView& view, bool is_square, Unknowns* unknowns, PoseBlock* pose,
                    ceres::Problem* problem) {
   for (std::size_t i = 0; i < view.board_m.size(); ++i) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<ProjectorError, 2, kBrownValues, 6, 6>(
+    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<ProjectorError, 2, kBrownValues, 6, kBoardValues, 6>(
                                   new ProjectorError{view.board_m[i], view.projector_px[i], is_square}),
                               nullptr, unknowns->projector.data(), unknowns->projector_from_camera.data(),
                               pose->data());
@@ -145,8 +159,8 @@ std::optional<double> minimise(ceres::Problem* problem) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = 300;
-  options.function_tolerance = 1e-14;
-  options.parameter_tolerance = 1e-12;
+  options.function_tolerance = 1e-11;
+  options.parameter_tolerance = 1e-10;
   options.gradient_tolerance = 1e-14;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
@@ -199,12 +213,12 @@ std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::
   unknowns.camera = {focal_px, focal_px, centre.x(), centre.y(), 0.0, 0.0, 0.0, 0.0, 0.0};
   for (const Eigen::Matrix3d& h : homographies) unknowns.boards.push_back(block_of(board_pose(h, focal_px, centre)));
   ceres::Problem alone;
-  for (std::size_t i = 0; i < views.size(); ++i)
-    add_camera(views[i], true, &unknowns.camera, &unknowns.boards[i], &alone);
+  for (std::size_t i = 0; i < views.size(); ++i) add_camera(views[i], true, &unknowns, &unknowns.boards[i], &alone);
   // The centre stays until the projector's view holds it as well.
   std::vector<int> held = held_values(LensRung::kPinhole);
   held.insert(held.end(), {kCentreU, kCentreV});
   hold(held, unknowns.camera.data(), &alone);
+  alone.SetParameterBlockConstant(unknowns.shape.data());
   if (!minimise(&alone)) return std::nullopt;
   unknowns.camera[kFocalV] = unknowns.camera[kFocalU];
 
@@ -229,13 +243,14 @@ std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::
 void build(const std::vector<BoardView>& views, const ProcamChoice& choice, Unknowns* unknowns,
            ceres::Problem* problem) {
   for (std::size_t i = 0; i < views.size(); ++i) {
-    add_camera(views[i], has_square_pixels(choice.camera_rung), &unknowns->camera, &unknowns->boards[i], problem);
+    add_camera(views[i], has_square_pixels(choice.camera_rung), unknowns, &unknowns->boards[i], problem);
   }
   for (std::size_t i = 0; i < views.size(); ++i) {
     add_projector(views[i], has_square_pixels(choice.projector_rung), unknowns, &unknowns->boards[i], problem);
   }
   hold(held_values(choice.camera_rung), unknowns->camera.data(), problem);
   hold(held_values(choice.projector_rung), unknowns->projector.data(), problem);
+  if (choice.board_rung == BoardRung::kFlat) problem->SetParameterBlockConstant(unknowns->shape.data());
 }
 
 /// Rank and deviations, from the Jacobian with its columns scaled to length 1.
@@ -249,6 +264,9 @@ Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
   options.parameter_blocks = {unknowns->camera.data(), unknowns->projector.data(),
                               unknowns->projector_from_camera.data()};
   for (PoseBlock& board : unknowns->boards) options.parameter_blocks.push_back(board.data());
+  if (!problem->IsParameterBlockConstant(unknowns->shape.data())) {
+    options.parameter_blocks.push_back(unknowns->shape.data());
+  }
   std::vector<double> residuals;
   ceres::CRSMatrix sparse;
   problem->Evaluate(options, nullptr, &residuals, nullptr, &sparse);
@@ -305,7 +323,9 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
   std::optional<Unknowns> best;
   double best_cost = 0.0;
   std::vector<double> costs;
-  for (const double factor : {1.0, 0.6, 1.8}) {
+  constexpr std::array<double, kMostStarts> kFactors = {1.0, 0.6, 1.8};
+  for (int start = 0; start < std::clamp(choice.starts, 1, kMostStarts); ++start) {
+    const double factor = kFactors.at(static_cast<std::size_t>(start));
     auto unknowns = started(views, homographies, choice, factor * guess);
     if (!unknowns) continue;
     ceres::Problem problem;
@@ -334,6 +354,7 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
   result.projector = from_block(best->projector, choice.projector.width_px, choice.projector.height_px);
   const std::size_t next = spread_sigmas(certainty.sigmas, 0, choice.camera_rung, &result.camera_sigma);
   spread_sigmas(certainty.sigmas, next, choice.projector_rung, &result.projector_sigma);
+  result.board = {best->shape[0], best->shape[1], best->shape[2], best->shape[3]};
   result.T_projector_camera = transform_of<frame::Projector, frame::Camera>(best->projector_from_camera);
   for (const PoseBlock& board : best->boards)
     result.T_camera_board.push_back(transform_of<frame::Camera, frame::Board>(board));
@@ -343,7 +364,7 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
   result.camera_rms_px = rms(squares_of(residuals, true), corners);
   result.projector_rms_px = rms(squares_of(residuals, false), corners);
   result.stereo_rms_px = rms(squares_of(residuals, true) + squares_of(residuals, false), 2.0 * corners);
-  for (const double cost : costs) result.restarts_agreeing += cost <= best_cost * (1.0 + 1e-6) + 1e-15 ? 1 : 0;
+  for (const double cost : costs) result.starts_agreeing += cost <= best_cost * (1.0 + 1e-6) + 1e-15 ? 1 : 0;
   return result;
 }
 
@@ -355,24 +376,27 @@ Result<HeldOut> held_out(const BoardView& view, const ProcamCalibration& calibra
   unknowns.camera = to_block(calibration.camera);
   unknowns.projector = to_block(calibration.projector);
   unknowns.projector_from_camera = block_of(calibration.T_projector_camera);
+  const BoardShape& board = calibration.board;
+  unknowns.shape = {board.stretch, board.bend_xx, board.bend_xy, board.bend_yy};
   const Eigen::Vector2d centre(calibration.camera.centre_u_px, calibration.camera.centre_v_px);
   unknowns.boards = {block_of(board_pose(*h, calibration.camera.focal_u_px, centre))};
   const auto hold_devices = [&unknowns](ceres::Problem* problem) {
-    for (double* block : {unknowns.camera.data(), unknowns.projector.data(), unknowns.projector_from_camera.data()}) {
+    for (double* block : {unknowns.camera.data(), unknowns.projector.data(), unknowns.projector_from_camera.data(),
+                          unknowns.shape.data()}) {
       if (problem->HasParameterBlock(block)) problem->SetParameterBlockConstant(block);
     }
   };
   const auto corners = static_cast<double>(view.board_m.size());
   HeldOut result;
   ceres::Problem by_camera;
-  add_camera(view, false, &unknowns.camera, unknowns.boards.data(), &by_camera);
+  add_camera(view, false, &unknowns, unknowns.boards.data(), &by_camera);
   hold_devices(&by_camera);
   const auto cost = minimise(&by_camera);
   if (!cost) return undetermined();
   result.camera_rms_px = rms(2.0 * *cost, corners);
 
   ceres::Problem by_both;
-  add_camera(view, false, &unknowns.camera, unknowns.boards.data(), &by_both);
+  add_camera(view, false, &unknowns, unknowns.boards.data(), &by_both);
   add_projector(view, false, &unknowns, unknowns.boards.data(), &by_both);
   hold_devices(&by_both);
   std::vector<double> residuals;

@@ -63,7 +63,9 @@ std::optional<double> middle_value(const std::vector<Sample>& samples, int axis)
     }
     if (used < 30.0) return std::nullopt;
     const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal);
-    if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-6)) return std::nullopt;
+    if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 1e-6 * solver.vectorD().maxCoeff())) {
+      return std::nullopt;
+    }
     surface = solver.solve(right);
     std::vector<double> distances;
     for (const Sample& sample : samples) distances.push_back(std::abs(sample.place[axis] - sample.terms.dot(surface)));

@@ -144,6 +144,11 @@ Status print_curves(const std::vector<Capture>& captures, const std::vector<Boar
     settings.darkest = darkest;
     TRY(row(fmt::format("darkest {:g}", darkest), settings));
   }
+  for (const double share : {0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}) {
+    DecodeSettings settings;
+    settings.least_direct_share = share;
+    TRY(row(fmt::format("least direct share {:g}", share), settings));
+  }
   for (const double sigma : {0.1, 0.3, 0.6, 1.2, 2.4}) {
     DecodeSettings settings;
     settings.largest_sigma_px = sigma;
@@ -158,6 +163,7 @@ Status print_curves(const std::vector<Capture>& captures, const std::vector<Boar
   bare.undecided = {};
   bare.smallest_patch_px = 1;
   bare.darkest = 0.0;
+  bare.least_direct_share = 0.0;
   bare.disturbance = 10.0;
   bare.largest_sigma_px = 100.0;
   return row("no threshold at all", bare);
@@ -173,13 +179,14 @@ void print_lens(const char* name, const BrownParameters& lens, const BrownBlock&
 
 void print_ladder(const ProcamLadder& ladder) {
   fmt::print(
-      "\n| camera | projector | free | training px | left out px | predicted px | centre scatter px "
-      "|\n|---|---|---|---|---|---|---|\n");
+      "\n| camera | projector | board | free | training px | left out px | predicted px | centre scatter px "
+      "|\n|---|---|---|---|---|---|---|---|\n");
   for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
     const LadderRung& rung = ladder.rungs[i];
-    fmt::print("| {} | {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.1f} |{}\n", name_of(rung.camera),
-               name_of(rung.projector), rung.freedom, rung.training_rms_px, rung.heldout_rms_px, rung.prediction_rms_px,
-               rung.centre_scatter_px, i == ladder.chosen ? " <- chosen" : "");
+    fmt::print("| {} | {} | {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.1f} |{}\n", name_of(rung.camera),
+               name_of(rung.projector), rung.board == BoardRung::kFlat ? "flat" : "bent", rung.freedom,
+               rung.training_rms_px, rung.heldout_rms_px, rung.prediction_rms_px, rung.centre_scatter_px,
+               i == ladder.chosen ? " <- chosen" : "");
   }
   const LadderRung& chosen = ladder.rungs[ladder.chosen];
   fmt::print("\n| left out | camera px | projector, predicted px | stereo px |\n|---|---|---|---|\n");
@@ -243,9 +250,12 @@ Status run(const std::filesystem::path& folder, bool is_quick) {
   const ProcamCalibration& calibration = ladder.calibration;
   print_lens("camera", calibration.camera, calibration.camera_sigma);
   print_lens("projector", calibration.projector, calibration.projector_sigma);
+  const BoardShape& board = calibration.board;
+  fmt::print("board: stretched by {:.3f} %, bent by {:.4f}, {:.4f}, {:.4f} per metre\n", 100.0 * board.stretch,
+             board.bend_xx, board.bend_xy, board.bend_yy);
   fmt::print("camera {:.3f}, projector {:.3f}, stereo {:.3f} px; rank {} of {}; {} of {} starting points agree\n",
              calibration.camera_rms_px, calibration.projector_rms_px, calibration.stereo_rms_px, calibration.rank,
-             calibration.unknowns, calibration.restarts_agreeing, kRestarts);
+             calibration.unknowns, calibration.starts_agreeing, kMostStarts);
   TRY(print_curves(captures, views, calibration, is_quick));
   if (!is_quick) TRY(print_sizes());
   const Figures figures = figures_of(decoded, views, calibration, 1);
@@ -257,11 +267,11 @@ Status run(const std::filesystem::path& folder, bool is_quick) {
       "{{\"benchmark\": \"calibration-real\", \"coverage\": {:.4f}, \"gross\": {:.6f}, \"residual_median_px\": {:.4f}, "
       "\"stereo_rms_px\": {:.4f}, "
       "\"heldout_rms_px\": {:.4f}, \"heldout_by_capture_px\": [{}], \"predicted_rms_px\": {:.4f}, \"camera_model\": "
-      "\"{}\", \"projector_model\": \"{}\", "
+      "\"{}\", \"projector_model\": \"{}\", \"board_model\": \"{}\", "
       "\"decode_s\": {:.3f}}}\n",
       figures.coverage, figures.gross, figures.residual_median_px, calibration.stereo_rms_px, chosen.heldout_rms_px,
       folds, chosen.prediction_rms_px, name_of(chosen.camera), name_of(chosen.projector),
-      seconds.count() / static_cast<double>(captures.size()));
+      chosen.board == BoardRung::kFlat ? "flat" : "bent", seconds.count() / static_cast<double>(captures.size()));
   return Done{};
 }
 
@@ -270,6 +280,7 @@ Status run(const std::filesystem::path& folder, bool is_quick) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
+  std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16);  // A curve takes minutes: each row as it comes.
   const auto status = cyclorama::run(argv[1], argc > 2 && std::strcmp(argv[2], "--quick") == 0);
   if (!status) fmt::print(stderr, "calibration_real: {}\n", status.error().message());
   return status ? 0 : 1;

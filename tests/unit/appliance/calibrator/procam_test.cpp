@@ -43,7 +43,8 @@ struct Rig {
 };
 
 /// Boards turned about different axes; `tilt_rad` 0: all of them face the camera.
-std::vector<BoardView> views_of(const Rig& rig, int count, double tilt_rad, double noise_px, unsigned seed = 5) {
+std::vector<BoardView> views_of(const Rig& rig, int count, double tilt_rad, double noise_px, unsigned seed = 5,
+                                const BoardShape& shape = {}) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, noise_px);
   const auto camera = BrownLens::from(rig.camera);
@@ -57,7 +58,9 @@ std::vector<BoardView> views_of(const Rig& rig, int count, double tilt_rad, doub
     const Eigen::Vector3d origin(-0.3 + 0.03 * i, -0.22 - 0.02 * i, 2.0 + 0.15 * (i % 3));
     BoardView view;
     for (const Eigen::Vector2d& corner : chessboard_corners(9, 7, 0.07)) {
-      const Eigen::Vector3d centred(corner.x() - 0.28, corner.y() - 0.21, 0.0);
+      const double height = shape.bend_xx * corner.x() * corner.x() + shape.bend_xy * corner.x() * corner.y() +
+                            shape.bend_yy * corner.y() * corner.y();
+      const Eigen::Vector3d centred(corner.x() - 0.28, corner.y() * (1.0 + shape.stretch) - 0.21, height);
       const Eigen::Vector3d in_camera = turned * centred + Eigen::Vector3d(0.28, 0.21, 0.0) + origin;
       const auto seen = camera->pixel_of(in_camera);
       const auto lit = projector->pixel_of(rig.R * in_camera + rig.t);
@@ -128,7 +131,7 @@ TEST(Procam, is_as_sure_as_it_says) {
 TEST(Procam, leads_to_one_place_from_several_starting_points) {
   const auto found = solve_procam(views_of(Rig{}, 4, 0.5, 0.2), {kCameraSize, kProjectorSize});
   ASSERT_TRUE(found.has_value());
-  EXPECT_EQ(found->restarts_agreeing, kRestarts);
+  EXPECT_EQ(found->starts_agreeing, kMostStarts);
 }
 
 TEST(Procam, of_views_that_do_not_determine_it_is_refused_with_what_to_add) {
@@ -184,8 +187,23 @@ TEST(ProcamLadder, takes_the_least_model_that_predicts) {
   EXPECT_EQ(more->rungs[more->chosen].camera, LensRung::kRadial1);
   EXPECT_EQ(more->rungs[more->chosen].projector, LensRung::kRadial1);
   for (const LadderRung& rung : more->rungs) {
-    EXPECT_GE(rung.heldout_rms_px * (1.0 + kWorthARung), more->rungs[more->chosen].heldout_rms_px);
+    EXPECT_GE(rung.heldout_rms_px, more->rungs[more->chosen].heldout_rms_px * (1.0 - kWorthARung));
   }
+}
+
+TEST(ProcamLadder, finds_a_board_that_is_bent) {
+  const Rig rig;
+  auto views = views_of(rig, 5, 0.5, 0.1);
+  // What such a board looks like: a corner's place is moved as its height asks.
+  const BoardShape shape{.stretch = 0.002, .bend_xx = 0.015, .bend_yy = -0.02};
+  const auto bent = views_of(rig, 5, 0.5, 0.1, 5, shape);
+  const auto flat_ladder = climb_procam(views, kCameraSize, kProjectorSize);
+  const auto bent_ladder = climb_procam(bent, kCameraSize, kProjectorSize);
+  ASSERT_TRUE(flat_ladder.has_value() && bent_ladder.has_value());
+  EXPECT_EQ(flat_ladder->rungs[flat_ladder->chosen].board, BoardRung::kFlat);
+  EXPECT_EQ(bent_ladder->rungs[bent_ladder->chosen].board, BoardRung::kBent);
+  EXPECT_NEAR(bent_ladder->calibration.board.bend_xx, shape.bend_xx, 0.003);
+  EXPECT_NEAR(bent_ladder->calibration.board.bend_yy, shape.bend_yy, 0.003);
 }
 
 TEST(ProcamLadder, with_nothing_to_leave_out_is_refused) {

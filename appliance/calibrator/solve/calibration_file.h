@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// calibration.json: what a calibration found, and how sure it is, for displays, operators and the next calibration.
+///
+///     FOLDER/calibration.json                     the one that counts; replaced by a rename, so whole or not at all
+///     FOLDER/calibrations/DATE/calibration.json   the same, kept: to go back to
+///     FOLDER/calibrations/DATE/N.map.pfm          directions of the control points of projector N (from 1); NaN: none
+///     FOLDER/calibrations/DATE/N.sigma.pfm        how sure they are, in projector pixels; infinite where there is none
+///
+/// Maps are written before the file that names them, and never changed, so a reader of either file finds its maps.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "appliance/calibrator/solve/calibrate.h"
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// A calibration as text, without its maps: their files' names stand in it.
+[[nodiscard]] std::string calibration_json(const Calibration& calibration);
+
+/// The opposite: maps have their sizes and no directions. `name` stands for the file in errors.
+/// kBadData  "calibration.json: /projectors/0/cells_x: ...; remedy": a key that is missing, unknown or of another kind,
+/// a number out of range, counts that do not fit one another, or no JSON at all (then the byte).
+Result<Calibration> parse_calibration(std::string_view text, const std::string& name);
+
+/// Writes all files, then replaces FOLDER/calibration.json. Keeps the newest ten. kInvalidArgument  the date is no
+/// folder's name, or there is one of that date already.     kSystem  errno says why. Nothing that counts has changed
+/// then.
+Status save_calibration(const std::filesystem::path& folder, const Calibration& calibration);
+
+/// FOLDER/calibration.json and its maps. Errors as parse_calibration(), and the files'.
+Result<Calibration> read_calibration(const std::filesystem::path& folder);
+
+/// Dates that can be gone back to, the newest first.
+[[nodiscard]] std::vector<std::string> kept_calibrations(const std::filesystem::path& folder);
+
+/// Makes the calibration of that date the one that counts, after reading all of it. kNotFound  there is none of that
+/// date.
+Status restore_calibration(const std::filesystem::path& folder, const std::string& date);
+
+}  // namespace cyclorama

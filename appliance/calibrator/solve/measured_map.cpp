@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/solve/measured_map.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "appliance/calibrator/solve/direction_chart.h"
+#include "appliance/calibrator/solve/map_grid.h"
+#include "appliance/calibrator/solve/selected_inverse.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kFloor_px = 0.02;  // Of a sample's sigma: what averaging does not take away.
+constexpr double kRobust_sigmas = 3.0;
+constexpr double kSharpBends = 2.0;  // A bend of more expected bends counts less.
+constexpr std::array<double, 5> kStiffnesses_px = {0.01, 0.03, 0.1, 0.3, 1.0};
+constexpr double kAttempt_px = 0.1;  // The stiffness to begin with.
+
+struct Placed {
+  GridWeights weights;
+  Eigen::Vector2d target;  ///< In the chart.
+  double sigma_px = 0.0;
+  bool is_left_out = false;
+};
+
+/// One bend that smoothness keeps small: the weighted sum of up to four control points.
+struct Bend {
+  std::array<int, 4> nodes{};
+  std::array<double, 4> factors{};
+  int count = 0;
+};
+
+std::vector<Bend> bends_of(const MapGrid& grid) {
+  std::vector<Bend> bends;
+  for (int y = 0; y <= grid.cells_y; ++y) {
+    for (int x = 0; x <= grid.cells_x; ++x) {
+      const int at = grid.node(x, y);
+      if (x > 0 && x < grid.cells_x) bends.push_back({{at - 1, at, at + 1, 0}, {1.0, -2.0, 1.0, 0.0}, 3});
+      const int row = grid.cells_x + 1;
+      if (y > 0 && y < grid.cells_y) bends.push_back({{at - row, at, at + row, 0}, {1.0, -2.0, 1.0, 0.0}, 3});
+      if (x < grid.cells_x && y < grid.cells_y) {
+        bends.push_back({{at, at + 1, at + row, at + row + 1}, {1.0, -1.0, -1.0, 1.0}, 4});
+      }
+    }
+  }
+  return bends;
+}
+
+class MapFit {
+ public:
+  MapFit(const MapGrid& grid, std::vector<Placed> samples, double scale)
+      : grid_(grid), samples_(std::move(samples)), bends_(bends_of(grid)) {
+    scale_.assign(static_cast<std::size_t>(grid_.nodes()), scale);
+    sample_trust_.assign(samples_.size(), 1.0);
+    bend_trust_.assign(bends_.size(), 1.0);
+  }
+
+  /// False when the matrix cannot be factored.
+  bool solve(double stiffness_px, bool with_left_out) {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(9 * samples_.size() + 16 * bends_.size());
+    Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(grid_.nodes(), 2);
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const Placed& sample = samples_[i];
+      const double weight = sample.is_left_out && !with_left_out
+                                ? 0.0  // In the pattern all the same, so that one analysis serves all.
+                                : sample_trust_[i] / square(sample.sigma_px * scale_at(sample.weights));
+      for (int a = 0; a < 3; ++a) {
+        const auto wa = weight * sample.weights.factors[static_cast<std::size_t>(a)];
+        const int na = sample.weights.nodes[static_cast<std::size_t>(a)];
+        right.row(na) += wa * sample.target.transpose();
+        for (int b = 0; b < 3; ++b) {
+          entries.emplace_back(na, sample.weights.nodes[static_cast<std::size_t>(b)],
+                               wa * sample.weights.factors[static_cast<std::size_t>(b)]);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < bends_.size(); ++i) {
+      const Bend& bend = bends_[i];
+      const double weight = bend_trust_[i] / square(stiffness_px * scale_[static_cast<std::size_t>(bend.nodes[1])]);
+      for (int a = 0; a < bend.count; ++a) {
+        for (int b = 0; b < bend.count; ++b) {
+          entries.emplace_back(
+              bend.nodes[static_cast<std::size_t>(a)], bend.nodes[static_cast<std::size_t>(b)],
+              weight * bend.factors[static_cast<std::size_t>(a)] * bend.factors[static_cast<std::size_t>(b)]);
+        }
+      }
+    }
+    Eigen::SparseMatrix<double> normal(grid_.nodes(), grid_.nodes());
+    normal.setFromTriplets(entries.begin(), entries.end());
+    if (!is_analysed_) factor_.analyzePattern(normal);
+    is_analysed_ = true;
+    factor_.factorize(normal);
+    if (factor_.info() != Eigen::Success) return false;
+    places_ = factor_.solve(right);
+    return places_.allFinite();
+  }
+
+  /// How much each sample and each bend is believed, from the last solution; and the chart's scale at each node.
+  void weigh(double stiffness_px) {
+    for (int y = 0; y <= grid_.cells_y; ++y) {
+      for (int x = 0; x <= grid_.cells_x; ++x) {
+        const int left = grid_.node(std::max(0, x - 1), y);
+        const int right = grid_.node(std::min(grid_.cells_x, x + 1), y);
+        const int above = grid_.node(x, std::max(0, y - 1));
+        const int below = grid_.node(x, std::min(grid_.cells_y, y + 1));
+        const Eigen::Vector2d across =
+            (places_.row(right) - places_.row(left)).transpose() / ((right - left) * grid_.cell_width());
+        const Eigen::Vector2d down = (places_.row(below) - places_.row(above)).transpose() /
+                                     ((below - above) / (grid_.cells_x + 1) * grid_.cell_height());
+        const double area = std::abs(across.x() * down.y() - across.y() * down.x());
+        auto& scale = scale_[static_cast<std::size_t>(grid_.node(x, y))];
+        // Within a factor of eight of before: far outside of the samples a map may be anything.
+        if (std::isfinite(area)) scale = std::clamp(std::sqrt(area), scale / 8.0, scale * 8.0);
+      }
+    }
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const double sigmas = error_px(samples_[i]) / samples_[i].sigma_px;
+      sample_trust_[i] = 1.0 / (1.0 + square(sigmas / kRobust_sigmas));
+    }
+    for (std::size_t i = 0; i < bends_.size(); ++i) {
+      const Bend& bend = bends_[i];
+      Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+      for (int a = 0; a < bend.count; ++a) {
+        sum += bend.factors[static_cast<std::size_t>(a)] *
+               places_.row(bend.nodes[static_cast<std::size_t>(a)]).transpose();
+      }
+      const double bends = sum.norm() / (stiffness_px * scale_[static_cast<std::size_t>(bend.nodes[1])]);
+      bend_trust_[i] = bends > kSharpBends ? kSharpBends / bends : 1.0;
+    }
+  }
+
+  [[nodiscard]] double error_px(const Placed& sample) const {
+    Eigen::Vector2d mapped = Eigen::Vector2d::Zero();
+    for (std::size_t a = 0; a < 3; ++a) {
+      mapped += sample.weights.factors[a] * places_.row(sample.weights.nodes[a]).transpose();
+    }
+    return (mapped - sample.target).norm() / scale_at(sample.weights);
+  }
+
+  /// Per axis, of what was left out, without the worst twentieth.
+  [[nodiscard]] double left_out_rms_px() const {
+    std::vector<double> squares;
+    for (const Placed& sample : samples_) {
+      if (sample.is_left_out) squares.push_back(0.5 * square(error_px(sample)));
+    }
+    return trimmed_root_mean(&squares);
+  }
+
+  /// Per axis, in sigmas, of all.
+  [[nodiscard]] double chi() const {
+    std::vector<double> squares;
+    for (const Placed& sample : samples_) squares.push_back(0.5 * square(error_px(sample) / sample.sigma_px));
+    return trimmed_root_mean(&squares);
+  }
+
+  /// Of each node, in cells, to the nearest that a believed sample touches.
+  [[nodiscard]] std::vector<int> cells_from_samples() const {
+    constexpr double kBelieved = 0.2;
+    std::vector<int> steps(static_cast<std::size_t>(grid_.nodes()), -1);
+    std::vector<int> rim;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      if (sample_trust_[i] < kBelieved) continue;
+      for (const int node : samples_[i].weights.nodes) {
+        if (steps[static_cast<std::size_t>(node)] < 0) rim.push_back(node);
+        steps[static_cast<std::size_t>(node)] = 0;
+      }
+    }
+    for (int step = 1; !rim.empty(); ++step) {
+      std::vector<int> next;
+      for (const int node : rim) {
+        const int x = node % (grid_.cells_x + 1);
+        const int y = node / (grid_.cells_x + 1);
+        for (int v = std::max(0, y - 1); v <= std::min(grid_.cells_y, y + 1); ++v) {
+          for (int u = std::max(0, x - 1); u <= std::min(grid_.cells_x, x + 1); ++u) {
+            int& at = steps[static_cast<std::size_t>(grid_.node(u, v))];
+            if (at < 0) next.push_back(grid_.node(u, v));
+            if (at < 0) at = step;
+          }
+        }
+      }
+      rim = std::move(next);
+    }
+    return steps;
+  }
+
+  [[nodiscard]] const Eigen::MatrixX2d& places() const { return places_; }
+  [[nodiscard]] std::vector<double> sigmas_px() const {
+    std::vector<double> sigmas = inverse_diagonal(factor_);
+    for (std::size_t i = 0; i < sigmas.size(); ++i) sigmas[i] = std::sqrt(std::max(0.0, sigmas[i])) / scale_[i];
+    return sigmas;
+  }
+
+  static double trimmed_root_mean(std::vector<double>* squares) {
+    if (squares->empty()) return 0.0;
+    std::sort(squares->begin(), squares->end());
+    squares->resize(squares->size() - squares->size() / 20);
+    double sum = 0.0;
+    for (const double s : *squares) sum += s;
+    return std::sqrt(sum / static_cast<double>(squares->size()));
+  }
+
+ private:
+  static double square(double x) { return x * x; }
+  [[nodiscard]] double scale_at(const GridWeights& weights) const {
+    return scale_[static_cast<std::size_t>(weights.nodes[0])];
+  }
+
+  const MapGrid grid_;
+  std::vector<Placed> samples_;
+  std::vector<Bend> bends_;
+  std::vector<double> scale_;  ///< Of the chart per projector pixel, at each node.
+  std::vector<double> sample_trust_;
+  std::vector<double> bend_trust_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  bool is_analysed_ = false;
+  Eigen::MatrixX2d places_;
+};
+
+/// Of the chart per pixel over all samples; 0 when they lie on a line.
+double overall_scale(const std::vector<Placed>& placed, std::span<const MapSample> samples) {
+  Eigen::Vector2d pixel_mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d target_mean = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    pixel_mean += samples[i].projector_px;
+    target_mean += placed[i].target;
+  }
+  pixel_mean /= static_cast<double>(placed.size());
+  target_mean /= static_cast<double>(placed.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d cross = Eigen::Matrix2d::Zero();
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const Eigen::Vector2d p = samples[i].projector_px - pixel_mean;
+    spread += p * p.transpose();
+    cross += (placed[i].target - target_mean) * p.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(spread);
+  if (!(eigen.eigenvalues()(0) > 1e-4 * eigen.eigenvalues()(1))) return 0.0;
+  return std::sqrt(std::abs((cross * spread.inverse()).determinant()));
+}
+
+Error refused(std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); }
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> MeasuredMap::direction_at(const Eigen::Vector2d& pixel) const {
+  const MapGrid grid{width_px, height_px, cells_x, cells_y};
+  const auto weights = grid.weights_at(pixel);
+  if (!weights) return std::nullopt;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (weights->factors[a] != 0.0)
+      sum += weights->factors[a] * directions[static_cast<std::size_t>(weights->nodes[a])];
+  }
+  if (!(sum.norm() > 1e-6)) return std::nullopt;
+  return sum.normalized();
+}
+
+double MeasuredMap::sigma_at(const Eigen::Vector2d& pixel) const {
+  const MapGrid grid{width_px, height_px, cells_x, cells_y};
+  const auto weights = grid.weights_at(pixel);
+  if (!weights || !direction_at(pixel)) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (weights->factors[a] != 0.0) sum += weights->factors[a] * sigma_px[static_cast<std::size_t>(weights->nodes[a])];
+  }
+  return sum;
+}
+
+Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<const MapSample> samples,
+                                     const MapOptions& options) {
+  CHECK(width_px > 0 && height_px > 0 && options.cell_px > 0);
+  if (samples.size() < options.least_samples) {
+    return refused(
+        fmt::format("{} places of the projector's picture were seen, {} are needed; look whether it shines "
+                    "onto the wall, and add a direction towards it",
+                    samples.size(), options.least_samples));
+  }
+  MapGrid grid{width_px, height_px, std::max(1, (width_px + options.cell_px / 2) / options.cell_px),
+               std::max(1, (height_px + options.cell_px / 2) / options.cell_px)};
+  const auto chart = DirectionChart::around(samples);
+  if (!chart) return refused("the projector's picture goes round the sweet spot; move the sweet spot off its light");
+  std::vector<Placed> placed;
+  std::vector<MapSample> kept;
+  const int block_px = 2 * options.cell_px;
+  for (const MapSample& sample : samples) {
+    const auto weights = grid.weights_at(sample.projector_px);
+    const auto place = chart->place_of(sample.direction);
+    if (!weights || !place || !(sample.sigma_px > 0.0)) continue;
+    // A fixed hash scatters the blocks; neighbouring directions leave out the same.
+    const auto column = static_cast<unsigned>(sample.projector_px.x()) / static_cast<unsigned>(block_px);
+    const auto row = static_cast<unsigned>(sample.projector_px.y()) / static_cast<unsigned>(block_px);
+    const unsigned hash = (column * 2654435761U) ^ (row * 2246822519U);
+    const bool is_left_out = (hash >> 7) % static_cast<unsigned>(options.left_out_every) == 0;
+    placed.push_back({*weights, *place, std::hypot(sample.sigma_px, kFloor_px), is_left_out});
+    kept.push_back(sample);
+  }
+  const double scale = placed.size() < options.least_samples ? 0.0 : overall_scale(placed, kept);
+  if (!(scale > 1e-9) || !std::isfinite(scale)) {
+    return refused("the places seen of the projector's picture lie on a line; look what hides the rest of it");
+  }
+  MapFit fit(grid, std::move(placed), scale);
+  const Error unsolved(ErrorCode::kBadData, "the map has no solution; decode again with more light");
+  for (int round = 0; round < 3; ++round) {
+    if (!fit.solve(kAttempt_px, false)) return unsolved;
+    fit.weigh(kAttempt_px);
+  }
+  double best_stiffness = kAttempt_px;
+  double best_error = std::numeric_limits<double>::infinity();
+  for (const double stiffness : kStiffnesses_px) {
+    if (!fit.solve(stiffness, false)) continue;
+    const double error = fit.left_out_rms_px();
+    if (error < best_error) {
+      best_error = error;
+      best_stiffness = stiffness;
+    }
+  }
+  for (int round = 0; round < 2; ++round) {
+    if (!fit.solve(best_stiffness, true)) return unsolved;
+    if (round == 0) fit.weigh(best_stiffness);
+  }
+  MeasuredMap map{width_px,        height_px,  grid.cells_x,   grid.cells_y, {},
+                  fit.sigmas_px(), best_error, best_stiffness, kept.size()};
+  const double chi = std::max(1.0, fit.chi());
+  const Eigen::Vector3d none = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const std::vector<int> steps = fit.cells_from_samples();
+  int measured = 0;
+  for (int i = 0; i < grid.nodes(); ++i) {
+    double& sigma = map.sigma_px[static_cast<std::size_t>(i)];
+    sigma *= chi;
+    const auto direction = chart->direction_of(fit.places().row(i).transpose());
+    const bool is_near = steps[static_cast<std::size_t>(i)] >= 0 &&
+                         steps[static_cast<std::size_t>(i)] * options.cell_px <= options.most_gap_px;
+    const bool is_good = direction && is_near && sigma <= options.most_sigma_px;
+    map.directions.push_back(is_good ? *direction : none);
+    if (!is_good) sigma = std::numeric_limits<double>::infinity();
+    measured += is_good ? 1 : 0;
+  }
+  if (measured == 0) return refused("no place of the projector's picture is known well; take more pictures of it");
+  return map;
+}
+
+std::optional<double> map_error_px(const MeasuredMap& map, std::span<const MapSample> samples) {
+  constexpr double kStep_px = 1.0;
+  std::vector<double> squares;
+  for (const MapSample& sample : samples) {
+    const Eigen::Vector2d p = sample.projector_px;
+    const auto at = map.direction_at(p);
+    const auto across = map.direction_at(p + Eigen::Vector2d(kStep_px, 0.0));
+    const auto down = map.direction_at(p + Eigen::Vector2d(0.0, kStep_px));
+    if (!at || !across || !down) continue;
+    Eigen::Matrix<double, 3, 2> slope;
+    slope << (*across - *at) / kStep_px, (*down - *at) / kStep_px;
+    const Eigen::Matrix2d normal = slope.transpose() * slope;
+    if (!(std::abs(normal.determinant()) > 1e-300)) continue;
+    const double square = 0.5 * (normal.inverse() * slope.transpose() * (sample.direction - *at)).squaredNorm();
+    if (std::isfinite(square)) squares.push_back(square);
+  }
+  if (squares.empty() || 2 * squares.size() < samples.size()) return std::nullopt;
+  return MapFit::trimmed_root_mean(&squares);
+}
+
+Result<Warp> warp_of(const MeasuredMap& map, const PictureShape& picture) {
+  TRY(validate(picture));
+  WarpMesh mesh;
+  mesh.width_px = map.width_px;
+  mesh.height_px = map.height_px;
+  mesh.cells_x = map.cells_x;
+  mesh.cells_y = map.cells_y;
+  const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& d : map.directions) {
+    if (d.allFinite()) middle += d;
+  }
+  const double middle_rad = std::atan2(middle.x(), -middle.z());
+  bool is_any = false;
+  for (int y = 0; y <= map.cells_y; ++y) {
+    for (int x = 0; x <= map.cells_x; ++x) {
+      WarpVertex vertex;
+      vertex.x_px = static_cast<float>(x * grid.cell_width());
+      vertex.y_px = static_cast<float>(y * grid.cell_height());
+      vertex.azimuth_rad = vertex.tan_elevation = std::numeric_limits<float>::quiet_NaN();
+      const Eigen::Vector3d& d = map.directions[static_cast<std::size_t>(grid.node(x, y))];
+      const auto place = d.allFinite() ? place_of(picture, d) : std::nullopt;
+      if (place) {
+        const PicturePlace near = counted_near(*place, picture, middle_rad);
+        vertex.azimuth_rad = static_cast<float>(near.across);
+        vertex.tan_elevation = static_cast<float>(near.up);
+        is_any = true;
+      }
+      mesh.vertices.push_back(vertex);
+    }
+  }
+  if (!is_any) return Error(ErrorCode::kBadData, "nothing of the map lies in the picture; choose another picture");
+  // In the picture's pixels at the map's middle: what was left out is the best witness of the exact map.
+  double radians_per_px = 0.0;
+  for (int x = 0, y = map.cells_y / 2; x < map.cells_x; ++x) {
+    const Eigen::Vector3d& a = map.directions[static_cast<std::size_t>(grid.node(x, y))];
+    const Eigen::Vector3d& b = map.directions[static_cast<std::size_t>(grid.node(x + 1, y))];
+    if (!a.allFinite() || !b.allFinite()) continue;
+    const auto pa = place_of(picture, a);
+    const auto pb = place_of(picture, b);
+    if (!pa || !pb) continue;
+    radians_per_px = std::max(radians_per_px, pixel_scale(picture).distance_px(counted_near(*pa, picture, middle_rad),
+                                                                               counted_near(*pb, picture, middle_rad)) /
+                                                  grid.cell_width());
+  }
+  mesh.worst_error_px = map.heldout_rms_px * radians_per_px;
+  return Warp(std::move(mesh));
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/solve/surface_fit.h"
+
+namespace cyclorama {
+
+/// What became of one model.
+struct ModelTrial {
+  std::string name;
+  int parameters = 0;            ///< Of the wall or of one lens.
+  double training_rms_px = 0.0;  ///< Told, never used to choose.
+  double heldout_rms_px = 0.0;   ///< Over all folds.
+  double scatter = 0.0;          ///< Of the wall's distance between folds, relative: how well the model is determined.
+  bool is_usable = false;        ///< It fitted, and its folds agree.
+};
+
+/// The least model that predicts what it was not shown.
+struct ModelChoice {
+  SurfaceFit fit;
+  LensRung lens = LensRung::kRadial1;
+  std::vector<ModelTrial> surfaces;  ///< As far as the ladder was climbed.
+  std::vector<ModelTrial> lenses;
+  std::string reason;
+};
+
+struct ModelOptions {
+  int folds = 3;
+  double tolerance_px = 0.05;  ///< A lesser model may be so much worse on what it was not shown.
+  double lens_tolerance_px = 0.02;
+  double most_scatter = 0.02;
+  double knot_rad = 0.1;  ///< Between control points of a profile and of a mesh.
+};
+
+/// Climbs the ladder of surfaces, then that of lenses. A fold leaves out whole squares of a projector's picture, so
+/// that a rich model has to bridge them. kBadData  no model fits. Errors of surface_start(). Reentrant.
+Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors,
+                                 std::span<const SurfaceSample> samples, double wall_distance_m,
+                                 const ModelOptions& options = {});
+
+}  // namespace cyclorama

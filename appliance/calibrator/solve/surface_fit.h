@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/solve/measurements.h"
+#include "appliance/calibrator/solve/surface.h"
+#include "appliance/calibrator/solve/surface_cost.h"
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// Which of a projector's distortion terms are looked for, by number.
+enum class LensRung { kPinhole, kRadial1, kRadial2, kTangential };
+inline constexpr LensRung kLensRungs[] = {LensRung::kPinhole, LensRung::kRadial1, LensRung::kRadial2,
+                                          LensRung::kTangential};
+[[nodiscard]] std::string_view name_of(LensRung rung);
+[[nodiscard]] std::optional<LensRung> lens_rung(std::string_view name);
+
+struct FittedProjector {
+  MeasuredLens lens;  ///< With its covariance.
+  RigidTransform<frame::Eye, frame::Projector> T_eye_projector;
+  Eigen::Matrix<double, 6, 6> pose_covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< Turn in its frame, place.
+};
+
+struct SurfaceFit {
+  Surface surface;
+  std::vector<double> surface_sigmas;  ///< Of its parameters.
+  std::vector<FittedProjector> projectors;
+  double cost = 0.0;  ///< Half the sum of robust squares, in sigmas.
+  int rank = 0;       ///< Of the measurements alone, of `parameters`.
+  int parameters = 0;
+};
+
+struct SurfaceFitOptions {
+  LensRung lens = LensRung::kRadial1;
+  bool with_covariance = true;
+  int most_steps = 40;
+};
+
+/// A wall and the places of all projectors that tell where each pixel is seen. `start` is where the search begins.
+/// kInvalidArgument  a projector has no place to begin with, or no samples. kBadData  no fit from this start.
+/// Reentrant.
+Result<SurfaceFit> fit_surface(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
+                               const SurfaceFit& start, const SurfaceFitOptions& options = {});
+
+/// A start from the installation's places and a plane straight ahead of the samples' middle.
+Result<SurfaceFit> surface_start(const std::vector<MeasuredProjector>& projectors,
+                                 std::span<const SurfaceSample> samples, double wall_distance_m);
+
+/// Per axis, in projector pixels, without the worst twentieth; a place that the fit misses counts 100 px.
+[[nodiscard]] double prediction_error_px(const SurfaceFit& fit, std::span<const SurfaceSample> samples);
+
+}  // namespace cyclorama

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "appliance/calibrator/solve/calibration_file.h"
+#include "common/base/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const auto calibration = parse_calibration({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (!calibration) {
+    CHECK(calibration.error().message().find("; ") != std::string::npos);
+    return 0;
+  }
+  // What was accepted can be written, and is then the same; and its wall gives numbers or nothing.
+  const std::string written = calibration_json(*calibration);
+  const auto back = parse_calibration(written, "fuzz");
+  CHECK(back.has_value() && calibration_json(*back) == written);
+  if (!calibration->wall) return 0;
+  for (const Eigen::Vector3d& d :
+       {Eigen::Vector3d(0.0, 0.0, -1.0), Eigen::Vector3d(0.6, 0.0, -0.8), Eigen::Vector3d(0.0, 1.0, 0.0)}) {
+    const auto nearness = calibration->wall->fit.surface.nearness_at(d);
+    CHECK(!nearness || std::isfinite(*nearness));
+  }
+  return 0;
+}

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/solve/calibrate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/doubles/generated_room.h"
+
+namespace cyclorama {
+namespace {
+
+RoomPlan coarse_plan(RoomKind kind, double noise_px = 0.2) {
+  RoomPlan plan;
+  plan.kind = kind;
+  plan.stride_px = 12;
+  plan.noise_px = noise_px;
+  return plan;
+}
+
+RegistrationScore score_of(const GeneratedRoom& room, const Calibration& calibration) {
+  return registration_score(
+      room, [&](std::size_t p, const Eigen::Vector2d& px) { return calibration.projectors[p].map.direction_at(px); });
+}
+
+TEST(Calibrate, keeps_a_map_that_predicts_better_than_the_new_one) {
+  CalibrateOptions options;
+  options.with_wall = false;
+  const GeneratedRoom room(coarse_plan(RoomKind::kCylinder, 0.05));
+  const auto good = calibrate(room.measurements(), "2026-01-01T00-00-00Z", options);
+  ASSERT_TRUE(good) << good.error().message();
+  options.previous = &*good;
+  const auto noisy =
+      calibrate(GeneratedRoom(coarse_plan(RoomKind::kCylinder, 3.0)).measurements(), "2026-01-02T00-00-00Z", options);
+  ASSERT_TRUE(noisy) << noisy.error().message();
+  const double before = score_of(room, *good).p95_px;
+  EXPECT_LE(score_of(room, *noisy).p95_px, 1.2 * before + 0.01);
+  EXPECT_TRUE(noisy->projectors[0].is_previous);
+}
+
+TEST(Calibrate, finds_a_wall_by_which_another_eye_sees_right) {
+  const GeneratedRoom room(coarse_plan(RoomKind::kCylinder));
+  const auto calibration = calibrate(room.measurements(), "2026-01-01T00-00-00Z");
+  ASSERT_TRUE(calibration) << calibration.error().message();
+  ASSERT_TRUE(calibration->wall) << calibration->remarks.back();
+  EXPECT_EQ(calibration->wall->fit.surface.rung, SurfaceRung::kCylinder) << calibration->wall->reason;
+  // The wall's scale is what was told of its distance; the eye moves in that scale.
+  const Surface& wall = calibration->wall->fit.surface;
+  const double scale = wall.distance_m * [&] {
+    const auto point = room.wall_point_of(1, {960.0, 540.0});
+    return 1.0 / point->norm();
+  }();
+  const Eigen::Vector3d eye(0.3, 0.1, -0.4);
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(400.0, 500.0), Eigen::Vector2d(1500.0, 600.0)}) {
+    const MeasuredMap moved = seen_from(calibration->projectors[1].map, wall, scale * eye);
+    const auto point = room.wall_point_of(1, pixel);
+    const auto seen = moved.direction_at(pixel);
+    ASSERT_TRUE(point && seen);
+    EXPECT_LE((*seen - (*point - eye).normalized()).norm(), 0.02);
+  }
+}
+
+TEST(Calibrate, names_the_projector_that_nobody_saw) {
+  Measurements measured = GeneratedRoom(coarse_plan(RoomKind::kCylinder)).measurements();
+  for (PlateDirection& direction : measured.directions) {
+    std::erase_if(direction.correspondences, [](const Correspondence& c) { return c.projector == 2; });
+  }
+  const auto calibration = calibrate(measured, "2026-01-01T00-00-00Z");
+  ASSERT_FALSE(calibration);
+  EXPECT_NE(calibration.error().message().find("'projector 3'"), std::string::npos) << calibration.error().message();
+}
+
+TEST(Calibrate, is_the_same_every_time) {
+  const Measurements measured = GeneratedRoom(coarse_plan(RoomKind::kPlane)).measurements();
+  CalibrateOptions options;
+  options.with_wall = false;
+  const auto one = calibrate(measured, "2026-01-01T00-00-00Z", options);
+  const auto two = calibrate(measured, "2026-01-01T00-00-00Z", options);
+  ASSERT_TRUE(one && two);
+  EXPECT_EQ(one->projectors[0].map.sigma_px, two->projectors[0].map.sigma_px);
+}
+
+}  // namespace
+}  // namespace cyclorama

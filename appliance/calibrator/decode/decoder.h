@@ -17,12 +17,14 @@ namespace cyclorama {
 /// The defaults were chosen on the curves of docs/design/structured-light.md (`./bench.sh calibration-real` prints
 /// them).
 struct DecodeSettings {
-  double saturated = 0.98;               ///< Of the white picture, as Photo.
-  double darkest = 0.02;                 ///< Direct light below this is none, as Photo; never less than 3 deviations.
-  double least_direct_share = 0.1;       ///< Direct light below this share of the amplitude came by way of other walls.
-  BitThreshold undecided = {2.0, 0.02};  ///< What a bit's difference must exceed.
-  double disturbance = 0.12;             ///< Deviation of pattern and inverse's sum, of the amplitude, beyond noise.
-  double largest_sigma_px = 0.6;         ///< A pixel that is less sure of its place than this has an unstable bit.
+  double saturated = 0.98;  ///< Of the white picture, as Photo.
+  double darkest = 0.04;    ///< Direct light below this is none, as Photo; never less than 3 deviations.
+  /// Direct light below this share of the amplitude is none: the rest came by way of other walls, or of a second pane.
+  /// With XOR codes, which see through such light, a tenth does.
+  double least_direct_share = 0.6;
+  BitThreshold undecided = {2.0, 0.1};  ///< What a bit's difference must exceed.
+  double disturbance = 0.12;            ///< Deviation of pattern and inverse's sum, of the amplitude, beyond noise.
+  double largest_sigma_px = 0.3;        ///< A pixel that is less sure of its place than this has an unstable bit.
   int smallest_patch_px = 60;
 };
 

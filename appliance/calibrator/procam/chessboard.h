@@ -9,10 +9,13 @@
 
 namespace cyclorama {
 
-/// The inner corners of a chessboard, row by row, to some hundredths of a pixel; the first pixel's centre is (0.5,
-/// 0.5). Found by OpenCV (findChessboardCorners, then cornerSubPix with a window of a third of a square, at most 11
-/// pixels). kInvalidArgument  fewer than 3 corners each way. kNotFound  no such board, with what to look at. kSystem
-/// OpenCV's own words.
+/// The inner corners of a chessboard, row by row, to some hundredths of a pixel; the first pixel's centre is at
+/// (0.5, 0.5). Which corner is the first is not said: a board turned half around may give them in the opposite order.
+///
+/// Found by OpenCV: findChessboardCornersSB (Duda and Frese 2018), or else findChessboardCorners and cornerSubPix.
+///
+/// kInvalidArgument  fewer than 3 corners each way.     kNotFound  no such board, with what to look at.
+/// kSystem           OpenCV's own words.
 Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int columns, int rows);
 
 }  // namespace cyclorama

@@ -56,22 +56,36 @@ LadderRung tried(const std::vector<BoardView>& views, const ProcamChoice& choice
   return rung;
 }
 
-/// The models that are richer in one thing.
+/// The models whose lenses are richer in one thing.
 std::vector<ProcamChoice> above(const ProcamChoice& choice) {
   std::vector<ProcamChoice> choices;
-  const auto add_lens = [&](LensRung ProcamChoice::*lens) {
-    for (std::size_t i = static_cast<std::size_t>(choice.*lens) + 1, n = 0; i < kRungs && n < 2; ++i, ++n) {
+  for (LensRung ProcamChoice::*lens : {&ProcamChoice::camera_rung, &ProcamChoice::projector_rung}) {
+    const auto first = static_cast<std::size_t>(choice.*lens) + 1;
+    for (std::size_t i = first; i < std::min(first + 2, kRungs); ++i) {
       choices.push_back(choice);
       choices.back().*lens = kLensRungs.at(i);
     }
-  };
-  add_lens(&ProcamChoice::camera_rung);
-  add_lens(&ProcamChoice::projector_rung);
-  if (choice.board_rung == BoardRung::kFlat) {
-    choices.push_back(choice);
-    choices.back().board_rung = BoardRung::kBent;
   }
   return choices;
+}
+
+/// From one model upwards, as long as a step is worth it.
+void climb(const std::vector<BoardView>& views, ProcamChoice standing, std::vector<LadderRung>* rungs) {
+  rungs->push_back(tried(views, standing));
+  double here = rungs->back().heldout_rms_px;
+  for (bool climbs = true; climbs;) {
+    climbs = false;
+    double best = here * (1.0 - kWorthARung);
+    ProcamChoice better = standing;
+    for (const ProcamChoice& choice : above(standing)) {
+      rungs->push_back(tried(views, choice));
+      if (!(rungs->back().heldout_rms_px < best)) continue;
+      best = here = rungs->back().heldout_rms_px;
+      better = choice;
+      climbs = true;
+    }
+    standing = better;
+  }
 }
 
 }  // namespace
@@ -81,35 +95,34 @@ Result<ProcamLadder> climb_procam(const std::vector<BoardView>& views, PictureSi
     return Error(ErrorCode::kBadData,
                  "a model is chosen by views that are left out: photograph the board in three poses or more");
   }
-  ProcamChoice standing{camera, projector, LensRung::kPinhole, LensRung::kPinhole};
+  ProcamChoice least{camera, projector, LensRung::kPinhole, LensRung::kPinhole};
+  least.starts = 1;
   // What is wrong with the views themselves is wrong on every rung.
-  const auto least = solve_procam(views, standing);
-  if (!least && least.error().code() == ErrorCode::kInvalidArgument) return least.error();
-  standing.starts = 1;
+  const auto any = solve_procam(views, least);
+  if (!any && any.error().code() == ErrorCode::kInvalidArgument) return any.error();
   ProcamLadder ladder;
-  ladder.rungs.push_back(tried(views, standing));
-  for (bool climbs = true; climbs;) {
-    climbs = false;
-    double best = ladder.rungs[ladder.chosen].heldout_rms_px * (1.0 - kWorthARung);
-    ProcamChoice better = standing;
-    for (const ProcamChoice& choice : above(standing)) {
-      ladder.rungs.push_back(tried(views, choice));
-      // The first rung may not be determined; anything that is is better.
-      if (!(ladder.rungs.back().heldout_rms_px < best)) continue;
-      best = ladder.rungs.back().heldout_rms_px;
-      better = choice;
-      ladder.chosen = ladder.rungs.size() - 1;
-      climbs = true;
-    }
-    standing = better;
+  for (const BoardRung board : {BoardRung::kFlat, BoardRung::kBent}) {
+    least.board_rung = board;
+    climb(views, least, &ladder.rungs);
   }
-  if (!std::isfinite(ladder.rungs[ladder.chosen].heldout_rms_px)) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const LadderRung& rung : ladder.rungs) best = std::min(best, rung.heldout_rms_px);
+  if (!std::isfinite(best)) {
     return Error(ErrorCode::kBadData,
                  "no lens model is determined when a view is left out: photograph the board in more poses, turned "
                  "by 20 degrees or more about different axes");
   }
-  standing.starts = kMostStarts;
-  TRY_ASSIGN(ladder.calibration, solve_procam(views, standing));
+  const LadderRung* chosen = nullptr;
+  for (const LadderRung& rung : ladder.rungs) {
+    if (!(rung.heldout_rms_px * (1.0 - kWorthARung) <= best)) continue;
+    if (chosen == nullptr || rung.freedom < chosen->freedom ||
+        (rung.freedom == chosen->freedom && rung.heldout_rms_px < chosen->heldout_rms_px)) {
+      chosen = &rung;
+    }
+  }
+  ladder.chosen = static_cast<std::size_t>(chosen - ladder.rungs.data());
+  TRY_ASSIGN(ladder.calibration,
+             solve_procam(views, {camera, projector, chosen->camera, chosen->projector, chosen->board}));
   return ladder;
 }
 

@@ -28,12 +28,13 @@ struct ProcamLadder {
 };
 
 /// A richer model must predict left-out views better by this share, or the smaller one stays.
-inline constexpr double kWorthARung = 0.03;
+inline constexpr double kWorthARung = 0.04;
 
-/// Climbs from the least model: of all that are one or two rungs richer in one thing (the camera's lens, the
-/// projector's, the board), the one that predicts left-out views best is taken, as long as it is worth it. All that
-/// were tried are told. Errors as solve_procam(); kBadData also with fewer than three views, for then there is nothing
-/// to leave out.
+/// Climbs twice, with a flat board and with a bent one: from the least lenses, always to that model one or two rungs
+/// richer in one lens which predicts left-out views best, as long as that is worth it. Of all that were tried, the
+/// least that predicts about as well as the best is taken.
+///
+/// Errors as solve_procam(); kBadData also with fewer than three views, for then there is nothing to leave out.
 Result<ProcamLadder> climb_procam(const std::vector<BoardView>& views, PictureSize camera, PictureSize projector);
 
 }  // namespace cyclorama

@@ -150,7 +150,7 @@ void add_projector(const BoardView& view, bool is_square, Unknowns* unknowns, Po
     problem->AddResidualBlock(new ceres::AutoDiffCostFunction<ProjectorError, 2, kBrownValues, 6, kBoardValues, 6>(
                                   new ProjectorError{view.board_m[i], view.projector_px[i], is_square}),
                               nullptr, unknowns->projector.data(), unknowns->projector_from_camera.data(),
-                              pose->data());
+                              unknowns->shape.data(), pose->data());
   }
 }
 

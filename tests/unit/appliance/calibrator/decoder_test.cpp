@@ -128,8 +128,11 @@ TEST(Decoder, with_xor_codes_sees_through_light_from_wall_to_wall) {
   LitWall wall;
   wall.direct = [](int u, int) { return u % 80 < 30 ? 0.1 : 0.4; };
   wall.global = [](int u, int) { return u % 80 < 30 ? 0.35 : 0.05; };
-  const WallErrors plain = errors_of(wall, decoded_of(wall, small_set()));
-  const Decoded decoded = decoded_of(wall, set_of({.width_px = 128, .height_px = 96, .base_bit = 1}));
+  DecodeSettings for_xor;
+  for_xor.least_direct_share = 0.1;
+  for_xor.undecided.contrast = 0.02;
+  const WallErrors plain = errors_of(wall, decoded_of(wall, small_set(), for_xor));
+  const Decoded decoded = decoded_of(wall, set_of({.width_px = 128, .height_px = 96, .base_bit = 1}), for_xor);
   const WallErrors xored = errors_of(wall, decoded);
   EXPECT_GT(xored.decoded, 0.9 * 160 * 120);
   EXPECT_LE(xored.gross, 0.001 * xored.decoded);

@@ -28,8 +28,10 @@ struct TrackingSettings {
   /// small; on a real card 0.1. More than 0.
   double corner_floor_px = 0.03;
   ChooserSettings chooser;
-  OneEuroSettings position{1.5, 40.0, 1.0};
-  OneEuroSettings rotation{1.5, 20.0, 1.0};
+  /// Where the curve of `./bench.sh visitor-trade` bends: 5 and 3 ms late in motion, at the jitter that the cut-off
+  /// has.
+  OneEuroSettings position{2.0, 120.0, 1.0};
+  OneEuroSettings rotation{2.0, 60.0, 1.0};
 };
 
 /// What is remembered from picture to picture. Empty at the start.

@@ -53,7 +53,7 @@ class CardDrawing {
         const double outer = side * 3.0 * half_panel_;
         const double flap = edge + up * kFlapMm;
         // The flap stays clear of the lid's slanted edge.
-        cut({{inner, edge}, {inner + side * 1.8 * kFlapMm, flap}, {outer - side * kFlapMm, flap}, {outer, edge}});
+        cut({{inner, edge}, {inner + side * 2.2 * kFlapMm, flap}, {outer - side * kFlapMm, flap}, {outer, edge}});
         fold({inner, edge}, {outer, edge});
       }
     }
@@ -66,7 +66,7 @@ class CardDrawing {
   /// Where nothing is cut: beside the upper lid.
   void draw_scale() {
     const double right = 3.0 * half_panel_;
-    const double y = -half_height_ - lid_depth_ + 4.0;
+    const double y = -half_height_ - lid_depth_ + 10.0;
     page_->line({at(right - kBarMm, y), at(right, y)}, 0.3);
     for (const double x : {right - kBarMm, right}) page_->line({at(x, y - 1.5), at(x, y + 1.5)}, 0.3);
     page_->text(at(right - kBarMm, y + 5.0), 3.6, fmt::format("{:.0f} mm", kBarMm));

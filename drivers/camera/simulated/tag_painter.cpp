@@ -93,6 +93,7 @@ Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Face>&
 struct SeenPanel {
   Eigen::Matrix3d to_plane;
   bool from_behind;
+  Eigen::Vector3d at_pixel;  ///< What the current pixel's corner maps to.
 };
 
 }  // namespace
@@ -136,8 +137,9 @@ float TagPainter::Panel::grey_at(double x, double y) const {
   // The thumb stays off the white border, which a detector needs.
   if (has_thumb && y > bitmap_width / 2.0 && in_ellipse(x, y, 0.32, 0.80, 0.10, 0.16)) return kSkinGrey;
   if (!(std::abs(x) <= half && std::abs(y) <= half)) return kNothing;
-  const int cell_x = static_cast<int>(std::floor((x / bitmap_width + 0.5) * cells));
-  const int cell_y = static_cast<int>(std::floor((y / bitmap_width + 0.5) * cells));
+  // Not floor(), which is a call on an old processor; the paper ends before cell -2.
+  const int cell_x = static_cast<int>((x / bitmap_width + 0.5) * cells + 2.0) - 2;
+  const int cell_y = static_cast<int>((y / bitmap_width + 0.5) * cells + 2.0) - 2;
   if (cell_x < 0 || cell_y < 0 || cell_x >= cells || cell_y >= cells) return kPaperGrey;
   return bitmap[static_cast<std::size_t>(cell_y * cells + cell_x)];
 }
@@ -160,7 +162,7 @@ void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Ta
       const bool has_area = std::abs(to_image.determinant()) > 1e-12;
       const Eigen::Vector3d into = T_camera_face.rotation() * Eigen::Vector3d::UnitZ();
       seen.push_back({has_area ? Eigen::Matrix3d(to_image.inverse()) : Eigen::Matrix3d(Eigen::Matrix3d::Zero()),
-                      into.dot(T_camera_face.translation()) < 0.0});
+                      into.dot(T_camera_face.translation()) < 0.0, Eigen::Vector3d::Zero()});
       boxes[i] = join(boxes[i], box_of(to_image, panels_[i].box, lens));
     }
   }
@@ -174,21 +176,28 @@ void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Ta
         if (u >= boxes[i].left && u < boxes[i].right && v >= boxes[i].top && v < boxes[i].bottom) here.push_back(i);
       }
       if (here.empty()) continue;
+      for (std::size_t moment = 0; moment < poses.size(); ++moment) {
+        for (const std::size_t i : here) {
+          SeenPanel& panel = seen[moment * panels_.size() + i];
+          panel.at_pixel = panel.to_plane * Eigen::Vector3d(u, v, 1.0);
+        }
+      }
       float* const grey = picture->at(u, v);
       float sum = 0.0f;
       for (const Sample& sample : samples) {
-        const Eigen::Vector3d pixel(u + sample.du, v + sample.dv, 1.0);
         float nearest = *grey;
         double nearness = 0.0;
         for (const std::size_t i : here) {
           const SeenPanel& panel = seen[sample.moment * panels_.size() + i];
-          const Eigen::Vector3d plane = panel.to_plane * pixel;
+          const Eigen::Matrix3d& m = panel.to_plane;
           // z is 1 / depth: a ray that meets the plane behind the lens sees nothing of it.
-          if (!(plane.z() > nearness)) continue;
-          const float there = panels_[i].grey_at(plane.x() / plane.z(), plane.y() / plane.z());
+          const double z = panel.at_pixel.z() + m(2, 0) * sample.du + m(2, 1) * sample.dv;
+          if (!(z > nearness)) continue;
+          const float there = panels_[i].grey_at((panel.at_pixel.x() + m(0, 0) * sample.du + m(0, 1) * sample.dv) / z,
+                                                 (panel.at_pixel.y() + m(1, 0) * sample.du + m(1, 1) * sample.dv) / z);
           if (there < 0.0f) continue;
           nearest = panel.from_behind && panels_[i].cells > 0 ? kPaperGrey : there;
-          nearness = plane.z();
+          nearness = z;
         }
         sum += nearest;
       }

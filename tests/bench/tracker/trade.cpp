@@ -69,27 +69,29 @@ FilterFigures figures_of(const std::vector<Measured>& moving, const std::vector<
 
 double yaw_of(const Eigen::Quaterniond& rotation) { return yaw_rad({rotation, {0, 0, 1}}) / kDegree; }
 
-nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vector<Measured>& resting) {
+/// `far`: at rest as well, twice as far away, where there is more to filter.
+nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vector<Measured>& resting,
+                            const std::vector<Measured>& far) {
   nlohmann::json points;
   std::printf("One-Euro: cut-off at rest (Hz), Hz per rad/s or per m/s; lag while moving, jitter at rest\n");
-  std::printf("   Hz   slope |  yaw: lag ms  jitter deg |  slope | x: lag ms  jitter mm\n");
+  std::printf("   Hz   slope |  yaw: lag ms  jitter at 1 m, 2 m, deg |  slope | x: lag ms  jitter mm\n");
   for (const double cutoff : {0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 1000.0}) {
     for (const double slope : {0.0, 5.0, 20.0, 60.0, 200.0}) {
       if (cutoff == 1000.0 && slope > 0.0) continue;
       const OneEuroSettings turning{cutoff, slope, 1.0};
       const OneEuroSettings sliding{cutoff, 2.0 * slope, 1.0};
-      const FilterFigures yaw = figures_of(
-          moving, resting,
-          [&](const std::vector<Measured>& run) {
-            std::vector<double> out;
-            std::optional<FilteredRotation> state;
-            for (const Measured& m : run) {
-              state = filter(turning, state, m.pose.rotation(), after(m.time_s));
-              out.push_back(yaw_of(state->value));
-            }
-            return out;
-          },
-          [](const Measured& m) { return yaw_of(m.truth.rotation()); });
+      const auto turn = [&](const std::vector<Measured>& run) {
+        std::vector<double> out;
+        std::optional<FilteredRotation> state;
+        for (const Measured& m : run) {
+          state = filter(turning, state, m.pose.rotation(), after(m.time_s));
+          out.push_back(yaw_of(state->value));
+        }
+        return out;
+      };
+      const auto true_yaw = [](const Measured& m) { return yaw_of(m.truth.rotation()); };
+      const FilterFigures yaw = figures_of(moving, resting, turn, true_yaw);
+      const double far_jitter = figures_of(moving, far, turn, true_yaw).jitter;
       const FilterFigures x = figures_of(
           moving, resting,
           [&](const std::vector<Measured>& run) {
@@ -102,14 +104,15 @@ nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vect
             return out;
           },
           [](const Measured& m) { return 1e3 * m.truth.translation().x(); });
-      std::printf("%6.1f  %5.0f |  %8.1f     %7.4f   | %5.0f  | %7.1f   %7.4f\n", cutoff, slope, yaw.lag_ms, yaw.jitter,
-                  2.0 * slope, x.lag_ms, x.jitter);
+      std::printf("%6.1f  %5.0f |  %8.1f     %7.4f  %7.4f   | %5.0f  | %7.1f   %7.4f\n", cutoff, slope, yaw.lag_ms,
+                  yaw.jitter, far_jitter, 2.0 * slope, x.lag_ms, x.jitter);
       points.push_back({{"knob", "filter"},
                         {"cutoff_hz", cutoff},
                         {"hz_per_rad_s", slope},
                         {"hz_per_m_s", 2.0 * slope},
                         {"yaw_lag_ms", yaw.lag_ms},
                         {"yaw_jitter_deg", yaw.jitter},
+                        {"yaw_jitter_2m_deg", far_jitter},
                         {"x_lag_ms", x.lag_ms},
                         {"x_jitter_mm", x.jitter}});
     }
@@ -147,8 +150,10 @@ nlohmann::json measure_trade(bool quick) {
   const HandPath sway =
       path_of({{0.0, {0.15, 0.03, 1.0}, 0.5, 0.14, 0.02}, {0.8, {-0.15, 0.03, 1.0}, -0.5, 0.14, -0.02}}, 1.6);
   const HandPath rest = path_of({{0.0, {0.02, 0.03, 1.0}, 0.2, 0.14, 0.02}}, std::nullopt);
+  const HandPath far = path_of({{0.0, {0.02, 0.03, 2.0}, 0.2, 0.14, 0.02}}, std::nullopt);
   const double seconds = quick ? 6.0 : 40.0;
-  nlohmann::json points = filter_curve(measured_along(sway, seconds), measured_along(rest, seconds));
+  nlohmann::json points =
+      filter_curve(measured_along(sway, seconds), measured_along(rest, seconds), measured_along(far, seconds));
 
   const int scenes = quick ? 10 : 150;
   std::printf("At 2 m, |yaw| to 60 deg, as tag-pose\n");

@@ -47,8 +47,8 @@ TEST(TagSearch, finds_tags_that_decimation_hides_within_a_round_and_keeps_them) 
   std::vector<std::pair<Wand, Pose>> tags;
   std::multiset<int> all;
   for (int i = 0; i < 12; ++i) {
-    // 17 pixels across: too small for the default search, everywhere in the picture.
-    tags.emplace_back(flat_tag(i, 0.05), pose_at(-0.75 + 0.5 * (i % 4), -0.5 + 0.5 * (i / 4), 1.75));
+    // 13 pixels across: too small for the default search, everywhere in the picture.
+    tags.emplace_back(flat_tag(i, 0.05), pose_at(-0.75 + 0.5 * (i % 4), -0.5 + 0.5 * (i / 4), 2.3));
     all.insert(i);
   }
   const GreyImage picture = paint(tags);

@@ -185,8 +185,8 @@ TEST(WandPose, is_nothing_or_finite_whatever_the_corners_are) {
 TEST(FitPose, refuses_points_that_determine_no_pose) {
   const auto points = [](std::initializer_list<Vector3d> places) {
     std::vector<SeenPoint> seen;
-    for (const Vector3d& place : places) seen.push_back({place, *kLens.pixel_of(place + Vector3d(0, 0, 1)), {}});
-    for (SeenPoint& point : seen) point.information.setIdentity();
+    for (const Vector3d& place : places)
+      seen.push_back({place, *kLens.pixel_of(place + Vector3d(0, 0, 1)), Eigen::Matrix2d::Identity()});
     return seen;
   };
   const T_CameraTag start(Eigen::Quaterniond::Identity(), {0, 0, 1});

@@ -72,7 +72,7 @@ def check_files(component, root):
     for file in ("copyright", "changelog.gz"):
         expect((root / f"usr/share/doc/cyclorama-{component}" / file).exists(), f"{component}: no {file}")
     foreign = [str(p.relative_to(root)) for p in root.rglob("*") if p.is_file() and
-               not re.match(r"(DEBIAN|usr/bin|usr/lib/(systemd|sysusers\.d)|usr/share/(man|doc)|etc/(cyclorama|logrotate\.d))/", str(p.relative_to(root)))]
+               not re.match(r"(DEBIAN|usr/bin|usr/lib/(systemd|sysusers\.d|udev/rules\.d)|usr/share/(man|doc)|etc/(cyclorama|logrotate\.d))/", str(p.relative_to(root)))]
     expect(not foreign, f"{component}: unexpected files {foreign}")
     control = (root / "DEBIAN/control").read_text()
     described = re.search(r"^Description: (\S.*(?:\n .*)+)", control, re.M)

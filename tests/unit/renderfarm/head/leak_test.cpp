@@ -35,6 +35,8 @@ using google::protobuf::Reflection;
 
 /// All that the museums' port may say. Whoever adds a field says here that it tells nothing of a scene's geometry.
 const std::set<std::string> kReviewed = {
+    "EyePair.distance_m: double",
+    "EyePair.screen_distance_m: double",
     "FrameEnd.balance_efficiency: double",
     "FrameEnd.complete: bool",
     "FrameEnd.late: bool",
@@ -50,6 +52,7 @@ const std::set<std::string> kReviewed = {
     "GroundPolygon.corners: GroundPoint",
     "ListScenesReply.scenes: SceneSummary",
     "Panorama.azimuth_span_rad: double",
+    "Panorama.eyes: EyePair",
     "Panorama.field_rad: double",
     "Panorama.height_px: uint32",
     "Panorama.projection: enum",

@@ -362,7 +362,8 @@ TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_head_is_silent) {
 
 TEST_F(Files, of_a_revoked_node_are_cut_in_the_middle_and_those_of_others_are_not) {
   TestAuthority authority;
-  ServingHead head(folder, {.streams = 2}, 0,
+  // So slowly that no file is through before it is cut.
+  ServingHead head(folder, {.bytes_per_second = 5e6, .streams = 2}, 0,
                    {.tls = authority.head(), .admit = [](const Identity&) { return std::nullopt; }});
   (void)head.digest();
   const auto other_node = head.dial(authority.node("n2"));

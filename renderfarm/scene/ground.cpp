@@ -84,7 +84,8 @@ std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Stand
   while (!roomy.has(start.x(), start.z())) roomy = eroded(free, --distance);
   std::vector<Eigen::Vector2d> corners;
   const Eigen::Vector3d origin = grid.centre_of({0, 0, 0}).array() - 0.5 * grid.cell_m();
-  for (const Eigen::Vector2i& corner : borders_of(reached_from(roomy, start.x(), start.z())).front()) {
+  const auto borders = borders_of(reached_from(roomy, start.x(), start.z()));
+  for (const Eigen::Vector2i& corner : borders.front()) {
     corners.emplace_back(origin.x() + corner.x() * grid.cell_m(), origin.z() + corner.y() * grid.cell_m());
   }
   // Stairs of cells become slopes, unless the eye stands in one: below half a cell, its cell's middle stays inside.

@@ -11,7 +11,10 @@
 namespace cyclorama {
 namespace {
 
-constexpr double kWallFloor_px = 0.05;   // Of a sample's sigma: what lens models leave.
+constexpr double kWallFloor_px = 0.05;  // Of a sample's sigma: what lens models leave.
+// A map that predicts new measurements as well as the new one predicts what it left out is still right; left-out
+// errors of some hundred places scatter by some percent.
+constexpr double kStillRight = 1.1;
 constexpr double kWorthSaying_px = 0.5;  // Held-out error of a map.
 
 const CalibratedProjector* projector_of(const Calibration* calibration, const std::string& name) {
@@ -99,13 +102,14 @@ Result<Calibration> calibrate(const Measurements& measurements, std::string date
     if (before != nullptr && before->map.width_px == format.width_px && before->map.height_px == format.height_px) {
       const MeasuredMap old = turned(before->map, turn);
       const auto error = map_error_px(old, samples[p]);
-      if (error && *error < projector.map.heldout_rms_px) {
+      if (error && *error < kStillRight * projector.map.heldout_rms_px) {
         const double own = projector.map.heldout_rms_px;
         projector.map = old;
         projector.is_previous = true;
-        calibration.remarks.push_back(fmt::format(
-            "projector '{}' keeps its map of {}: it predicts the new measurements to {:.3f} px, the new one to {:.3f}",
-            format.name, options.previous->date, *error, own));
+        calibration.remarks.push_back(
+            fmt::format("projector '{}' keeps its map of {}: it predicts the new measurements to {:.3f} px, the new "
+                        "one what it left out to {:.3f}",
+                        format.name, options.previous->date, *error, own));
       }
     }
     if (projector.map.heldout_rms_px > kWorthSaying_px) {

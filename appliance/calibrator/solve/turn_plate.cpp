@@ -177,7 +177,7 @@ class PlateProblem {
   [[nodiscard]] std::size_t tracks() const { return seen_.size(); }
 
   /// kBadData  no start leads anywhere.
-  Status solve() {
+  Result<double> solve() {
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::SPARSE_SCHUR;
     solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
@@ -198,7 +198,7 @@ class PlateProblem {
       return Error(ErrorCode::kBadData, "the directions cannot be brought together (" + summary.message +
                                             "); look whether the plate's angles turn the right way");
     }
-    return Done{};
+    return summary.final_cost;
   }
 
   /// Covariance of what all directions share, and the rank of the measurements alone.
@@ -307,6 +307,7 @@ class PlateProblem {
 
 struct Solved {
   State state;
+  double cost = 0.0;
   Uncertainty uncertainty;
   std::vector<std::string> names;
   std::size_t tracks = 0;
@@ -315,7 +316,8 @@ struct Solved {
 };
 
 Result<Solved> solve_once(const Measurements& measurements, const CellMeans& means, const TurnPlateOptions& options,
-                          const ChosenTracks& tracks, std::size_t reference, const State* from) {
+                          const ChosenTracks& tracks, std::size_t reference, const State* from,
+                          const Eigen::Vector2d& offset_m) {
   const bool with_offset = from != nullptr;
   Solved solved;
   solved.state = start_of(measurements, options);
@@ -323,9 +325,8 @@ Result<Solved> solve_once(const Measurements& measurements, const CellMeans& mea
     solved.state.lens = from->lens;
     solved.state.mount = from->mount;
     solved.state.angles = from->angles;
-  } else {
-    solved.state.offset = {0.0, 0.0};
   }
+  solved.state.offset = {offset_m.x(), offset_m.y()};
   solved.state.directions.reserve(tracks.used.size());
   {
     PlateProblem problem(measurements, means, options, tracks.used, reference, with_offset, &solved.state);
@@ -334,7 +335,7 @@ Result<Solved> solve_once(const Measurements& measurements, const CellMeans& mea
           ErrorCode::kInvalidArgument,
           "the camera's lens has no directions for the pixels that several pictures share; calibrate the lens");
     }
-    TRY(problem.solve());
+    TRY_ASSIGN(solved.cost, problem.solve());
     solved.uncertainty = problem.uncertainty();
     solved.names = problem.names();
     solved.tracks = problem.tracks();
@@ -399,8 +400,15 @@ Result<TurnPlate> solve_turn_plate(const Measurements& measurements, const CellM
       reference = d;
     }
   }
-  TRY_ASSIGN(Solved plain, solve_once(measurements, means, options, tracks, reference, nullptr));
-  TRY_ASSIGN(Solved moved, solve_once(measurements, means, options, tracks, reference, &plain.state));
+  TRY_ASSIGN(Solved plain,
+             solve_once(measurements, means, options, tracks, reference, nullptr, Eigen::Vector2d::Zero()));
+  TRY_ASSIGN(Solved moved,
+             solve_once(measurements, means, options, tracks, reference, &plain.state, Eigen::Vector2d::Zero()));
+  if (!options.start.tail<2>().isZero()) {
+    auto other = solve_once(measurements, means, options, tracks, reference, &plain.state, options.start.tail<2>());
+    constexpr double kBetter = 1.0 - 1e-6;  // Else it is the same place, not quite reached.
+    if (other && other->cost < kBetter * moved.cost) moved = *std::move(other);
+  }
   const double right = moved.state.offset[0];
   const double forward = moved.state.offset[1];
   const double sigma_right = sigma_of(moved, "offset_right_m");

@@ -173,7 +173,7 @@ std::vector<Extreme> extremes(unsigned seeds) {
     add(fmt::format("arc {} deg", arc), [=](RoomPlan* plan) {
       plan->arc_rad = arc * kDegree;
       plan->projectors = std::clamp(static_cast<int>(std::ceil(arc / 45.0)), 2, 8);
-      plan->half_height_m = std::min(1.4, 4.0 * std::tan(0.4 * plan->arc_rad));
+      plan->half_height_m = 4.0 * std::tan(std::min(0.33, 0.4 * plan->arc_rad));
       // Where the whole wall fits one picture, directions still differ, or nothing tells the axis.
       plan->plate_step_rad = std::min(0.5, std::max(0.05, 0.4 * plan->arc_rad));
     });

@@ -96,14 +96,16 @@ TEST(SurfaceCost, has_the_jacobian_that_differences_give_on_every_rung) {
     const double place[] = {0.4, 1.1, 0.3};
     const double lens[] = {1500.0, 960.0, 540.0, -0.02, 0.01, 0.0, 1e-3, 1e-3};
     const double* blocks[] = {surface.parameters.data(), turn, place, lens};
+    ceres::NumericDiffOptions steps;
+    steps.ridders_relative_initial_step_size = 1e-3;  // Of curvatures, which are small.
     const ceres::GradientChecker checker(cost.get(), static_cast<const std::vector<const ceres::Manifold*>*>(nullptr),
-                                         ceres::NumericDiffOptions());
+                                         steps);
     ceres::GradientChecker::ProbeResults results;
     EXPECT_TRUE(checker.Probe(blocks, 1e-5, &results)) << name_of(rung) << results.error_log;
     if (rung != SurfaceRung::kProfile && rung != SurfaceRung::kMesh) continue;
     const auto prior = make_spline_prior(surface, 0.05);
-    const ceres::GradientChecker prior_checker(
-        prior.get(), static_cast<const std::vector<const ceres::Manifold*>*>(nullptr), ceres::NumericDiffOptions());
+    const ceres::GradientChecker prior_checker(prior.get(),
+                                               static_cast<const std::vector<const ceres::Manifold*>*>(nullptr), steps);
     EXPECT_TRUE(prior_checker.Probe(blocks, 1e-5, &results)) << name_of(rung) << results.error_log;
   }
 }

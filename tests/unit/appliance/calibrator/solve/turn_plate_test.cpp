@@ -76,7 +76,7 @@ TEST(TurnPlate, starts_elsewhere_and_comes_to_the_same) {
     const auto a = one->sight_of(1, {u, 500.0});
     const auto b = other->sight_of(1, {u, 500.0});
     ASSERT_TRUE(a && b);
-    EXPECT_LE((*a - *b).norm(), 2e-5);
+    EXPECT_LE((*a - *b).norm(), 2e-5) << one->offset_reason << "\n" << other->offset_reason;
   }
 }
 

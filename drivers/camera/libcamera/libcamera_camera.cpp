@@ -134,6 +134,9 @@ class LibcameraCamera final : public Camera {
   Status configure();
   Status make_requests();
   Status queue_again(lc::Request* request);
+  /// All requests are completed, so the camera has stopped and the newest is stale: gives back the others and waits for
+  /// a picture after it.
+  Status await_new(TimePoint deadline, std::vector<lc::Request*>* completed);
   Result<std::shared_ptr<const Frame>> read(lc::Request& request);
   [[nodiscard]] Error unplugged() const {
     return {ErrorCode::kUnavailable, fmt::format("camera '{}' is gone (unplugged?)", id_)};
@@ -263,8 +266,11 @@ Result<std::shared_ptr<const Frame>> LibcameraCamera::next_frame(TimePoint deadl
   if (!is_running_) return Error(ErrorCode::kUnavailable, fmt::format("camera '{}' was not started", id_));
   std::string damage;
   do {
-    const std::vector<lc::Request*> completed = completed_.take_before(deadline);
+    std::vector<lc::Request*> completed = completed_.take_before(deadline);
     std::optional<Error> lost;
+    if (completed.size() == requests_.size()) {
+      if (auto waited = await_new(deadline, &completed); !waited) lost = waited.error();
+    }
     if (completed_.has_ended()) lost = unplugged();
     // The newest that is whole; with its error if none is.
     Result<std::shared_ptr<const Frame>> frame = Error(ErrorCode::kTimedOut, "");
@@ -282,6 +288,16 @@ Result<std::shared_ptr<const Frame>> LibcameraCamera::next_frame(TimePoint deadl
   } while (clock_.now() < deadline);
   return Error(ErrorCode::kTimedOut,
                fmt::format("camera '{}': no picture before the deadline{}{}", id_, damage.empty() ? "" : "; ", damage));
+}
+
+Status LibcameraCamera::await_new(TimePoint deadline, std::vector<lc::Request*>* completed) {
+  while (completed->size() > 1) {
+    TRY(queue_again(completed->front()));
+    completed->erase(completed->begin());
+  }
+  const std::vector<lc::Request*> newer = completed_.take_before(deadline);
+  completed->insert(completed->end(), newer.begin(), newer.end());
+  return Done{};
 }
 
 Result<std::shared_ptr<const Frame>> LibcameraCamera::read(lc::Request& request) {

@@ -50,6 +50,8 @@ class StreamBuffers {
   /// Before and after bytes() are read: caches of memory that a device writes must be told. Only DMA-bufs need it.
   void begin_reading(const FilledBuffer& filled) const { sync(filled, true); }
   void end_reading(const FilledBuffer& filled) const { sync(filled, false); }
+  /// How many the driver has in all. When that many are filled, it has stopped: the newest is then no longer new.
+  [[nodiscard]] std::size_t count() const { return buffers_.size(); }
   /// The DMA-buf of a buffer, borrowed; -1 with kMapped.
   [[nodiscard]] int dma_buf(std::uint32_t index) const { return buffers_[index].dma_buf.get(); }
 

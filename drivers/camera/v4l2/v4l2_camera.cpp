@@ -15,7 +15,7 @@ namespace {
 /// A new gain shows in the third picture or so after it; then one is looked at again.
 constexpr int kPicturesPerGain = 8;
 /// A device that fills buffers as quickly as it gets them back does not keep us for ever.
-constexpr int kMostTaken = 16;
+constexpr std::size_t kMostTaken = 16;
 
 timespec timeout_until(TimePoint deadline, TimePoint now) {
   const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(std::max(deadline - now, Duration::zero()));
@@ -89,9 +89,10 @@ Result<bool> V4l2Camera::wait(TimePoint deadline) {
   }
 }
 
-Result<std::optional<FilledBuffer>> V4l2Camera::take_newest() {
-  std::optional<FilledBuffer> newest;
-  for (int taken = 0; taken < kMostTaken; ++taken) {
+Result<V4l2Camera::Newest> V4l2Camera::take_newest() {
+  Newest newest;
+  std::size_t taken = 0;
+  for (; taken < kMostTaken; ++taken) {
     TRY_ASSIGN(const std::optional<FilledBuffer> filled, buffers_->take());
     if (!filled) break;
     if (filled->is_damaged || filled->bytes == 0) {
@@ -99,10 +100,23 @@ Result<std::optional<FilledBuffer>> V4l2Camera::take_newest() {
       TRY(buffers_->give_back(*filled));
       continue;
     }
-    if (newest) TRY(buffers_->give_back(*newest));
-    newest = filled;
+    if (newest.filled) TRY(buffers_->give_back(*newest.filled));
+    newest.filled = filled;
   }
+  newest.is_stale = taken >= buffers_->count();
   return newest;
+}
+
+Result<std::optional<FilledBuffer>> V4l2Camera::take_new(TimePoint deadline) {
+  TRY_ASSIGN(const Newest first, take_newest());
+  if (!first.filled || !first.is_stale) return first.filled;
+  // The stale one is kept meanwhile: it is better than none.
+  TRY_ASSIGN(const bool is_ready, wait(deadline));
+  if (!is_ready) return first.filled;
+  TRY_ASSIGN(const Newest second, take_newest());
+  if (!second.filled) return first.filled;
+  TRY(buffers_->give_back(*first.filled));
+  return second.filled;
 }
 
 Result<std::shared_ptr<const Frame>> V4l2Camera::read(const FilledBuffer& filled) {
@@ -128,7 +142,8 @@ Result<std::shared_ptr<const Frame>> V4l2Camera::next_frame(TimePoint deadline) 
   do {
     TRY_ASSIGN(const bool is_ready, wait(deadline));
     if (!is_ready) break;
-    auto newest = take_newest();
+    auto newest = take_new(deadline);
+    if (failure_) return *failure_;
     if (!newest) return fail(std::move(newest).error().while_doing(id_));
     if (!*newest) continue;
     auto frame = read(**newest);

@@ -50,8 +50,14 @@ class V4l2Camera final : public Camera {
   Status set_up();
   /// Waits until the driver has something. False: nothing before the deadline. Failed: kUnavailable.
   Result<bool> wait(TimePoint deadline);
-  /// Of all that is filled now, the newest that is whole; the others go back. Nothing: none was whole.
-  Result<std::optional<FilledBuffer>> take_newest();
+  struct Newest {
+    std::optional<FilledBuffer> filled;  ///< Nothing: none was whole.
+    bool is_stale = false;               ///< The driver had filled all that it has, and dropped what came after.
+  };
+  /// Of all that is filled now, the newest that is whole; the others go back.
+  Result<Newest> take_newest();
+  /// As take_newest(), but instead of a stale picture the next one, if it comes before the deadline.
+  Result<std::optional<FilledBuffer>> take_new(TimePoint deadline);
   /// Nothing: the picture is damaged.
   Result<std::shared_ptr<const Frame>> read(const FilledBuffer& filled);
   void follow_light(const GreyImage& picture);

@@ -130,6 +130,17 @@ TEST_P(CameraContract, gives_a_late_caller_the_newest_and_shows_the_gap) {
   EXPECT_LT(place_->clock.now() - (*late)->captured_at, milliseconds(50));
 }
 
+TEST_P(CameraContract, gives_no_stale_picture_however_late_the_caller_is) {
+  ASSERT_TRUE(camera_->start().has_value());
+  ASSERT_TRUE(next().has_value());
+  for (const int pause_ms : {150, 400, 3000}) {
+    place_->clock.advance(milliseconds(pause_ms));
+    const auto late = next();
+    ASSERT_TRUE(late.has_value());
+    EXPECT_LT(place_->clock.now() - (*late)->captured_at, milliseconds(50)) << pause_ms;
+  }
+}
+
 TEST_P(CameraContract, gives_what_is_ready_though_the_deadline_is_over) {
   ASSERT_TRUE(camera_->start().has_value());
   ASSERT_TRUE(next().has_value());

@@ -16,8 +16,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMostIterations = 40;
 constexpr double kCauchyDeviations = 3.0;
-/// A turn that is less certain than this radian, or a shift than this share of the distance, is no pose.
-constexpr double kMostTurnDeviation = 1.0;
+/// A turn that is less certain than half a circle, or a shift than this share of the distance, is no pose.
+constexpr double kMostTurnDeviation = 3.14;
 constexpr double kMostShiftShare = 0.5;
 
 struct Fit {

@@ -97,9 +97,8 @@ Vector3d translation_for(const Matrix3d& rotation, const Corners3& tag, const Co
 
 std::optional<TagPose> refine(const Matrix3d& rotation, const Corners3& tag, const Corners2& rays,
                               const Corners2& corners, const Pinhole& lens) {
-  const Matrix2d information = TagDetection::kUnrefined.inverse();
   std::array<SeenPoint, 4> points;
-  for (std::size_t i = 0; i < 4; ++i) points[i] = {tag[i], corners[i], information};
+  for (std::size_t i = 0; i < 4; ++i) points[i] = {tag[i], corners[i], Matrix2d::Identity()};
   return fit_pose(points, {Eigen::Quaterniond(rotation), translation_for(rotation, tag, rays)}, lens);
 }
 

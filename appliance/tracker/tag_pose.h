@@ -17,8 +17,8 @@ struct TagPoses {
 };
 
 /// Both minima of the reprojection error, every corner alike: IPPE's two closed forms (Collins and Bartoli,
-/// "Infinitesimal Plane-Based Pose Estimation", IJCV 109, 2014), each refined by fit_pose() for corners known to 0.2
-/// px. (Debian's libapriltag exports only the better of its two solutions, and minimises an error in space; the
+/// "Infinitesimal Plane-Based Pose Estimation", IJCV 109, 2014), each refined by fit_pose() for corners known to 1 px.
+/// (Debian's libapriltag exports only the better of its two solutions, and minimises an error in space; the
 /// tests compare the two.)
 ///
 /// Reentrant. Nothing when the corners are degenerate (not finite, not convex, of no area) or no pose is in front of

@@ -65,8 +65,8 @@ CameraTable::Projector gather(const Grid& grid, const std::vector<Light>& lights
       const Eigen::Vector2d down =
           slope(lights, places, here, grid.at(x, std::max(y - 1, 0)), grid.at(x, std::min(y + 1, grid.height - 1)));
       const double defocus = static_cast<double>(light.defocus_px);
-      // A unit square has a variance of 1/12 each way.
-      const Eigen::Matrix2d root = root_of((across * across.transpose() + down * down.transpose()) / 12.0 +
+      // The middles of a unit square's quarters have a variance of 1/16 each way.
+      const Eigen::Matrix2d root = root_of((across * across.transpose() + down * down.transpose()) / 16.0 +
                                            defocus * defocus * Eigen::Matrix2d::Identity());
       made.samples.push_back({static_cast<std::uint32_t>(here), light.u, light.v, static_cast<float>(root(0, 0)),
                               static_cast<float>(root(0, 1)), static_cast<float>(root(1, 1)), light.gain_lux});

@@ -3,8 +3,11 @@
 ///
 ///     camera pixel ─ ray ─▶ wall ─▶ place (u, v) in each projector's picture, gain, and a footprint:
 ///
-///        · ·     four samples about (u, v), whose covariance is that of the camera pixel's square
-///        · ·     carried onto the projector's picture, plus the defocus at that distance
+///        · ·     four samples about (u, v): the middles of the camera pixel's quarters carried onto the
+///        · ·     projector's picture, drawn apart by the defocus at that distance
+///
+/// Quarters do not see the camera's own sampling frequency, so a dot's centre stays where it is to some thousandths of
+/// a pixel; the 1/48 that their variance lacks of a square's 1/12 is kFootprintLack_px2, for the lens blur to add.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +22,7 @@ struct CameraTable {
     std::uint32_t pixel = 0;  ///< Of the camera, row by row.
     float u = 0.0f;
     float v = 0.0f;
-    float uu = 0.0f;  ///< Symmetric root of the footprint's covariance, in projector pixels.
+    float uu = 0.0f;  ///< Symmetric root of the samples' covariance, in projector pixels.
     float uv = 0.0f;
     float vv = 0.0f;
     float gain_lux = 0.0f;
@@ -37,6 +40,8 @@ struct CameraTable {
   std::vector<Projector> projectors;
   std::vector<Place> places;
 };
+
+inline constexpr double kFootprintLack_px2 = 1.0 / 48.0;
 
 /// How many projector pixels beyond a picture's edge its blurred light still counts.
 inline constexpr int kLightMargin_px = 4;

@@ -230,8 +230,9 @@ Result<Image<std::uint16_t, Channels>> SimulatedMuseum::State::photograph(const 
   std::vector<std::vector<float>> light = exposed_light(channels, exposure_s);
   Image<std::uint16_t, Channels> codes(width, height);
   const auto electrons_per_nit = static_cast<float>(camera.electrons_per_nit_s * exposure_s);
+  const double blur_px = std::sqrt(camera.blur_px * camera.blur_px + kFootprintLack_px2);
   for (std::size_t c = 0; c < light.size(); ++c) {
-    blur_plane(&light[c], width, height, camera.blur_px, threads);
+    blur_plane(&light[c], width, height, blur_px, threads);
     for_rows(height, threads, [&](int begin, int end) {
       for (int y = begin; y < end; ++y) {
         const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);

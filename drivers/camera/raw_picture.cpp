@@ -66,6 +66,8 @@ std::string_view name_of(PixelLayout layout) {
   switch (layout) {
     case PixelLayout::kGrey8:
       return "grey";
+    case PixelLayout::kPlanarYuv:
+      return "planar YUV";
     case PixelLayout::kGrey16:
       return "grey, 16 bits";
     case PixelLayout::kGrey12:
@@ -82,7 +84,8 @@ std::string_view name_of(PixelLayout layout) {
 }
 
 std::size_t bytes_per_pixel(PixelLayout layout) {
-  return layout == PixelLayout::kJpeg ? 0 : layout == PixelLayout::kGrey8 ? 1 : 2;
+  if (layout == PixelLayout::kJpeg) return 0;
+  return layout == PixelLayout::kGrey8 || layout == PixelLayout::kPlanarYuv ? 1 : 2;
 }
 
 Status to_grey(const RawPicture& raw, JpegDecoder* jpeg, GreyImage* ret_grey) {
@@ -101,6 +104,7 @@ Status to_grey(const RawPicture& raw, JpegDecoder* jpeg, GreyImage* ret_grey) {
   if (ret_grey->width() != raw.width || ret_grey->height() != raw.height) *ret_grey = GreyImage(raw.width, raw.height);
   switch (raw.layout) {
     case PixelLayout::kGrey8:
+    case PixelLayout::kPlanarYuv:
       for (int y = 0; y < raw.height; ++y) {
         std::memcpy(ret_grey->at(0, y), raw.bytes.data() + static_cast<std::size_t>(y) * raw.row_bytes, width);
       }

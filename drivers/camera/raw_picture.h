@@ -13,13 +13,14 @@ namespace cyclorama {
 
 /// How a camera's bytes hold brightness, which is all that tracking looks at. In the order of what it costs to read.
 enum class PixelLayout {
-  kGrey8,   ///< GREY, and every planar YUV, whose first plane is just that: NV12, NV21, NV16, YU12, YV12, 422P...
-  kGrey16,  ///< Two bytes per pixel, the low one first, all 16 bits used: Y16.
-  kGrey12,  ///< As kGrey16, 12 bits used.
-  kGrey10,  ///< As kGrey16, 10 bits used.
-  kYuyv,    ///< Brightness in every even byte: YUYV, YVYU.
-  kUyvy,    ///< Brightness in every odd byte: UYVY, VYUY.
-  kJpeg,    ///< A JPEG per picture: MJPG, JPEG.
+  kGrey8,      ///< GREY.
+  kPlanarYuv,  ///< A first plane as kGrey8, then colour: NV12, NV21, NV16, YU12, YV12, 422P...
+  kGrey16,     ///< Two bytes per pixel, the low one first, all 16 bits used: Y16.
+  kGrey12,     ///< As kGrey16, 12 bits used.
+  kGrey10,     ///< As kGrey16, 10 bits used.
+  kYuyv,       ///< Brightness in every even byte: YUYV, YVYU.
+  kUyvy,       ///< Brightness in every odd byte: UYVY, VYUY.
+  kJpeg,       ///< A JPEG per picture: MJPG, JPEG.
 };
 
 [[nodiscard]] std::string_view name_of(PixelLayout layout);

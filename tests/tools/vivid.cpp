@@ -106,7 +106,7 @@ Result<std::unique_ptr<VividCable>> VividCable::plug(const GreyImage& picture) {
   const int fd = cable->output_.get();
   TRY(set_size(fd, true));
   // Until 6.11 one switch; later each input is joined to an output, the first to the first by default.
-  if (!set_control_of(fd, "Loop Video", 1)) TRY(VividCable::set_control("HDMI 000-0 Is Connected To", 2));
+  if (!VividCable::set_control("Loop Video", 1)) TRY(VividCable::set_control("HDMI 000-0 Is Connected To", 2));
   v4l2_requestbuffers wanted{};
   wanted.count = kBuffers;
   wanted.type = kType;

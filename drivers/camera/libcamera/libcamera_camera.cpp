@@ -34,14 +34,14 @@ constexpr std::uint32_t fourcc(const char (&letters)[5]) {
 /// libcamera's names are DRM's, not V4L2's; a modifier means packed bits, which nothing here reads.
 std::optional<PixelLayout> layout_of(const lc::PixelFormat& format) {
   static const std::map<std::uint32_t, PixelLayout> kLayouts{
-      {fourcc("R8  "), PixelLayout::kGrey8},  {fourcc("NV12"), PixelLayout::kGrey8},
-      {fourcc("NV21"), PixelLayout::kGrey8},  {fourcc("NV16"), PixelLayout::kGrey8},
-      {fourcc("NV61"), PixelLayout::kGrey8},  {fourcc("YU12"), PixelLayout::kGrey8},
-      {fourcc("YV12"), PixelLayout::kGrey8},  {fourcc("YU16"), PixelLayout::kGrey8},
-      {fourcc("YV16"), PixelLayout::kGrey8},  {fourcc("R10 "), PixelLayout::kGrey10},
-      {fourcc("R12 "), PixelLayout::kGrey12}, {fourcc("R16 "), PixelLayout::kGrey16},
-      {fourcc("YUYV"), PixelLayout::kYuyv},   {fourcc("YVYU"), PixelLayout::kYuyv},
-      {fourcc("UYVY"), PixelLayout::kUyvy},   {fourcc("VYUY"), PixelLayout::kUyvy},
+      {fourcc("R8  "), PixelLayout::kGrey8},     {fourcc("NV12"), PixelLayout::kPlanarYuv},
+      {fourcc("NV21"), PixelLayout::kPlanarYuv}, {fourcc("NV16"), PixelLayout::kPlanarYuv},
+      {fourcc("NV61"), PixelLayout::kPlanarYuv}, {fourcc("YU12"), PixelLayout::kPlanarYuv},
+      {fourcc("YV12"), PixelLayout::kPlanarYuv}, {fourcc("YU16"), PixelLayout::kPlanarYuv},
+      {fourcc("YV16"), PixelLayout::kPlanarYuv}, {fourcc("R10 "), PixelLayout::kGrey10},
+      {fourcc("R12 "), PixelLayout::kGrey12},    {fourcc("R16 "), PixelLayout::kGrey16},
+      {fourcc("YUYV"), PixelLayout::kYuyv},      {fourcc("YVYU"), PixelLayout::kYuyv},
+      {fourcc("UYVY"), PixelLayout::kUyvy},      {fourcc("VYUY"), PixelLayout::kUyvy},
       {fourcc("MJPG"), PixelLayout::kJpeg}};
   const auto found = kLayouts.find(format.fourcc());
   if (format.modifier() != 0 || found == kLayouts.end()) return std::nullopt;

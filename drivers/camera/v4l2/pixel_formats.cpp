@@ -8,6 +8,7 @@ namespace cyclorama {
 std::optional<PixelLayout> layout_of_v4l2(std::uint32_t fourcc) {
   switch (fourcc) {
     case V4L2_PIX_FMT_GREY:
+      return PixelLayout::kGrey8;
     case V4L2_PIX_FMT_NV12:
     case V4L2_PIX_FMT_NV21:
     case V4L2_PIX_FMT_NV16:
@@ -20,7 +21,7 @@ std::optional<PixelLayout> layout_of_v4l2(std::uint32_t fourcc) {
     case V4L2_PIX_FMT_YUV411P:
     case V4L2_PIX_FMT_YUV410:
     case V4L2_PIX_FMT_YVU410:
-      return PixelLayout::kGrey8;
+      return PixelLayout::kPlanarYuv;
     case V4L2_PIX_FMT_Y16:
       return PixelLayout::kGrey16;
     case V4L2_PIX_FMT_Y12:

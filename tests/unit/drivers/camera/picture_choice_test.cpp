@@ -40,6 +40,9 @@ std::string chosen(std::vector<PictureOffer> offers, const PictureWish& wish = {
 
 TEST(PictureChoice, takes_the_cheapest_pixels_of_what_is_wanted) {
   EXPECT_EQ(chosen({mjpg(640, 480, 30), yuyv(640, 480, 30), grey(640, 480, 30)}), "640x480 GREY at 30 per second");
+  const PictureOffer planar{code("NV12"), PixelLayout::kPlanarYuv, 640, 480, 30};
+  EXPECT_EQ(chosen({planar, grey(640, 480, 30)}), "640x480 GREY at 30 per second");
+  EXPECT_EQ(chosen({planar, yuyv(640, 480, 30)}), "640x480 NV12 at 30 per second");
   EXPECT_EQ(chosen({mjpg(640, 480, 30), yuyv(640, 480, 30)}), "640x480 YUYV at 30 per second");
 }
 

@@ -39,6 +39,7 @@ Written write(PixelLayout layout, std::size_t padding) {
       const unsigned deep = (static_cast<unsigned>(level(x, y)) << static_cast<unsigned>(surplus)) | 3U;
       switch (layout) {
         case PixelLayout::kGrey8:
+        case PixelLayout::kPlanarYuv:
         case PixelLayout::kYuyv:
           pixel[0] = static_cast<std::byte>(level(x, y));
           break;
@@ -109,8 +110,9 @@ TEST_P(ToGrey, refuses_sizes_that_make_no_sense) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllLayouts, ToGrey,
-                         testing::Values(PixelLayout::kGrey8, PixelLayout::kGrey10, PixelLayout::kGrey12,
-                                         PixelLayout::kGrey16, PixelLayout::kYuyv, PixelLayout::kUyvy));
+                         testing::Values(PixelLayout::kGrey8, PixelLayout::kPlanarYuv, PixelLayout::kGrey10,
+                                         PixelLayout::kGrey12, PixelLayout::kGrey16, PixelLayout::kYuyv,
+                                         PixelLayout::kUyvy));
 
 TEST(ToGreyOfDeepPixels, keeps_white_white_when_a_driver_sets_bits_above_the_promised) {
   JpegDecoder jpeg;

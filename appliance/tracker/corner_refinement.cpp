@@ -19,6 +19,8 @@ constexpr double kKeepClearOfCorners = 0.08;
 constexpr double kStepPx = 0.25;
 constexpr double kMostReachPx = 3.0;
 constexpr double kLeastReachPx = 0.75;
+/// A step that is drawn over two pixels is whole within this.
+constexpr double kBlurPx = 1.25;
 /// A step from black to white of less than this is noise.
 constexpr double kLeastContrastGrey = 12.0;
 constexpr double kMostMovePx = 2.0;
@@ -130,8 +132,9 @@ Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to,
              int cells_across) {
   const Line unchanged{from, (to - from).normalized()};
   const Vector2d outwards = unchanged.normal();  // Corners go clockwise in the picture.
-  // Half a cell, so that the code's own cells are not reached.
-  const double reach_px = std::min(kMostReachPx, 0.5 * thickness_px / cells_across);
+  // Half a cell; of a small tag more, so that the whole blurred step is in it, but not the code's own cells.
+  const double cell_px = thickness_px / cells_across;
+  const double reach_px = std::min(kMostReachPx, std::max(0.5 * cell_px, std::min(0.9 * cell_px, kBlurPx)));
   if (!(reach_px >= kLeastReachPx)) return unchanged;
   std::vector<EdgePoint> points;
   for (int i = 0; i < kPointsPerSide; ++i) {

@@ -129,8 +129,6 @@ Result<std::vector<TagDetection>> TagDetector::detect_in(const GreyImage& pictur
   // libapriltag reads the picture only, but its type has no const.
   image_u8_t view = {width, height, picture.width(), const_cast<std::uint8_t*>(picture.at(left, top))};
   library_->detector->quad_decimate = possible_decimation(decimate);
-  // Corners of a part at full resolution are the picture's own, and edges of small tags are refined to wrong places.
-  library_->detector->refine_edges = settings_.refine_edges && (decimate >= 1.5 || settings_.decimate < 1.5);
   const std::unique_ptr<zarray_t, DestroyDetections> found(apriltag_detector_detect(library_->detector, &view));
   const Eigen::Vector2d origin(left, top);
   for (int i = 0; i < zarray_size(found.get()); ++i) {

@@ -22,7 +22,7 @@ constexpr double kHopeless = 60.0;
 /// What a tag that should be seen and is not adds to the misfit: odds of e to 1, since hands cover tags.
 constexpr double kMissingTag = 2.0;
 /// A tag "should be seen" when it is this large, turned towards the camera by this much and inside the picture.
-constexpr double kSurelySeenSidePx = 14.0;
+constexpr double kSurelySeenSidePx = 11.0;
 constexpr double kSurelySeenCosine = 0.5;
 constexpr double kInsidePx = 6.0;
 

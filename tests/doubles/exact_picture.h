@@ -35,15 +35,17 @@ class ExactPicture {
   /// by `off_u`, `off_v` pixels.
   [[nodiscard]] std::optional<Eigen::Vector3d> light_at(const Warp& warp, int x, int y, double off_u = 0.0,
                                                         double off_v = 0.0) const {
-    const auto seen = direction_at(warp, x, y);
-    if (!seen) return std::nullopt;
-    auto place = turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, yaw_shift_rad_);
+    const auto place = among_centres(warp, x, y);
     if (!place) return std::nullopt;
-    if (wraps()) place->across -= 2.0 * std::numbers::pi * std::floor(place->across / (2.0 * std::numbers::pi) + 0.5);
-    const PanoramaPixel pixel = std::visit([&](const auto& shape) { return pixel_at(shape, *place); }, shape_);
-    const double u = pixel.u + off_u - 0.5;
-    const double v = pixel.v + off_v - 0.5;
+    const double u = place->x() + off_u;
+    const double v = place->y() + off_v;
     return Eigen::Vector3d(light(u, v, 0), light(u, v, 1), light(u, v, 2));
+  }
+  /// From a head's pixel's place in the picture to the nearest pixel's centre there, in pixels: the light has its
+  /// extremes at centres. Zero in what is left out.
+  [[nodiscard]] Eigen::Vector2d to_centre(const Warp& warp, int x, int y) const {
+    const auto place = among_centres(warp, x, y);
+    return place ? Eigen::Vector2d(place->array().round() - place->array()) : Eigen::Vector2d(0.0, 0.0);
   }
   /// Code values in [0, 1], not rounded; black in what is left out. Every light that goes into the head's colours is
   /// off by `error` of itself, in the direction that does most.
@@ -109,6 +111,16 @@ class ExactPicture {
     const double fy = v - y;
     return (1 - fy) * ((1 - fx) * at(x, y) + fx * at(x + 1, y)) +
            fy * ((1 - fx) * at(x, y + 1) + fx * at(x + 1, y + 1));
+  }
+  /// A head's pixel's place in the picture; pixels' centres are whole numbers.
+  [[nodiscard]] std::optional<Eigen::Vector2d> among_centres(const Warp& warp, int x, int y) const {
+    const auto seen = direction_at(warp, x, y);
+    if (!seen) return std::nullopt;
+    auto place = turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, yaw_shift_rad_);
+    if (!place) return std::nullopt;
+    if (wraps()) place->across -= 2.0 * std::numbers::pi * std::floor(place->across / (2.0 * std::numbers::pi) + 0.5);
+    const PanoramaPixel pixel = std::visit([&](const auto& shape) { return pixel_at(shape, *place); }, shape_);
+    return Eigen::Vector2d(pixel.u - 0.5, pixel.v - 0.5);
   }
   [[nodiscard]] bool wraps() const {
     const auto* panorama = std::get_if<Panorama>(&shape_);

@@ -2,6 +2,7 @@
 /// One head drawn by the graphics card and read back, and how far it is from the same on the CPU.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <random>
@@ -124,9 +125,14 @@ inline double worst_difference(const RgbImage& drawn, const HeadPlan& plan, cons
       if (is_on_the_rim(plan.warp, x, y)) continue;
       Eigen::Vector3d least = reference.code_at(plan, x, y);
       Eigen::Vector3d most = least;
-      for (int off = 0; (slack_px > 0.0 || slack_light > 0.0) && off < 27; ++off) {
-        const Eigen::Vector3d moved = reference.code_at(plan, x, y, (off % 3 - 1) * slack_px,
-                                                        (off / 3 % 3 - 1) * slack_px, (off / 9 - 1) * slack_light);
+      // Between the ends of the slack it is monotone but for a centre of a pixel of the picture.
+      const Eigen::Vector2d centre = reference.to_centre(plan.warp, x, y).cwiseMax(-slack_px).cwiseMin(slack_px);
+      const std::array<Eigen::Vector2d, 4> places{Eigen::Vector2d(0.0, 0.0), centre,
+                                                  Eigen::Vector2d(slack_px, slack_px),
+                                                  Eigen::Vector2d(-slack_px, -slack_px)};
+      for (unsigned off = 0; (slack_px > 0.0 || slack_light > 0.0) && off < 48; ++off) {
+        const Eigen::Vector3d moved = reference.code_at(plan, x, y, places[off % 4].x(), places[off / 4 % 4].y(),
+                                                        (static_cast<int>(off / 16) - 1) * slack_light);
         least = least.cwiseMin(moved);
         most = most.cwiseMax(moved);
       }

@@ -286,6 +286,15 @@ Json blit(bool quick) {
   return figures;
 }
 
+std::string description(const HeadPlan& plan, const Panorama& panorama) {
+  const auto* mesh = std::get_if<WarpMesh>(&plan.warp);
+  return fmt::format("{} x {}, {}, panorama of {} x {} over {:.2f} rad{}{}{}{}", width_px(plan.warp),
+                     height_px(plan.warp), mesh ? fmt::format("mesh {} x {}", mesh->cells_x, mesh->cells_y) : "map",
+                     panorama.width_px, panorama.height_px, panorama.azimuth_span_rad,
+                     plan.colour.matrix ? ", matrix" : "", plan.colour.lift ? ", lift" : "",
+                     plan.colour.response ? ", response" : "", plan.is_dithered ? ", dithered" : "");
+}
+
 Json exact(bool quick) {
   RandomHeads heads(1);
   double worst_codes = 0.0;
@@ -303,8 +312,9 @@ Json exact(bool quick) {
     const PlanarPicture picture = heads.noise(panorama.width_px, panorama.height_px, heads.one_in(2));
     const double shift = heads.between(-1.0, 1.0);
     const RgbImage image = PaintedHead(HeadlessOptions::Renderer::kAny).drawn(plan, picture, panorama, shift);
-    worst_codes = std::max(worst_codes,
-                           worst_difference(image, plan, ExactPicture(picture, panorama, shift), 0.02, 1.0 / 2048.0));
+    const double difference = worst_difference(image, plan, ExactPicture(picture, panorama, shift), 0.02, 1.0 / 2048.0);
+    if (difference > 1.0) fmt::print("head {}: {:.3f}, {}\n", n, difference, description(plan, panorama));
+    worst_codes = std::max(worst_codes, difference);
   }
   // Flat walls and domes, turned.
   double worst_turned = 0.0;

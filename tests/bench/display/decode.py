@@ -2,7 +2,7 @@
 """The table and the JSON line of display-decode: decode.py SECONDS.
 
 Megapixels per cpu-second. tjbench reports per second of wall time, which is turned into cpu time by its own use of the
-processor; it and ours take turns, and a ratio is the middle one of the turns'. Its `-yuv` decodes to planes, as we do;
+processor; it and ours take short turns, and a ratio is the middle one of the turns'. Its `-yuv` decodes to planes, as we do;
 without it, to RGB, as displays without planes must.
 """
 import json
@@ -17,7 +17,7 @@ import tempfile
 import time
 
 seconds = sys.argv[1]
-TURNS = 5
+TURNS = 15
 BENCH = "build/release/tests/display_bench"
 
 

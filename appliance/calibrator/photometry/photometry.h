@@ -28,8 +28,7 @@
 #include <vector>
 
 #include "appliance/calibrator/photometry/channel_response.h"
-#include "appliance/calibrator/photometry/light_cells.h"
-#include "appliance/calibrator/solve/measured_map.h"
+#include "appliance/calibrator/photometry/photometry_input.h"
 #include "appliance/warp/blend_mask.h"
 #include "appliance/warp/head_colour.h"
 #include "common/base/result.h"
@@ -40,27 +39,6 @@ namespace cyclorama {
 /// trade of docs/design/photometry.md.
 inline constexpr int kRampSteps = 17;
 inline constexpr std::array<double, 2> kRampExposures = {1.0, 3.0};
-
-/// What the camera saw of one projector while it stood at one stop.
-struct ProjectorView {
-  std::size_t projector = 0;  ///< Counts PhotometryInput::projectors.
-  CameraCells cells;
-  std::vector<LightReading> readings;
-};
-
-struct PhotometricProjector {
-  std::string name;
-  MeasuredMap map;
-};
-
-struct PhotometryInput {
-  int camera_width_px = 0;
-  int camera_height_px = 0;
-  bool has_colour = true;          ///< Else all three channels are the same, and colours stay as they are.
-  double code_step = 1.0 / 255.0;  ///< Of the camera's codes.
-  std::vector<PhotometricProjector> projectors;
-  std::vector<ProjectorView> views;
-};
 
 struct PhotometryOptions {
   /// How much brightness may change over the wall, relative, per degree seen from the sweet spot. Eyes do not notice

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+namespace cyclorama {
+
+/// Four neighbours' shares in a uniform cubic B-spline, which is smooth to its second derivative, and their slopes.
+struct CubicWeights {
+  int first = 0;  ///< Of intervals + 3 coefficients.
+  std::array<double, 4> value{};
+  std::array<double, 4> slope{};  ///< By x, in intervals.
+};
+
+/// `x` counts intervals, from 0 to `intervals`; what lies outside counts as the end.
+[[nodiscard]] inline CubicWeights cubic_weights(double x, int intervals) {
+  const double at = x > 0.0 ? std::min(x, static_cast<double>(intervals)) : 0.0;
+  CubicWeights w;
+  w.first = std::min(static_cast<int>(at), intervals - 1);
+  const double t = at - w.first;
+  const double u = 1.0 - t;
+  w.value = {u * u * u / 6.0, (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0, (3.0 * u * u * u - 6.0 * u * u + 4.0) / 6.0,
+             t * t * t / 6.0};
+  w.slope = {-0.5 * u * u, 1.5 * t * t - 2.0 * t, -1.5 * u * u + 2.0 * u, 0.5 * t * t};
+  return w;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+namespace cyclorama {
+
+/// A curve with continuous slope through points, that never overshoots them: it rises where they rise, falls where they
+/// fall. Source: Fritsch and Carlson, "Monotone Piecewise Cubic Interpolation", SIAM J. Numer. Anal. 17 (2), 1980.
+/// A value; reentrant.
+class MonotoneCurve {
+ public:
+  /// Precondition: at least two, x rising.
+  MonotoneCurve(std::vector<double> x, std::vector<double> y);
+  /// Outside of the points: as at the end.
+  [[nodiscard]] double at(double x) const;
+
+ private:
+  std::vector<double> x_;
+  std::vector<double> y_;
+  std::vector<double> slope_;
+};
+
+}  // namespace cyclorama

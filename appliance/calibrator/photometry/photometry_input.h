@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/photometry/light_cells.h"
+#include "appliance/calibrator/solve/measured_map.h"
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// What the camera saw of one projector while it stood at one stop.
+struct ProjectorView {
+  std::size_t projector = 0;  ///< Counts PhotometryInput::projectors.
+  CameraCells cells;
+  std::vector<LightReading> readings;
+};
+
+struct PhotometricProjector {
+  std::string name;
+  MeasuredMap map;
+};
+
+struct PhotometryInput {
+  int camera_width_px = 0;
+  int camera_height_px = 0;
+  bool has_colour = true;          ///< Else all three channels are the same, and colours stay as they are.
+  double code_step = 1.0 / 255.0;  ///< Of the camera's codes.
+  std::vector<PhotometricProjector> projectors;
+  std::vector<ProjectorView> views;
+
+  /// kInvalidArgument  with the projector or view at fault, and what to do.
+  [[nodiscard]] Status validate() const;
+};
+
+}  // namespace cyclorama

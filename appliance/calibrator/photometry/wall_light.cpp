@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/photometry/wall_light.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "appliance/calibrator/photometry/cell_light.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kKnot_px = 32;
+constexpr double kBend = 0.01;        // Change of slope of log(light) from knot to knot that is expected.
+constexpr double kLeastSigma = 2e-3;  // Relative: what a wall's paint and speckle differ by.
+constexpr double kVignetting = 0.7;   // Prior of each of its terms.
+constexpr int kRounds = 3;            // Of weights against disturbed cells.
+constexpr double kGross = 0.01;
+constexpr double kLeakPrior = 1e-3;  // A projector's contrast is about 1000 to 1 or more.
+
+/// One cell of one view, with white's luminance.
+struct Sample {
+  const ProjectorView* view = nullptr;
+  CellLight light;
+  double log_white = 0.0;
+  Eigen::Vector3d by_radius = Eigen::Vector3d::Zero();  ///< r^2, r^4, r^6.
+  double weight = 1.0;
+
+  [[nodiscard]] Eigen::Vector2d pixel() const { return view->cells.cells[light.cell].projector_px; }
+};
+
+Eigen::Vector3d radius_terms(const PhotometryInput& input, const Eigen::Vector2d& camera_px) {
+  const Eigen::Vector2d middle(0.5 * input.camera_width_px, 0.5 * input.camera_height_px);
+  const double square = (camera_px - middle).squaredNorm() / middle.squaredNorm();
+  return {square, square * square, square * square * square};
+}
+
+/// The primaries that most cells agree on: white's luminance is 1. How far cells differ goes to `spread`.
+std::optional<Eigen::Matrix3d> common_primaries(const std::vector<Sample>& samples, double* spread) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  std::vector<Eigen::Matrix3d> all;
+  for (const Sample& sample : samples) {
+    if (!sample.light.has_primaries) continue;
+    const double luminance = kCameraLuminance.dot(sample.light.primaries.rowwise().sum());
+    if (luminance > 0.0) all.emplace_back(sample.light.primaries / luminance);
+  }
+  if (all.empty()) return std::nullopt;
+  // A median per entry: who walked through some cells changes nothing.
+  for (Eigen::Index i = 0; i < 9; ++i) {
+    std::vector<double> values;
+    for (const Eigen::Matrix3d& m : all) values.push_back(m(i % 3, i / 3));
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    sum(i % 3, i / 3) = *middle;
+  }
+  sum /= kCameraLuminance.dot(sum.rowwise().sum());
+  std::vector<double> differences;
+  for (const Eigen::Matrix3d& m : all) differences.push_back((m - sum).norm() / sum.norm());
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  *spread = *middle;
+  return sum;
+}
+
+double white_boost(const std::vector<Sample>& samples, const std::array<ChannelResponse, 3>& curves) {
+  std::vector<double> ratios;
+  for (const Sample& sample : samples) {
+    if (!sample.light.has_primaries || !sample.light.has_white) continue;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int c = 0; c < 3; ++c)
+      sum += curves.at(static_cast<std::size_t>(c)).light_of(1.0) * sample.light.primaries.col(c);
+    const double ratio = kCameraLuminance.dot(sample.light.white) / kCameraLuminance.dot(sum);
+    if (std::isfinite(ratio) && ratio > 0.0) ratios.push_back(ratio);
+  }
+  if (ratios.empty()) return 1.0;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+/// Of red, green and blue at their brightest together, also where only white was shown.
+double luminance_of(const CellLight& light, const Eigen::Matrix3d& primaries,
+                    const std::array<ChannelResponse, 3>& curves, double boost) {
+  if (light.has_white) {
+    // White shows each channel at level 1, which is not its brightest where a response falls.
+    Eigen::Vector3d full = Eigen::Vector3d::Zero();
+    for (int c = 0; c < 3; ++c) full += curves.at(static_cast<std::size_t>(c)).light_of(1.0) * primaries.col(c);
+    return kCameraLuminance.dot(light.white) / (boost * kCameraLuminance.dot(full));
+  }
+  return kCameraLuminance.dot(light.primaries.rowwise().sum());
+}
+
+/// Fields of all projectors and the camera's vignetting, which they share.
+class LightFit {
+ public:
+  LightFit(const PhotometryInput& input, std::vector<std::vector<Sample>>* samples)
+      : input_(input), samples_(*samples) {}
+
+  bool solve(WallLighting* result) {
+    for (int round = 0; round < kRounds; ++round) {
+      if (!solve_once(result)) return false;
+      weigh(*result);
+    }
+    return true;
+  }
+
+ private:
+  bool solve_once(WallLighting* result) {
+    // The vignetting's three terms are what is left when fields have explained all that they can.
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() / (kVignetting * kVignetting);
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    std::vector<FieldFit> fits;
+    for (std::size_t p = 0; p < samples_.size(); ++p) {
+      const auto& samples = samples_[p];
+      std::vector<FieldSample> places;
+      Eigen::MatrixXd terms(static_cast<Eigen::Index>(samples.size()), 4);
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const double sigma = std::hypot(samples[i].light.sigma, kLeastSigma) / std::sqrt(samples[i].weight);
+        places.push_back({samples[i].pixel(), sigma});
+        const auto row = static_cast<Eigen::Index>(i);
+        terms.row(row) << samples[i].by_radius.transpose(), samples[i].log_white;
+      }
+      const PhotometricProjector& projector = input_.projectors[p];
+      FieldFit fit(projector.map.width_px, projector.map.height_px, kKnot_px, kBend, places);
+      if (!fit.is_solved()) return false;
+      Eigen::MatrixXd left = terms;
+      for (Eigen::Index c = 0; c < 4; ++c) left.col(c) -= fit.at_samples(fit.fit(terms.col(c)));
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        const double weight = 1.0 / (places[i].sigma * places[i].sigma);
+        normal += weight * terms.row(row).head<3>().transpose() * left.row(row).head<3>();
+        right += weight * terms.row(row).head<3>().transpose() * left(row, 3);
+      }
+      fits.push_back(std::move(fit));
+    }
+    const Eigen::Matrix3d symmetric = 0.5 * (normal + normal.transpose());
+    result->vignetting = symmetric.ldlt().solve(right);
+    if (!result->vignetting.allFinite()) return false;
+    for (std::size_t p = 0; p < samples_.size(); ++p) {
+      Eigen::VectorXd values(static_cast<Eigen::Index>(samples_[p].size()));
+      for (std::size_t i = 0; i < samples_[p].size(); ++i)
+        values(static_cast<Eigen::Index>(i)) =
+            samples_[p][i].log_white - samples_[p][i].by_radius.dot(result->vignetting);
+      result->projectors[p].log_white = fits[p].fit(values);
+    }
+    return true;
+  }
+
+  /// Cauchy's weights, and what is left unexplained.
+  void weigh(WallLighting& result) {
+    double squares = 0.0;
+    double count = 0.0;
+    for (std::size_t p = 0; p < samples_.size(); ++p) {
+      for (Sample& sample : samples_[p]) {
+        const double residual = sample.log_white - sample.by_radius.dot(result.vignetting) -
+                                result.projectors[p].log_white.at(sample.pixel());
+        const double ratio = residual / std::max(kGross, 4.0 * sample.light.sigma);
+        sample.weight = 1.0 / (1.0 + ratio * ratio);
+        squares += sample.weight * residual * residual;
+        count += sample.weight;
+      }
+    }
+    result.unexplained = std::sqrt(squares / std::max(count, 1.0));
+  }
+
+  const PhotometryInput& input_;
+  std::vector<std::vector<Sample>>& samples_;
+};
+
+/// What shines when all projectors show black: ambient light, and the leaks of those that light a place.
+void fit_black(const PhotometryInput& input, const std::vector<std::vector<Sample>>& samples,
+               const std::vector<InverseMap>& inverses, WallLighting* result) {
+  const auto projectors = static_cast<Eigen::Index>(input.projectors.size());
+  const Eigen::Index unknowns = 4 + projectors;
+  std::array<Eigen::MatrixXd, 3> normal;
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(unknowns, 3);
+  normal.fill(Eigen::MatrixXd::Zero(unknowns, unknowns));
+  double brightest = 0.0;
+  for (const ProjectorLighting& lighting : result->projectors)
+    brightest = std::max(brightest, std::exp(lighting.log_white.most));
+  for (std::size_t p = 0; p < samples.size(); ++p) {
+    for (const Sample& sample : samples[p]) {
+      const auto direction = input.projectors[p].map.direction_at(sample.pixel());
+      if (!direction) continue;
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(unknowns);
+      row.head<3>() = *direction;
+      row(3) = 1.0;
+      for (Eigen::Index j = 0; j < projectors; ++j) {
+        const auto at = static_cast<std::size_t>(j);
+        const auto pixel = at == p ? std::optional(sample.pixel()) : inverses[at].pixel_at(*direction);
+        if (pixel) row(4 + j) = result->projectors[at].white_at(*pixel);
+      }
+      const double seen_through = std::exp(sample.by_radius.dot(result->vignetting));
+      for (int k = 0; k < 3; ++k) {
+        const double sigma = std::max(sample.light.black_sigma(k) / seen_through, 1e-6 * brightest);
+        const double weight = 1.0 / (sigma * sigma);
+        normal.at(static_cast<std::size_t>(k)) += weight * row * row.transpose();
+        right.col(k) += weight * sample.light.black(k) / seen_through * row;
+      }
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    Eigen::MatrixXd& matrix = normal.at(static_cast<std::size_t>(k));
+    for (int i = 0; i < 3; ++i) matrix(i, i) += 1.0 / std::pow(1e-3 * brightest, 2);
+    matrix(3, 3) += 1.0 / std::pow(0.1 * brightest, 2);
+    for (Eigen::Index j = 0; j < projectors; ++j) matrix(4 + j, 4 + j) += 1.0 / (kLeakPrior * kLeakPrior);
+    const Eigen::VectorXd solved = matrix.ldlt().solve(right.col(k));
+    if (!solved.allFinite()) continue;
+    result->ambient.row(k) = solved.head<4>().transpose();
+    for (Eigen::Index j = 0; j < projectors; ++j)
+      result->projectors[static_cast<std::size_t>(j)].leak(k) = std::max(0.0, solved(4 + j));
+  }
+}
+
+}  // namespace
+
+double ProjectorLighting::white_at(const Eigen::Vector2d& pixel) const { return std::exp(log_white.at(pixel)); }
+
+Eigen::Vector3d WallLighting::ambient_at(const Eigen::Vector3d& direction) const {
+  return (ambient * direction.homogeneous()).cwiseMax(0.0);
+}
+
+Result<WallLighting> wall_lighting(const PhotometryInput& input, const SolvedResponses& responses,
+                                   const std::vector<std::array<ChannelResponse, 3>>& curves,
+                                   const std::vector<InverseMap>& inverses) {
+  WallLighting result;
+  result.projectors.resize(input.projectors.size());
+  std::vector<std::vector<Sample>> samples(input.projectors.size());
+  for (const ProjectorView& view : input.views) {
+    for (const CellLight& light : cell_lights(input, view, responses.camera, curves[view.projector])) {
+      Sample sample{&view, light};
+      sample.by_radius = radius_terms(input, view.cells.cells[light.cell].camera_px);
+      samples[view.projector].push_back(sample);
+    }
+  }
+  for (std::size_t p = 0; p < samples.size(); ++p) {
+    ProjectorLighting& lighting = result.projectors[p];
+    const auto primaries = common_primaries(samples[p], &lighting.colour_spread);
+    if (primaries) lighting.primaries = *primaries;
+    lighting.white_boost = white_boost(samples[p], curves[p]);
+    for (Sample& sample : samples[p]) {
+      const double white = luminance_of(sample.light, lighting.primaries, curves[p], lighting.white_boost);
+      sample.log_white = std::log(white);
+    }
+    // What lies far below the rest is no light, but its absence.
+    std::erase_if(samples[p], [](const Sample& s) { return !std::isfinite(s.log_white); });
+    if (!primaries || samples[p].empty()) {
+      return Error(ErrorCode::kBadData,
+                   fmt::format("projector '{}': nowhere were its black and its red, green and blue seen together and "
+                               "unclipped; shorten the exposures and photograph the ramps again",
+                               input.projectors[p].name));
+    }
+  }
+  LightFit fit(input, &samples);
+  if (!fit.solve(&result)) {
+    return Error(ErrorCode::kBadData, "the wall's light has no solution; photograph white at every stop again");
+  }
+  fit_black(input, samples, inverses, &result);
+  return result;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Brightness and colour of simulated museums, geometry told by the truth: colour_bench rooms|trade|slopes [--quick].
+// Prints a table, then a line of JSON; trade and slopes print CSV. What each column means: SeamScore in
+// tests/doubles/photometry_museum.h; response_rms is the worst channel's.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/doubles/photometry_museum.h"
+
+namespace cyclorama {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double rounded(double x) { return std::round(x * 1e5) / 1e5; }
+
+PresetOptions options_of(bool is_quick) {
+  PresetOptions options;
+  options.camera_megapixels = 1.0;
+  if (is_quick) {
+    options.projector_width_px = 960;
+    options.projector_height_px = 540;
+    options.camera_megapixels = 0.4;
+  }
+  return options;
+}
+
+Result<SimulatedMuseum> museum_of(std::string_view room, std::uint32_t seed, bool is_quick, int bits = 0) {
+  TRY_ASSIGN(Preset preset, make_preset(room, seed, options_of(is_quick)));
+  if (bits > 0) preset.truth.camera.bits = bits;
+  return SimulatedMuseum::make(preset.installation, preset.truth);
+}
+
+int failed(const std::string& room, const Error& error) {
+  fmt::print(stderr, "{}: {}\n", room, error.message());
+  return 1;
+}
+
+int rooms(bool is_quick) {
+  fmt::print("{:<20}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "room", "response",
+             "mask sum", "step p95", "max", "bump p95", "dE mean", "dE p95", "dE max", "black", "before", "kept",
+             "flat", "photos", "solve s");
+  Json json = Json::object();
+  for (const std::string& room : preset_names()) {
+    auto museum = museum_of(room, 1, is_quick);
+    if (!museum) return failed(room, museum.error());
+    LightScan scan;
+    if (is_quick) scan.cell_px = 16;
+    const auto scanned = scan_light(&*museum, scan);
+    if (!scanned) return failed(room, scanned.error());
+    const auto start = std::chrono::steady_clock::now();
+    const auto result = photometry(scanned->input);
+    const double solve_s = seconds_since(start);
+    if (!result) return failed(room, result.error());
+    const SeamScore score = seam_score(museum->truth(), *result);
+    const SeamScore before = seam_score(museum->truth(), *result, false);
+    const double rms = response_rms(museum->truth(), *result);
+    fmt::print(
+        "{:<20}{:>9.5f}{:>9.5f}{:>9.4f}{:>9.4f}{:>9.4f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>8.3f}{:>8.3f}{:>8}{:>"
+        "8."
+        "1f}\n",
+        room, rms, score.mask_sum_error, score.step_p95, score.step_max, score.bump_p95, score.delta_e_mean,
+        score.delta_e_p95, score.delta_e_max, score.delta_e_black_p95, before.delta_e_p95, result->light_kept,
+        result->light_kept_flat, scanned->photographs, solve_s);
+    for (const std::string& remark : result->remarks) fmt::print("  {}\n", remark);
+    std::fflush(stdout);
+    json[room] = {{"response_rms", rounded(rms)},
+                  {"mask_sum_error", rounded(score.mask_sum_error)},
+                  {"seam_step", rounded(score.step_p95)},
+                  {"seam_step_max", rounded(score.step_max)},
+                  {"seam_bump_p95", rounded(score.bump_p95)},
+                  {"seam_de_mean", rounded(score.delta_e_mean)},
+                  {"seam_de_p95", rounded(score.delta_e_p95)},
+                  {"seam_de_p95_before", rounded(before.delta_e_p95)},
+                  {"light_kept", rounded(result->light_kept)},
+                  {"light_kept_flat", rounded(result->light_kept_flat)},
+                  {"solve_s", rounded(solve_s)}};
+  }
+  fmt::print("{}\n", json.dump());
+  return 0;
+}
+
+/// Levels of the ramps and their exposures against the response's error.
+int trade(bool is_quick) {
+  fmt::print("bits,steps,exposures,pictures,response_rms,de_mean,de_p95\n");
+  const std::vector<std::vector<double>> exposures = {{1.0, 1.5}, {1.0, 3.0}, {1.0, 3.0, 9.0}, {1.0, 2.0, 4.0, 8.0}};
+  for (const int bits : {8, 12}) {
+    for (const int steps : {5, 7, 9, 13, 17, 25, 33}) {
+      for (const auto& factors : exposures) {
+        if (is_quick && (steps == 7 || steps == 13 || steps == 25 || factors.size() > 2)) continue;
+        auto museum = museum_of("cylinder126", 2, true, bits);
+        if (!museum) return failed("cylinder126", museum.error());
+        LightScan scan;
+        scan.ramp_steps = steps;
+        scan.exposures = factors;
+        scan.cell_px = 16;
+        const auto scanned = scan_light(&*museum, scan);
+        if (!scanned) return failed("cylinder126", scanned.error());
+        const auto result = photometry(scanned->input);
+        if (!result) return failed("cylinder126", result.error());
+        const SeamScore score = seam_score(museum->truth(), *result);
+        std::string list;
+        for (const double factor : factors) list += fmt::format("{}{:g}", list.empty() ? "" : " ", factor);
+        fmt::print("{},{},{},{},{:.5f},{:.3f},{:.3f}\n", bits, steps, list, 3 * (steps - 1) * factors.size(),
+                   response_rms(museum->truth(), *result), score.delta_e_mean, score.delta_e_p95);
+        std::fflush(stdout);
+      }
+    }
+  }
+  return 0;
+}
+
+/// How slowly brightness varies against how much light is kept.
+int slopes(bool is_quick) {
+  fmt::print("room,slope_per_deg,light_kept,step_p95,bump_p95,de_mean,de_p95\n");
+  for (const char* const room : {"cylinder126", "plane", "corner"}) {
+    auto museum = museum_of(room, 1, true);
+    if (!museum) return failed(room, museum.error());
+    LightScan scan;
+    scan.cell_px = 16;
+    const auto scanned = scan_light(&*museum, scan);
+    if (!scanned) return failed(room, scanned.error());
+    for (const double slope : {0.0, 0.005, 0.01, 0.02, 0.04, 0.08}) {
+      PhotometryOptions options;
+      options.most_slope_per_deg = slope;
+      const auto result = photometry(scanned->input, options);
+      if (!result) return failed(room, result.error());
+      const SeamScore score = seam_score(museum->truth(), *result);
+      fmt::print("{},{},{:.3f},{:.4f},{:.4f},{:.3f},{:.3f}\n", room, slope, result->light_kept, score.step_p95,
+                 score.bump_p95, score.delta_e_mean, score.delta_e_p95);
+      std::fflush(stdout);
+    }
+    if (is_quick) break;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  const bool is_quick = argc > 2 && std::string(argv[2]) == "--quick";
+  if (what == "rooms") return cyclorama::rooms(is_quick);
+  if (what == "trade") return cyclorama::trade(is_quick);
+  if (what == "slopes") return cyclorama::slopes(is_quick);
+  fmt::print(stderr, "colour_bench rooms|trade|slopes [--quick]\n");
+  return 2;
+}

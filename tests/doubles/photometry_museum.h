@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Brightness and colour of a simulated museum: photographed as a scan would, with the geometry told by the truth so
+/// that photometry is measured alone; and what an eye at the sweet spot sees of a corrected wall.
+#pragma once
+
+#include <vector>
+
+#include "appliance/calibrator/photometry/photometry.h"
+#include "drivers/simulated_room/presets.h"
+#include "drivers/simulated_room/simulated_museum.h"
+#include "drivers/simulated_room/true_museum.h"
+
+namespace cyclorama {
+
+struct LightScan {
+  int ramp_steps = kRampSteps;
+  std::vector<double> exposures{kRampExposures.begin(), kRampExposures.end()};  ///< In parts of white's.
+  double black_exposure = 32.0;                                                 ///< Likewise.
+  std::vector<double> angles_deg{-44.0, -22.0, 0.0, 22.0, 44.0};
+  int map_cell_px = 8;
+  int cell_px = 32;
+};
+
+/// Each projector's map as the truth has it, continued a little past the wall's rim as a measured one is.
+MeasuredMap true_map(const TrueMuseum& museum, std::size_t projector, int cell_px);
+
+struct LightScanResult {
+  PhotometryInput input;
+  int photographs = 0;
+  double white_exposure_s = 0.0;
+};
+Result<LightScanResult> scan_light(SimulatedMuseum* museum, const LightScan& scan = {});
+
+/// Of every projector, channel and code of 8 bits, above black, in parts of full scale: the worst channel's root mean
+/// square.
+double response_rms(const TrueMuseum& museum, const Photometry& photometry);
+
+/// Of a wall of one colour, seen from the sweet spot. Lines of sight of even elevation and of even azimuth are walked
+/// in steps of 0.1 degrees; a border is where the set of projectors changes whose pictures hold the place.
+///   step     of luminance between 0.45 degrees before a border and 0.45 degrees behind it, relative, at full white
+///   bump     of luminance in the middle of an overlap against the straight line between 0.45 degrees on either side of
+///            it, relative, at full white
+///   delta_e  CIE 1976 L*a*b* between the pair of `step`, for linear content of 1, 0.2, 0.02 and 0, all together; the
+///            reference white is the brightest full white on the wall
+struct SeamScore {
+  std::size_t pairs = 0;
+  double step_mean = 0.0;
+  double step_p95 = 0.0;
+  double step_max = 0.0;
+  double bump_p95 = 0.0;
+  double delta_e_mean = 0.0;
+  double delta_e_p95 = 0.0;
+  double delta_e_max = 0.0;
+  double delta_e_black_p95 = 0.0;  ///< Of content 0 alone.
+  double mask_sum_error = 0.0;     ///< The largest difference from 1 of the weights where two projectors or more light.
+};
+/// `uses_photometry` false: what the wall looks like without: blend only, sRGB.
+SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry = true);
+
+}  // namespace cyclorama

@@ -6,7 +6,7 @@
 
 namespace cyclorama {
 
-double ResponseCurve::at(double x) const {
+double TrueResponse::at(double x) const {
   if (!(x > 0.0)) return 0.0;
   const double y = std::min(x / clip, 1.0);
   const double from_dip = (x - 0.85) / 0.05;

@@ -9,7 +9,7 @@ namespace cyclorama {
 ///
 /// A projector has a gamma of about 2.2 and an S-shaped bend; a camera for machine vision 1, one for people about
 /// 1/2.2. A clip below 1 and a dip are what a wrongly set projector does. A value; reentrant.
-struct ResponseCurve {
+struct TrueResponse {
   double gamma = 1.0;
   double bend = 0.0;
   double clip = 1.0;

@@ -30,7 +30,7 @@ class Sensor {
   bool has_shot_noise_;
   float pedestal_;
   float largest_code_;
-  ResponseCurve response_;
+  TrueResponse response_;
   std::vector<float> codes_;  ///< At even steps of the amplifier's input, up to 1.
 };
 

@@ -48,8 +48,8 @@ RigidTransform<To, From> transform_of(ConfigTable table) {
   return {rotation, {t[0], t[1], t[2]}};
 }
 
-ResponseCurve curve_of(ConfigTable table) {
-  ResponseCurve curve;
+TrueResponse curve_of(ConfigTable table) {
+  TrueResponse curve;
   curve.gamma = table.number("gamma", {0.1, 10.0}, curve.gamma);
   curve.bend = table.number("bend", {-1.0, 1.0}, curve.bend);
   curve.clip = table.number("clip", {0.1, 1.0}, curve.clip);

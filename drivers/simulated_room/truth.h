@@ -33,7 +33,7 @@ struct TrueProjector {
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
   double flux_lm = 3000.0;           ///< Of a white picture.
   double vignetting_exponent = 0.0;  ///< A pixel's flux falls with this power of the cosine from the axis: 4 of an eye.
-  std::array<ResponseCurve, 3> response{};                    ///< Of red, green, blue.
+  std::array<TrueResponse, 3> response{};                     ///< Of red, green, blue.
   ColourMatrix primaries{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< Each channel's room colour, in the unit of white.
   RoomColour black{};                                         ///< The part of each channel that leaks at code 0.
   double blur_px = 0.3;  ///< Standard deviation in focus. Less than 0.41 is 0.41, a pixel's own.
@@ -52,7 +52,7 @@ struct TrueCamera {
   double read_noise_e = 0.0;
   bool has_shot_noise = false;
   int bits = 12;             ///< 8 to 16.
-  ResponseCurve response{};  ///< Of the charge in parts of the full well.
+  TrueResponse response{};   ///< Of the charge in parts of the full well.
   double pedestal = 0.0;     ///< Added to it before, so that dark noise is not cut off.
   double blur_px = 0.0;      ///< Standard deviation of the lens, besides the pixel's own square.
   double line_time_s = 0.0;  ///< From a row's exposure to the next one's; 0 is a global shutter.

@@ -36,7 +36,7 @@ struct Writer {
     key("rotation_wxyz", list(std::vector<double>{q.w(), q.x(), q.y(), q.z()}));
     key("translation_m", list(T.translation()));
   }
-  void curve(const std::string& name, const ResponseCurve& curve) {
+  void curve(const std::string& name, const TrueResponse& curve) {
     head(name);
     key("gamma", curve.gamma);
     key("bend", curve.bend);

@@ -115,8 +115,8 @@ TEST(Sensor, neighbours_noise_is_independent) {
   }
 }
 
-TEST(ResponseCurve, stays_between_dark_and_bright) {
-  const ResponseCurve odd{2.2, 0.3, 0.9, 0.5};
+TEST(TrueResponse, stays_between_dark_and_bright) {
+  const TrueResponse odd{2.2, 0.3, 0.9, 0.5};
   for (double x = -1.0; x < 2.0; x += 0.01) {
     EXPECT_GE(odd.at(x), 0.0);
     EXPECT_LE(odd.at(x), 1.0);

@@ -21,18 +21,27 @@ Progress::~Progress() {
   if (terminal_ && shown_ >= 0.0) std::fputs("\n", stderr);
 }
 
+void Progress::set_step(const std::string& what) {
+  if (what == what_) return;
+  what_ = what;
+  is_new_step_ = true;
+}
+
 void Progress::update(double fraction) {
   fraction = std::clamp(fraction, 0.0, 1.0);
   const TimePoint now = SteadyClock().now();
   if (terminal_) {
     if (fraction < 1.0 && now - drawn_at_ < kRedraw) return;
     const int full = static_cast<int>(std::lround(fraction * kBarWidth));
-    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %", what_, "", full, "", kBarWidth - full, 100.0 * fraction);
+    // What was longer before is cleared.
+    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3.0f} %\x1b[K", what_, "", full, "", kBarWidth - full,
+               100.0 * fraction);
     std::fflush(stderr);
   } else {
-    if (fraction < 1.0 && fraction < shown_ + 0.1) return;
+    if (fraction < 1.0 && fraction < shown_ + 0.1 && !is_new_step_) return;
     fmt::print(stderr, "{}: {:.0f} %\n", what_, 100.0 * fraction);
   }
+  is_new_step_ = false;
   shown_ = fraction;
   drawn_at_ = now;
 }

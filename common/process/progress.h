@@ -14,12 +14,15 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
+  /// What is being done now; a plain line comes with the next update.
+  void set_step(const std::string& what);
   /// `fraction` in [0, 1], never less than before.
   void update(double fraction);
 
  private:
   std::string what_;
   bool terminal_;
+  bool is_new_step_ = false;
   double shown_ = -1.0;
   TimePoint drawn_at_{};
 };

@@ -13,6 +13,7 @@
 #include "common/image/png.h"
 #include "common/process/program.h"
 #include "common/process/progress.h"
+#include "kiosk/operator/calibrate_command.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/status_table.h"
 #include "kiosk/operator/summary.h"
@@ -31,6 +32,7 @@ struct Options {
   double expect_frames = 1.0;
   std::optional<double> started_s;
   WandCommand wand;
+  CalibrateCommand calibrate;
 };
 
 constexpr int kColumns = 6;  // Of wall-over-time.png.
@@ -66,6 +68,7 @@ void add_options(CLI::App& app, Options* options) {
                     "When the demo was started, in seconds of Unix time: summary.json then "
                     "tells how long the first picture took");
   options->wand.add_to(&app);
+  options->calibrate.add_to(&app);
 }
 
 Status show_status(const Options& options, const std::vector<ProcessLink>& links) {
@@ -154,6 +157,7 @@ Status record(const Options& options, std::vector<ProcessLink> links, const Stop
 
 Status run(const Options& options, const CLI::App& app, const StopSignal& stop) {
   if (app.got_subcommand("wand")) return options.wand.run();
+  if (app.got_subcommand("calibrate")) return options.calibrate.run(stop);
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));
   if (app.got_subcommand("status")) return show_status(options, links);
@@ -165,7 +169,9 @@ Status run(const Options& options, const CLI::App& app, const StopSignal& stop) 
 }  // namespace cyclorama
 
 int main(int argc, char** argv) {
-  cyclorama::Program program("cyclorama", "The operator's command line: looks at a visit that runs, and prints wands.");
+  cyclorama::Program program("cyclorama",
+                             "The operator's command line: looks at a visit that runs, has the wall "
+                             "measured, and prints wands.");
   cyclorama::Options options;
   cyclorama::add_options(program.options(), &options);
   return program.run(

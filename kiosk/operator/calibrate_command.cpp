@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/calibrate_command.h"
+
+#include <fmt/format.h>
+#include <grpcpp/client_context.h>
+
+#include <atomic>
+#include <cstdio>
+#include <thread>
+#include <utility>
+
+#include "common/base/text.h"
+#include "common/process/progress.h"
+#include "common/wire/calibration.grpc.pb.h"
+#include "common/wire/channel.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr auto kLookAtStop = std::chrono::milliseconds(100);
+constexpr auto kToRestore = std::chrono::seconds(30);
+constexpr std::size_t kLongestRemark = 600;
+
+/// Cancels a call when the process is asked to stop, as long as it lives.
+class StoppedCall {
+ public:
+  StoppedCall(grpc::ClientContext* context, const StopSignal& stop)
+      : watcher_([this, context, &stop](const std::stop_token& is_over) {
+          while (!is_over.stop_requested()) {
+            if (!stop.wait_until(SteadyClock().now() + kLookAtStop)) continue;
+            was_stopped_ = true;
+            return context->TryCancel();
+          }
+        }) {}
+  [[nodiscard]] bool was_stopped() const { return was_stopped_; }
+
+ private:
+  std::atomic<bool> was_stopped_{false};
+  std::jthread watcher_;
+};
+
+Result<wire::CalibrateDone> calibrate(wire::Calibrator::Stub* stub, const wire::CalibrateOrder& order,
+                                      const StopSignal& stop) {
+  grpc::ClientContext context;
+  StoppedCall call(&context, stop);
+  const auto stream = stub->Calibrate(&context, order);
+  std::optional<wire::CalibrateDone> done;
+  {
+    Progress progress("calibrating");
+    wire::CalibrateProgress message;
+    while (stream->Read(&message)) {
+      progress.set_step(printable(message.step(), 50));
+      progress.update(message.has_done() ? 1.0 : message.fraction());
+      if (message.has_done()) done = message.done();
+    }
+  }
+  const grpc::Status end = finish_after_read(context, [&] { return stream->Finish(); });
+  if (call.was_stopped() && !done) {
+    return Error(ErrorCode::kUnavailable,
+                 "cancelled: the show is as it was; what was photographed is kept for --resume");
+  }
+  if (!end.ok()) return from_grpc(end, "calibrating");
+  if (!done) return Error(ErrorCode::kBadData, "calibrating: the calibrator ended without a result; look at its log");
+  return *std::move(done);
+}
+
+Result<std::string> restore(wire::Calibrator::Stub* stub) {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kToRestore);
+  wire::RestoreAnswer answer;
+  const grpc::Status status = stub->Restore(&context, wire::RestoreOrder(), &answer);
+  if (!status.ok()) return from_grpc(status, "going back to the calibration of before");
+  return printable(answer.date());
+}
+
+}  // namespace
+
+void CalibrateCommand::add_to(CLI::App* app) {
+  CLI::App& command = *app->add_subcommand(
+      "calibrate",
+      "Measure the wall: the heads show patterns for some minutes, then the projectors make one picture. "
+      "Ctrl-C cancels it, and the show comes back as it was");
+  auto* const quick_option =
+      command.add_option("--quick", quick, "Measure one projector anew, from one direction: ten seconds")
+          ->type_name("PROJECTOR");
+  auto* const resume =
+      command.add_flag("--resume", is_resumed, "Go on with what a cancelled or failed one photographed");
+  command.add_flag("--restore", is_restored, "Go back to the calibration of before, and measure nothing")
+      ->excludes(quick_option)
+      ->excludes(resume);
+  command.add_option("--calibrator", calibrator, "Where cyclorama-calibrator listens")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+}
+
+Status CalibrateCommand::run(const StopSignal& stop) const {
+  TRY_ASSIGN(const std::shared_ptr<grpc::Channel> channel, make_channel(calibrator));
+  const auto stub = wire::Calibrator::NewStub(channel);
+  if (is_restored) {
+    TRY_ASSIGN(const std::string date, restore(stub.get()));
+    std::printf("the calibration of %s counts again\n", date.c_str());
+    return Done{};
+  }
+  wire::CalibrateOrder order;
+  order.set_quick(quick.has_value());
+  if (quick) order.set_projector(*quick);
+  order.set_resume(is_resumed);
+  TRY_ASSIGN(const wire::CalibrateDone done, calibrate(stub.get(), order, stop));
+  std::fputs(calibration_report(done).c_str(), stdout);
+  return Done{};
+}
+
+std::string calibration_report(const wire::CalibrateDone& done) {
+  std::string text = fmt::format("calibrated at {}\n", printable(done.date()));
+  text += fmt::format("  projectors agree within {:.2f} px on 95 % of where they meet\n", done.registration_p95_px());
+  if (!done.report_path().empty()) text += fmt::format("  report: {}\n", printable(done.report_path(), kLongestRemark));
+  if (done.remarks_size() > 0) text += "what is not as it could be:\n";
+  for (const std::string& remark : done.remarks()) text += fmt::format("  - {}\n", printable(remark, kLongestRemark));
+  return text;
+}
+
+}  // namespace cyclorama

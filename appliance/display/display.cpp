@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "appliance/display/attract_picture.h"
-#include "appliance/display/measured_head.h"
+#include "appliance/display/calibrated_heads.h"
 #include "common/base/text.h"
 #include "common/wire/convert.h"
 
@@ -17,38 +17,9 @@ namespace cyclorama {
 namespace {
 
 constexpr auto kRedialAfter = std::chrono::milliseconds(250);
+constexpr auto kForAFrame = std::chrono::seconds(2);  // From the tour, for heads that were calibrated anew.
 constexpr std::size_t kMostDropsWaiting = 256;
 constexpr char kPassedOver[] = "a newer frame was ready before it could be shown";
-
-/// Of the pixels that an eye gets.
-Result<std::vector<HeadPlan>> plan_heads(Installation installation, const PictureShape& picture) {
-  std::optional<StereoPacking> packing;
-  if (installation.stereo) {
-    packing = installation.stereo->packing;
-    for (InstalledProjector& projector : installation.projectors)
-      projector.lens = lens_of_an_eye(projector.lens, *packing);
-  }
-  const std::vector<ProjectorMap> maps = projector_maps(installation);
-  std::vector<MaskImage> masks = make_blend_masks(maps);
-  std::vector<HeadPlan> heads;
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    if (installation.projectors[i].warp) {
-      TRY_ASSIGN(HeadPlan measured, measured_head(installation, i, picture));
-      heads.push_back(std::move(measured));
-      heads.back().packing = packing;
-      continue;
-    }
-    auto warp = make_warp(maps[i], picture);
-    if (!warp)
-      return std::move(warp).error().while_doing(fmt::format("projector '{}'", installation.projectors[i].name));
-    HeadPlan& head = heads.emplace_back();
-    head.warp = *std::move(warp);
-    head.mask = std::move(masks[i]);
-    head.picture = picture;
-    head.packing = packing;
-  }
-  return heads;
-}
 
 std::vector<HeadFootprint> footprints(const std::vector<HeadPlan>& heads) {
   std::vector<HeadFootprint> all;
@@ -60,6 +31,13 @@ std::vector<std::string> names_of(const std::vector<InstalledProjector>& project
   std::vector<std::string> names;
   for (const InstalledProjector& projector : projectors) names.push_back(projector.name);
   return names;
+}
+
+std::vector<HeadMode> modes_of(const std::vector<InstalledProjector>& projectors) {
+  std::vector<HeadMode> modes;
+  for (const InstalledProjector& projector : projectors)
+    modes.push_back({projector.name, projector.lens.width_px, projector.lens.height_px});
+  return modes;
 }
 
 /// Black where no head looks: nothing was decoded there.
@@ -88,18 +66,20 @@ Display::Display(DisplayOptions options, const Clock& clock)
       clock_(clock),
       reporter_(&inspection_, names_of(options_.installation.projectors)),
       mailbox_(options_.installation.projectors.size()),
+      patterns_(modes_of(options_.installation.projectors), &mailbox_.patterns),
       tour_clock_(options_.system_clock) {}
 
-Display::~Display() = default;
+Display::~Display() { patterns_.stop(); }
 
 Status Display::prepare() {
   wanted_ = options_.installation.projection(options_.width_px, options_.height_px);
   TRY(wanted_.validate());
-  TRY_ASSIGN(std::vector<HeadPlan> heads, plan_heads(options_.installation, wanted_.shape));
+  TRY_ASSIGN(std::vector<HeadPlan> heads, first_heads());
   TRY_ASSIGN(channel_, make_channel(options_.tour));
-  TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_}));
+  TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_, &patterns_}));
   describe(heads);
-  ShownByHeads shown{footprints(heads), wanted_.shape, wanted_.stacked() == 2};
+  footprints_ = footprints(heads);
+  ShownByHeads shown{footprints_, wanted_.shape, wanted_.stacked() == 2};
 
   keep_hours();
   PresentPlan plan;
@@ -109,6 +89,7 @@ Status Display::prepare() {
     return make_output(choice, options_.installation, options_.refresh_hz, clock_);
   };
   plan.heads = std::move(heads);
+  plan.may_change = watch_ != nullptr;
   plan.attract = attract_frame(wanted_.shape);
   if (!options_.attract_picture.empty()) {
     TRY_ASSIGN(plan.attract, attract_frame(wanted_.shape, options_.attract_picture));
@@ -123,7 +104,55 @@ Status Display::prepare() {
   hello_.set_heads(static_cast<std::uint32_t>(options_.installation.projectors.size()));
   hello_.set_refresh_hz(options_.refresh_hz);
   to_wire(wanted_, hello_.mutable_wanted());
+  if (watch_ != nullptr) watch_->run();
   return Done{};
+}
+
+/// A calibration that is not there yet, or is broken, is no reason to show nothing.
+Result<std::vector<HeadPlan>> Display::first_heads() {
+  TRY_ASSIGN(std::vector<HeadPlan> planned, planned_heads(options_.installation, wanted_.shape));
+  if (options_.calibration.empty()) return planned;
+  watch_ = std::make_unique<CalibrationWatch>(options_.calibration, options_.installation, wanted_.shape, planned);
+  auto calibrated = watch_->read();
+  if (!calibrated) {
+    refuse_calibration(calibrated.error());
+    return planned;
+  }
+  describe_calibration(calibrated->date, calibrated->lacking);
+  return std::move(calibrated->heads);
+}
+
+void Display::describe_calibration(const std::string& date, const std::vector<std::string>& lacking) {
+  misfit_.reset();
+  std::string text = date;
+  for (const std::string& name : lacking) text += fmt::format("; '{}' as installed: it was not seen", printable(name));
+  inspection_.set_fact("calibration", std::move(text));
+  inspection_.set_fact("calibration_refused", "");
+}
+
+void Display::refuse_calibration(const Error& why) {
+  const bool is_none = why.code() == ErrorCode::kNotFound;
+  if (!is_none) misfit_ = why;
+  inspection_.set_fact("calibration_refused", is_none ? "there is none yet" : printable(why.message(), 400));
+}
+
+/// The heads move over once a frame is decoded for them; that the tour sends one is why it is dialled anew.
+void Display::keep_calibration() {
+  if (watch_ == nullptr) return;
+  mailbox_.plans.replaced.take();
+  const std::unique_ptr<CalibrationNews> news = watch_->take();
+  if (news == nullptr) return;
+  if (news->trouble) return refuse_calibration(*news->trouble);
+  describe_calibration(news->date, news->lacking);
+  describe(*news->set->plans);
+  hang_up();
+  dial_at_ = clock_.now();
+  std::vector<HeadFootprint> both = std::exchange(footprints_, news->footprints);
+  both.insert(both.end(), footprints_.begin(), footprints_.end());
+  news->set->needs_frames_after = assembler_->set_heads(std::move(both));
+  news->set->latest_at = clock_.now() + kForAFrame;
+  mailbox_.plans.wanted.put(std::move(news->set));
+  inspection_.count("calibrations_taken");
 }
 
 void Display::describe(const std::vector<HeadPlan>& heads) {
@@ -205,8 +234,10 @@ void Display::free_shown() {
 void Display::serve(TimePoint deadline) {
   do {
     free_shown();
+    patterns_.tend();
     note_output();
     keep_hours();
+    keep_calibration();
     keep_dialling();
     ask_for_time();
     report_refreshes();
@@ -220,9 +251,10 @@ void Display::serve(TimePoint deadline) {
   } while (clock_.now() < deadline);
 }
 
-/// What should be follows from the time alone: whenever the process started, and whatever the clock did.
+/// What should be follows from the time alone: whenever the process started, and whatever the clock did. A wall is
+/// measured when the museum is closed.
 void Display::keep_hours() {
-  is_awake_ = options_.hours.is_open(options_.system_clock());
+  is_awake_ = patterns_.is_open() || options_.hours.is_open(options_.system_clock());
   inspection_.set_gauge("awake", is_awake_ ? 1.0 : 0.0);
 }
 
@@ -243,10 +275,7 @@ void Display::keep_dialling() {
     if (!end) return;
     trouble_ = end;
     mailbox_.is_failing = true;
-    stream_.reset();
-    assembler_->stream_lost();
-    tour_clock_.reset();
-    mailbox_.clock.put({});
+    hang_up();
     dial_at_ = clock_.now() + kRedialAfter;
   }
   if (clock_.now() < dial_at_) return;
@@ -256,6 +285,13 @@ void Display::keep_dialling() {
     reported_after_ = newest_ready_;
   }
   stream_ = std::make_unique<ShowStream>(channel_, hello_, [this](wire::ShowMessage m) { on_message(std::move(m)); });
+}
+
+void Display::hang_up() {
+  stream_.reset();
+  assembler_->stream_lost();
+  tour_clock_.reset();
+  mailbox_.clock.put({});
 }
 
 void Display::ask_for_time() {
@@ -322,6 +358,8 @@ void Display::tell_state() {
   } else if (loss_) {
     inspection_.set_state(fmt::format("Shows nothing: {}. Opening the output again and again.", loss_->message()),
                           false);
+  } else if (patterns_.is_open()) {
+    inspection_.set_state("Shows the patterns of a calibration.", true);
   } else if (!is_awake_) {
     inspection_.set_state("Sleeps: the museum is closed.", true);
   } else if (trouble_) {
@@ -332,14 +370,18 @@ void Display::tell_state() {
   } else if (stream_ == nullptr || !stream_->is_up()) {
     inspection_.set_state(fmt::format("Dials the tour at {}.", options_.tour), false);
   } else {
-    inspection_.set_state(fmt::format("Shows the tour at {}: {:.1f} frames per second{}.", options_.tour,
-                                      reporter_.frames_per_second(), step_sentence()),
+    inspection_.set_state(fmt::format("Shows the tour at {}: {:.1f} frames per second{}{}.", options_.tour,
+                                      reporter_.frames_per_second(), step_sentence(), calibration_sentence()),
                           true);
   }
   const auto skew = tour_clock_.skew();
   if (!skew) return;
   inspection_.set_gauge("clock_skew_ms", to_milliseconds(skew->ahead));
   inspection_.set_gauge("clock_error_ms", to_milliseconds(skew->error));
+}
+
+std::string Display::calibration_sentence() const {
+  return misfit_ ? fmt::format("; the newest calibration is not used: {}", printable(misfit_->message(), 400)) : "";
 }
 
 std::string Display::step_sentence() const {

@@ -9,8 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "appliance/display/calibration_watch.h"
 #include "appliance/display/frame_assembler.h"
 #include "appliance/display/make_output.h"
+#include "appliance/display/pattern_service.h"
 #include "appliance/display/present_thread.h"
 #include "appliance/display/refresh_reporter.h"
 #include "appliance/display/show_stream.h"
@@ -25,12 +27,13 @@ namespace cyclorama {
 struct DisplayOptions {
   Installation installation;
   std::string tour;                ///< HOST:PORT that is dialled.
-  std::string listen = "[::1]:0";  ///< HOST:PORT of the inspection service.
+  std::string listen = "[::1]:0";  ///< HOST:PORT of inspection and patterns.
   int width_px = 1024;             ///< Of the picture that is asked for.
   int height_px = 0;               ///< 0: as high as square pixels make it.
   double refresh_hz = 30.0;
   OutputChoice output;
   int decode_threads = 2;
+  std::filesystem::path calibration;      ///< Its folder; empty: the heads draw as the installation says.
   std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: an evening sky.
   AttractTimes attract_times;
   OpeningHours hours;  ///< The heads are dark outside of them.
@@ -44,7 +47,7 @@ struct DisplayOptions {
 ///   decode   x N: JPEG -> pixels                          present         owns GL: draws and shows
 ///
 /// Keeps showing the last whole frame whatever happens to the tour, and dials it again for ever; opens an output that
-/// is lost again for ever. Thread-bound to main.
+/// is lost again for ever. Whoever reaches its port may show patterns in the show's place. Thread-bound to main.
 class Display : private FrameSink {
  public:
   /// Opens the output and starts to show. `clock` must outlive it.
@@ -64,7 +67,10 @@ class Display : private FrameSink {
  private:
   Display(DisplayOptions options, const Clock& clock);
   Status prepare();
+  Result<std::vector<HeadPlan>> first_heads();
   void describe(const std::vector<HeadPlan>& heads);
+  void describe_calibration(const std::string& date, const std::vector<std::string>& lacking);
+  void refuse_calibration(const Error& why);
   void on_message(wire::ShowMessage message);
   void frame_ready(Frame frame) override;
   void frame_dropped(std::uint64_t number, const std::string& reason) override;
@@ -72,13 +78,16 @@ class Display : private FrameSink {
   void free_shown();
   void note_output();
   void keep_hours();
+  void keep_calibration();
   void keep_dialling();
+  void hang_up();
   void ask_for_time();
   void report_refreshes();
   void report_drops();
   void serve_watchers();
   void tell_state();
   [[nodiscard]] std::string step_sentence() const;
+  [[nodiscard]] std::string calibration_sentence() const;
 
   const DisplayOptions options_;
   const Clock& clock_;
@@ -87,6 +96,7 @@ class Display : private FrameSink {
   InspectionService inspection_{"display"};
   RefreshReporter reporter_;
   PresentMailbox mailbox_;
+  PatternService patterns_;
   TourClock tour_clock_;
   std::shared_ptr<grpc::Channel> channel_;
   wire::DisplayHello hello_;
@@ -99,14 +109,17 @@ class Display : private FrameSink {
   std::vector<Drop> drops_;
   std::uint64_t newest_ready_ = 0;  // Frame::order of the newest frame that was handed over.
 
-  std::optional<Error> loss_;     // Why there is no output.
-  std::optional<Error> trouble_;  // Why there is no connection.
+  std::vector<HeadFootprint> footprints_;  // Of what the heads draw with, or are about to.
+  std::optional<Error> misfit_;            // Why the newest calibration is not used.
+  std::optional<Error> loss_;              // Why there is no output.
+  std::optional<Error> trouble_;           // Why there is no connection.
   TimePoint dial_at_{};
   std::uint64_t reported_after_ = 0;  // Frames up to this Frame::order came by an earlier connection.
 
   // Made in this order and gone in the reverse: nobody calls what is gone.
   std::unique_ptr<WireServer> server_;
-  JpegDecoder pictures_;  // For watchers.
+  JpegDecoder pictures_;                     // For watchers.
+  std::unique_ptr<CalibrationWatch> watch_;  // Null without a calibration's folder.
   std::unique_ptr<PresentThread> present_;
   std::unique_ptr<DecodePool> pool_;
   std::unique_ptr<FrameAssembler> assembler_;

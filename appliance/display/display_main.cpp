@@ -29,7 +29,8 @@ void add_options(CLI::App* app, Options* options) {
       ->required();
   app->add_option("--config", options->config, "The museum's site.toml: [display], [hours]");
   app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7403")->required();
-  app->add_option("--listen", display.listen, "HOST:PORT for inspection; port 0 takes a free one")
+  app->add_option("--listen", display.listen,
+                  "HOST:PORT for inspection and a calibration's patterns; port 0 takes a free one")
       ->capture_default_str();
   app->add_option("--run-dir", display.output.run_dir,
                   "Publish what each head shows as head-NAME.picture in this folder");
@@ -56,6 +57,9 @@ void add_options(CLI::App* app, Options* options) {
       "--card", display.output.cards,
       "With drm: the graphics cards, such as /dev/dri/card0; the first one draws. In the place of the installation's "
       "cards; without either: all that there are");
+  app->add_option("--calibration", display.calibration,
+                  "A calibration's folder: draw as it measured, and move over when it is replaced. In the place of "
+                  "site.toml's");
   app->add_option("--decode-threads", display.decode_threads, "Threads that decode tiles")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
@@ -90,6 +94,7 @@ Status run_display(Options options, const StopSignal& stop) {
     options.display.attract_picture = settings.attract_picture;
     options.display.attract_times = settings.attract_times;
     options.display.hours = settings.hours;
+    if (options.display.calibration.empty()) options.display.calibration = settings.calibration;
   }
   const SteadyClock clock;
   const std::string tour = options.display.tour;

@@ -18,6 +18,8 @@ Result<DisplaySettings> read_from(Config config, const std::filesystem::path& fo
   DisplaySettings settings;
   const std::string picture = display.text("attract_picture", "");
   if (!picture.empty()) settings.attract_picture = folder / picture;
+  const std::string calibration = display.text("calibration", "");
+  if (!calibration.empty()) settings.calibration = folder / calibration;
   AttractTimes& times = settings.attract_times;
   times.after = seconds(display.number("attract_after_s", {0.5, 86400.0}, to_seconds(times.after)));
   times.fade = seconds(display.number("attract_fade_s", {0.01, 60.0}, to_seconds(times.fade)));

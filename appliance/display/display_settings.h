@@ -6,6 +6,7 @@
 ///   attract_picture = "attract.jpg"   # PNG or JPEG, sought in site.toml's folder; absent: an evening sky.
 ///   attract_after_s = 20              # A picture may be wrong for so long before it fades to the attract picture,
 ///   attract_fade_s = 2                # within this time.
+///   calibration = "calibration"       # A calibration's folder, sought likewise; absent: as installed.
 ///   [hours]                           # As opening_hours.h says; the heads are dark outside of them.
 #pragma once
 
@@ -22,6 +23,7 @@ namespace cyclorama {
 struct DisplaySettings {
   std::filesystem::path attract_picture;  ///< Empty: none of the museum's own.
   AttractTimes attract_times;
+  std::filesystem::path calibration;  ///< Empty: none.
   OpeningHours hours;
 };
 

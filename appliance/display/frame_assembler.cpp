@@ -210,6 +210,12 @@ void FrameAssembler::stream_lost() {
   refused_number_ = 0;
 }
 
+std::uint64_t FrameAssembler::set_heads(std::vector<HeadFootprint> heads) {
+  shown_.heads = std::move(heads);
+  known_parts_.clear();
+  return order_;
+}
+
 void FrameAssembler::begin(const wire::View& view) {
   if (current_ != nullptr) current_->fail("another frame began before its end");
   current_.reset();

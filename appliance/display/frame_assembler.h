@@ -55,6 +55,8 @@ class FrameAssembler {
   void take(wire::ShowMessage message);
   /// The stream ended: what is unfinished will never be.
   void stream_lost();
+  /// From the next frame on the heads show this. Returns the newest Frame::order so far: greater ones are such frames.
+  std::uint64_t set_heads(std::vector<HeadFootprint> heads);
 
  private:
   class Assembly;
@@ -68,7 +70,7 @@ class FrameAssembler {
   DecodePool& pool_;
   FrameSink& sink_;
   const Clock& clock_;
-  const ShownByHeads shown_;
+  ShownByHeads shown_;
   struct KnownParts {
     PictureShape shape;
     int stacked = 1;

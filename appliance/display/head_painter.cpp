@@ -7,84 +7,14 @@
 #include <numbers>
 #include <string>
 
-#include "appliance/display/lit_rects.h"
-#include "appliance/display/lit_triangles.h"
 #include "common/geometry/picture_place.h"
 
 namespace cyclorama {
 namespace {
 
-// As many that the nearest is within a 30th of a code value on an sRGB curve; ./bench.sh display-trade has the others.
-constexpr int kResponseSteps = 4096;
-constexpr std::size_t kCornerFloats = 4;
-constexpr std::size_t kTermFloats = 12;
+constexpr int kResponseSteps = HeadUpload::kResponseSteps;
 
 GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
-
-float clip_x(float x_px, int width) { return 2.0f * x_px / static_cast<float>(width) - 1.0f; }
-float clip_y(float y_px, int height) { return 1.0f - 2.0f * y_px / static_cast<float>(height); }
-
-std::vector<float> corners_of(const WarpMesh& mesh) {
-  std::vector<float> corners;
-  corners.reserve(mesh.vertices.size() * kCornerFloats);
-  for (const WarpVertex& v : mesh.vertices) {
-    corners.insert(corners.end(),
-                   {clip_x(v.x_px, mesh.width_px), clip_y(v.y_px, mesh.height_px), v.azimuth_rad, v.tan_elevation});
-  }
-  return corners;
-}
-
-/// The rectangle of all pixels that the mask does not blacken or that get a lift; empty when there is none.
-PixelRect lit_part(const MaskImage& mask, const LiftImage* lift) {
-  int left = mask.width();
-  int right = 0;
-  int top = mask.height();
-  int bottom = 0;
-  for (int y = 0; y < mask.height(); ++y) {
-    for (int x = 0; x < mask.width(); ++x) {
-      if (!(*mask.at(x, y) > 0.0f) && (lift == nullptr || !(*lift->at(x, y) > 0.0f))) continue;
-      left = std::min(left, x);
-      right = std::max(right, x + 1);
-      top = std::min(top, y);
-      bottom = std::max(bottom, y + 1);
-    }
-  }
-  return {left, top, right - left, bottom - top};
-}
-
-std::vector<float> corners_of(const PixelRect& part, int width, int height) {
-  std::vector<float> corners;
-  for (const int corner : {0, 1, 2, 3}) {
-    const int x = corner % 2 == 0 ? part.x : part.x + part.width;
-    const int y = corner < 2 ? part.y : part.y + part.height;
-    corners.insert(corners.end(), {clip_x(static_cast<float>(x), width), clip_y(static_cast<float>(y), height), 0, 0});
-  }
-  return corners;
-}
-
-/// Two triangles of a rectangle whose four corners begin at `first`.
-std::array<std::uint32_t, 6> halves_of(std::uint32_t first) {
-  return {first, first + 2, first + 1, first + 1, first + 2, first + 3};
-}
-
-/// Four corners for each rectangle, each with all the terms of its patch: GL keeps nothing per triangle.
-void add_corners(const WarpPatches& warp, const LitRect& rect, std::vector<float>* ret_corners) {
-  const int across = warp.across();
-  const auto index = static_cast<int>(rect.patch);
-  const int left = index % across * warp.patch_width_px;
-  const int top = index / across * warp.patch_height_px;
-  const WarpPatch& patch = warp.patches[rect.patch];
-  for (const int corner : {0, 1, 2, 3}) {
-    const int x = corner % 2 == 0 ? rect.part.x : rect.part.x + rect.part.width;
-    const int y = corner < 2 ? rect.part.y : rect.part.y + rect.part.height;
-    ret_corners->insert(ret_corners->end(),
-                        {clip_x(static_cast<float>(x), warp.width_px), clip_y(static_cast<float>(y), warp.height_px),
-                         static_cast<float>(x - left) / static_cast<float>(warp.patch_width_px),
-                         static_cast<float>(y - top) / static_cast<float>(warp.patch_height_px)});
-    for (const std::size_t term : {0U, 1U, 2U, 3U, 4U, 5U})
-      ret_corners->insert(ret_corners->end(), {patch.across[term], patch.up[term]});
-  }
-}
 
 /// Whether places beyond the picture, or the other side of a whole turn, need more than the sampler's own clamping.
 bool needs_edges(const TurnedPicture& turned) {
@@ -104,28 +34,6 @@ void upload_nearest(const Gl& gl, const GlTexture& texture, GLint kept_as, GLenu
   for (const int wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     gl.TexParameteri(GL_TEXTURE_2D, static_cast<GLenum>(wrap), GL_CLAMP_TO_EDGE);
   gl.TexImage2D(GL_TEXTURE_2D, 0, kept_as, width, height, 0, channels, GL_FLOAT, values.data());
-}
-
-/// `values(x, y)` puts a pixel's values at the end; GL counts rows from the bottom.
-std::vector<float> upside_down(int width, int height, const auto& values) {
-  std::vector<float> rows;
-  for (int y = height - 1; y >= 0; --y) {
-    for (int x = 0; x < width; ++x) values(x, y, &rows);
-  }
-  return rows;
-}
-
-std::vector<std::uint32_t> together(const LitTriangles& triangles) {
-  std::vector<std::uint32_t> all = triangles.whole;
-  all.insert(all.end(), triangles.masked.begin(), triangles.masked.end());
-  return all;
-}
-
-Turning turning_of(const PictureShape& shape) {
-  if (std::holds_alternative<Perspective>(shape)) return Turning::kFlat;
-  if (std::holds_alternative<Fisheye>(shape)) return Turning::kFisheye;
-  CHECK(std::holds_alternative<Panorama>(shape));
-  return Turning::kShift;
 }
 
 /// HeadProgram::Picture::turned: what turned() does with a place's direction in the picture's axes; for a perspective
@@ -157,13 +65,13 @@ Texels texels_for(const Gl& gl, const std::vector<HeadPlan>& plans) {
   return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;  // Not with OpenGL ES 3.0.
 }
 
-HeadPainter::HeadPainter(const Gl& gl, const HeadPlan& plan, Texels texels)
+HeadPainter::HeadPainter(const Gl& gl, const HeadUpload& upload, Texels texels)
     : gl_(&gl),
-      width_px_(width_px(plan.warp)),
-      height_px_(height_px(plan.warp)),
-      picture_(plan.picture),
-      packing_(plan.packing),
-      colour_{plan.colour.matrix, plan.colour.black, {}, {}},
+      width_px_(upload.width_px),
+      height_px_(upload.height_px),
+      picture_(upload.picture),
+      packing_(upload.packing),
+      colour_(upload.colour),
       mesh_(gl),
       vertices_(gl),
       indices_(gl),
@@ -171,7 +79,7 @@ HeadPainter::HeadPainter(const Gl& gl, const HeadPlan& plan, Texels texels)
       map_(gl),
       response_(gl),
       texels_(texels) {
-  set_depth(plan.depth_bits);
+  set_depth(upload.depth_bits);
 }
 
 void HeadPainter::set_depth(int depth_bits) {
@@ -179,47 +87,12 @@ void HeadPainter::set_depth(int depth_bits) {
   code_step_ = 1.0f / static_cast<float>((1 << depth_bits) - 1);
 }
 
-Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels) {
-  CHECK(plan.mask.width() == width_px(plan.warp) && plan.mask.height() == height_px(plan.warp));
-  CHECK(!plan.colour.lift ||
-        (plan.colour.lift->width() == plan.mask.width() && plan.colour.lift->height() == plan.mask.height()));
-  HeadPainter painter(gl, plan, texels);
-  painter.upload_textures(plan);
-  const LiftImage* const lift = plan.colour.lift ? &*plan.colour.lift : nullptr;
-  HeadFeatures features;
-  LitTriangles triangles;
-  if (const WarpMesh* const mesh = std::get_if<WarpMesh>(&plan.warp)) {
-    triangles = lit_triangles(*mesh, plan.mask, lift);
-    painter.upload_triangles(corners_of(*mesh), together(triangles));
-  } else if (const WarpPatches* const patches = std::get_if<WarpPatches>(&plan.warp)) {
-    features.places = Places::kPatches;
-    const LitRects rects = lit_rects(*patches, plan.mask, lift);
-    std::vector<float> corners;
-    std::uint32_t first = 0;
-    const auto add = [&](const std::vector<LitRect>& from, std::vector<std::uint32_t>* ret_indices) {
-      for (const LitRect& rect : from) {
-        add_corners(*patches, rect, &corners);
-        for (const std::uint32_t corner : halves_of(first)) ret_indices->push_back(corner);
-        first += 4;
-      }
-    };
-    add(rects.whole, &triangles.whole);
-    add(rects.masked, &triangles.masked);
-    painter.upload_triangles(corners, together(triangles), true);
-  } else {
-    features.places = Places::kPixelMap;
-    const PixelRect lit = lit_part(plan.mask, lift);
-    if (!lit.empty()) {
-      for (const std::uint32_t corner : halves_of(0)) triangles.masked.push_back(corner);
-    }
-    painter.upload_triangles(corners_of(lit, plan.mask.width(), plan.mask.height()), triangles.masked);
-  }
-  features.turning = turning_of(plan.picture);
+Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, const HeadUpload& upload, Texels texels) {
+  HeadPainter painter(gl, upload, texels);
+  painter.upload_textures(upload);
+  painter.upload_triangles(upload);
+  HeadFeatures features = upload.features;
   features.texels = texels;
-  features.lift = plan.colour.lift.has_value();
-  features.matrix = plan.colour.matrix.has_value();
-  features.response = plan.colour.response.has_value();
-  features.dither = plan.is_dithered;
   const auto add = [&](Part* part, std::size_t first, std::size_t count, bool masked) -> Status {
     if (count == 0) return Done{};
     features.mask = masked || features.lift;
@@ -234,20 +107,20 @@ Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, cons
     part->count = static_cast<GLsizei>(count);
     return Done{};
   };
-  TRY(add(&painter.parts_[0], 0, triangles.whole.size(), false));
-  TRY(add(&painter.parts_[1], triangles.whole.size(), triangles.masked.size(), true));
+  TRY(add(&painter.parts_[0], 0, upload.wholly_lit, false));
+  TRY(add(&painter.parts_[1], upload.wholly_lit, upload.indices.size() - upload.wholly_lit, true));
   TRY(gl.check("uploading a warp, a mask and a response"));
   return painter;
 }
 
-void HeadPainter::upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices,
-                                   bool has_terms) {
+void HeadPainter::upload_triangles(const HeadUpload& upload) {
   gl_->BindVertexArray(mesh_.id());
   gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
-  gl_->BufferData(GL_ARRAY_BUFFER, byte_count(corners), corners.data(), GL_STATIC_DRAW);
+  gl_->BufferData(GL_ARRAY_BUFFER, byte_count(upload.corners), upload.corners.data(), GL_STATIC_DRAW);
   gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
-  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, byte_count(indices), indices.data(), GL_STATIC_DRAW);
-  const std::size_t corner_floats = has_terms ? kCornerFloats + kTermFloats : kCornerFloats;
+  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, byte_count(upload.indices), upload.indices.data(), GL_STATIC_DRAW);
+  constexpr std::size_t kFirstTerm = HeadUpload::kCornerFloats;
+  const std::size_t corner_floats = kFirstTerm + (upload.has_terms ? HeadUpload::kTermFloats : 0);
   const auto attribute = [&](GLuint index, GLint floats, std::size_t from) {
     gl_->EnableVertexAttribArray(index);
     // GL's own convention: an offset into the bound buffer, passed as a pointer.
@@ -256,52 +129,27 @@ void HeadPainter::upload_triangles(const std::vector<float>& corners, const std:
   };
   attribute(HeadProgram::kPlace, 2, 0);
   attribute(HeadProgram::kDirection, 2, 2);
-  if (!has_terms) return;
-  for (const GLuint third : {0U, 1U, 2U}) attribute(HeadProgram::kTerms + third, 4, kCornerFloats + 4 * third);
+  if (!upload.has_terms) return;
+  for (const GLuint third : {0U, 1U, 2U}) attribute(HeadProgram::kTerms + third, 4, kFirstTerm + 4 * third);
 }
 
-void HeadPainter::upload_textures(const HeadPlan& plan) {
+void HeadPainter::upload_textures(const HeadUpload& upload) {
   gl_->ActiveTexture(GL_TEXTURE0);
   gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  const PixelMap* const map = std::get_if<PixelMap>(&plan.warp);
-  // What lies nowhere is black, and no NaN comes to the card.
-  const auto weight = [&](int x, int y) { return map == nullptr || direction_at(plan.warp, x, y) ? 1.0f : 0.0f; };
-  if (plan.colour.lift) {
-    upload_nearest(*gl_, mask_, GL_RG16F, GL_RG, width_px_, height_px_,
-                   upside_down(width_px_, height_px_, [&](int x, int y, std::vector<float>* ret_row) {
-                     ret_row->push_back(*plan.mask.at(x, y) * weight(x, y));
-                     ret_row->push_back(*plan.colour.lift->at(x, y) * weight(x, y));
-                   }));
-  } else {
-    upload_nearest(*gl_, mask_, GL_R16F, GL_RED, width_px_, height_px_,
-                   upside_down(width_px_, height_px_, [&](int x, int y, std::vector<float>* ret_row) {
-                     ret_row->push_back(*plan.mask.at(x, y) * weight(x, y));
-                   }));
-  }
-  if (map != nullptr) {
-    upload_nearest(*gl_, map_, GL_RG32F, GL_RG, width_px_, height_px_,
-                   upside_down(width_px_, height_px_, [&](int x, int y, std::vector<float>* ret_row) {
-                     const PanoramaDirection direction = direction_at(plan.warp, x, y).value_or(PanoramaDirection{});
-                     ret_row->push_back(static_cast<float>(direction.azimuth_rad));
-                     ret_row->push_back(static_cast<float>(direction.tan_elevation));
-                   }));
-  }
-  if (plan.packing) {  // The second eye's pixels begin where the first one's end.
+  const auto per_pixel = [&](const GlTexture& texture, GLint kept_as, const HeadUpload::PerPixel& pixels) {
+    if (pixels.values.empty()) return;
+    upload_nearest(*gl_, texture, kept_as, pixels.channels == 2 ? GL_RG : GL_RED, width_px_, height_px_, pixels.values);
+  };
+  per_pixel(mask_, upload.mask.channels == 2 ? GL_RG16F : GL_R16F, upload.mask);
+  per_pixel(map_, GL_RG32F, upload.map);
+  if (upload.packing) {  // The second eye's pixels begin where the first one's end.
     for (const GlTexture* const texture : {&mask_, &map_}) {
       gl_->BindTexture(GL_TEXTURE_2D, texture->id());
       gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
       gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
     }
   }
-  if (plan.colour.response) {
-    std::vector<float> codes;
-    for (const ResponseCurve& curve : *plan.colour.response) {
-      CHECK(curve.is_valid());
-      const ResponseCurve fine = curve.resampled(kResponseSteps);
-      codes.insert(codes.end(), fine.codes.begin(), fine.codes.end());
-    }
-    upload_nearest(*gl_, response_, GL_R32F, GL_RED, kResponseSteps, 3, codes);
-  }
+  if (!upload.response.empty()) upload_nearest(*gl_, response_, GL_R32F, GL_RED, kResponseSteps, 3, upload.response);
 }
 
 void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
@@ -377,9 +225,12 @@ void HeadPainter::draw_for(Eye eye, const TurnedPicture& shown, const TurnedPict
   }
 }
 
-void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const {
+void HeadPainter::clear() const {
   gl_->ClearColor(0.0f, 0.0f, 0.0f, 1.0f);
   gl_->Clear(GL_COLOR_BUFFER_BIT);
+}
+
+void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const {
   const auto bind = [&](GLenum unit, const GlTexture& texture) {
     gl_->ActiveTexture(GL_TEXTURE0 + unit);
     gl_->BindTexture(GL_TEXTURE_2D, texture.id());
@@ -400,14 +251,21 @@ void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, d
 }
 
 void HeadPainter::draw(const TurnedPicture& shown, Eye now) const {
+  clear();
   draw(shown, nullptr, 0.0, needs_edges(shown), now);
 }
 
 void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const {
+  clear();
+  draw(shown, &other, fade, needs_edges(shown) || needs_edges(other), now);
+}
+
+void HeadPainter::draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const {
   draw(shown, &other, fade, needs_edges(shown) || needs_edges(other), now);
 }
 
 void HeadPainter::warm_up(const TurnedPicture& shown, const TurnedPicture& other) const {
+  clear();
   for (const bool edges : {false, true}) {
     draw(shown, nullptr, 0.0, edges, Eye::kLeft);
     draw(shown, &other, 1.0, edges, Eye::kLeft);

@@ -3,27 +3,10 @@
 
 #include <array>
 
-#include "appliance/display/head_program.h"
+#include "appliance/display/head_upload.h"
 #include "appliance/display/panorama_texture.h"
-#include "appliance/warp/blend_mask.h"
-#include "appliance/warp/head_colour.h"
-#include "appliance/warp/pixel_map.h"
-#include "common/room/stereo.h"
 
 namespace cyclorama {
-
-/// What one projector needs: where its pixels lie, how bright they may be, and which code values make its light. With
-/// two eyes all this is said of the pixels that one eye gets of the head (lens_of_an_eye()), and holds for both: a
-/// pixel lights one place of the wall, whichever eye's picture it shows there.
-struct HeadPlan {
-  Warp warp;
-  MaskImage mask;       ///< Of the head's size.
-  HeadColour colour{};  ///< A lift has the head's size.
-  int depth_bits = 8;   ///< Of the output's code values, each channel.
-  bool is_dithered = true;
-  PictureShape picture = Panorama{};       ///< Which places the warp tells: only its kind and tilt count.
-  std::optional<StereoPacking> packing{};  ///< Nothing: one eye's picture; of two, the left eye's.
-};
 
 /// Which texels the heads' pictures may have for each code value of 8 bits to be right within one: packed ones where a
 /// processor draws, and does so quickest with them, unless a head's matrix, black or response needs more.
@@ -39,9 +22,12 @@ struct TurnedPicture {
 /// Draws the picture for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
 class HeadPainter {
  public:
-  /// For pictures with such texels. Precondition: the plan's pictures have one size, its response is valid, its picture
-  /// is not equirectangular. kSystem  the graphics card refused them.
-  static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels);
+  /// For pictures with such texels. Where `programs` has what is needed, only the driver allocates.
+  /// kSystem  the graphics card refused them.
+  static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadUpload& upload, Texels texels);
+  static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels) {
+    return make(gl, programs, HeadUpload(plan), texels);
+  }
 
   /// The plan's, until another device hangs there. Precondition: in [1, 16].
   void set_depth(int depth_bits);
@@ -52,6 +38,8 @@ class HeadPainter {
   void draw(const TurnedPicture& shown, Eye now = Eye::kLeft) const;
   /// The same of two pictures, mixed in linear light: `fade` in [0, 1] is how much of `other` is seen.
   void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft) const;
+  /// The same upon what was drawn there, for blending.
+  void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const;
   /// Draws with every program once: drivers compile when one is first used.
   void warm_up(const TurnedPicture& shown, const TurnedPicture& other) const;
   /// Whether what it draws depends on whose turn it is.
@@ -65,10 +53,10 @@ class HeadPainter {
     GLsizei first = 0;  ///< Index.
     GLsizei count = 0;
   };
-  HeadPainter(const Gl& gl, const HeadPlan& plan, Texels texels);
-  void upload_triangles(const std::vector<float>& corners, const std::vector<std::uint32_t>& indices,
-                        bool has_terms = false);
-  void upload_textures(const HeadPlan& plan);
+  HeadPainter(const Gl& gl, const HeadUpload& upload, Texels texels);
+  void upload_triangles(const HeadUpload& upload);
+  void upload_textures(const HeadUpload& upload);
+  void clear() const;
   /// `edges`: whether the pictures' edges must be looked after.
   void draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const;
   void draw_for(Eye eye, const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges) const;

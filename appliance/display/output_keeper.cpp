@@ -24,7 +24,9 @@ Result<std::unique_ptr<OutputKeeper>> OutputKeeper::open(PresentPlan plan, Prese
 
 Status OutputKeeper::try_to_open() {
   TRY_ASSIGN(output_, plan_.open_output());
-  TRY_ASSIGN(presenter_, Presenter::make(output_.get(), plan_.heads, plan_.attract, plan_.times, &mailbox_, &clock_));
+  HeadPlans plans = showing_ ? showing_->plans : std::make_shared<const std::vector<HeadPlan>>(plan_.heads);
+  TRY_ASSIGN(presenter_, Presenter::make(output_.get(), std::move(plans), plan_.may_change, plan_.attract, plan_.times,
+                                         &mailbox_, &clock_));
   if (showing_) {
     Showing before = *std::move(showing_);
     showing_.reset();

@@ -16,7 +16,8 @@ struct PresentPlan {
   /// Called on the thread that shows, which then owns the output and its GL context; again whenever it was lost.
   std::function<Result<std::unique_ptr<Output>>()> open_output;
   std::vector<HeadPlan> heads;
-  Frame attract;  ///< Shown until a frame comes, and when frames fail.
+  bool may_change = false;  ///< Others may come by PresentMailbox::plans.
+  Frame attract;            ///< Shown until a frame comes, and when frames fail.
   AttractTimes times;
 };
 

@@ -14,7 +14,9 @@
 #include "appliance/display/clock_offset.h"
 #include "appliance/display/event_ring.h"
 #include "appliance/display/frame.h"
+#include "appliance/display/head_set.h"
 #include "appliance/display/newest_value.h"
+#include "appliance/display/pattern_wall.h"
 #include "appliance/display/recent_headings.h"
 #include "appliance/display/shared_refresh.h"
 #include "appliance/display/waiting_frames.h"
@@ -119,6 +121,8 @@ struct PresentMailbox {
   HeadingTrack headings;                ///< In.
   NewestValue<ClockReading> clock;      ///< In: the tour's.
   std::atomic<bool> is_failing{false};  ///< In: the tour is gone, or its frames are given up.
+  PatternMailbox patterns;              ///< In and out: what is shown in the show's place.
+  HeadMailbox plans;                    ///< In and out: what the heads draw with.
   RetiredFrames retired;                ///< Out.
   EventRing<RefreshEvent, 1024> refreshes;
   EventRing<HeadRefresh, 4096> head_refreshes;

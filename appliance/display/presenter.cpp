@@ -17,26 +17,25 @@ Presenter::Presenter(Output* output, PictureProgram program, const AttractTimes&
       mailbox_(*mailbox),
       clock_(*clock),
       picture_program_(std::move(program)),
-      programs_(output->gl()),
       attract_(output->gl(), picture_program_),
       panorama_(output->gl(), picture_program_),
       fade_(times) {}
 
-Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, const std::vector<HeadPlan>& plans,
+Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, HeadPlans plans, bool may_change,
                                                    const Frame& attract, const AttractTimes& times,
                                                    PresentMailbox* mailbox, const Clock* clock) {
-  CHECK(plans.size() == output->heads().size() && mailbox->heads.size() == plans.size());
+  CHECK(plans->size() == output->heads().size() && mailbox->heads.size() == plans->size());
   const Gl& gl = output->gl();
   gl.Disable(GL_DITHER);  // The shaders do it.
-  const Texels texels = texels_for(gl, plans);
+  // Plans that come later may need more of the texels than these.
+  const Texels texels = may_change ? Texels::kHalves : texels_for(gl, *plans);
   TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
   std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
-  for (const HeadPlan& plan : plans) {
-    TRY_ASSIGN(HeadPainter painter, HeadPainter::make(gl, &presenter->programs_, plan, texels));
+  for (const HeadPlan& plan : *plans) presenter->depths_bits_.push_back(plan.depth_bits);
+  TRY_ASSIGN(presenter->heads_, HeadChange::make(gl, texels, std::move(plans), &mailbox->plans));
+  for (const HeadPainter& painter : presenter->heads_->painters())
     presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
-    presenter->depths_bits_.push_back(plan.depth_bits);
-    presenter->painters_.push_back(std::move(painter));
-  }
+  TRY_ASSIGN(presenter->patterns_, PatternShow::make(gl, output->heads(), &mailbox->patterns));
   for (const HeadMode& mode : output->heads()) presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
   presenter->attract_frame_ = attract;
   TRY(presenter->warm_up());
@@ -47,9 +46,9 @@ Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, const std::ve
 Status Presenter::warm_up() {
   TRY(attract_.upload(attract_frame_));
   TRY(panorama_.upload(attract_frame_));
-  for (std::size_t head = 0; head < painters_.size(); ++head) {
+  for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
     TRY(output_.draw_to(head));
-    painters_[head].warm_up({&panorama_, 0.0}, {&attract_, 0.0});
+    heads_->warm_up(head, {&panorama_, 0.0}, {&attract_, 0.0});
   }
   output_.gl().Finish();
   return output_.gl().check("trying the shaders");
@@ -61,6 +60,7 @@ Status Presenter::go_on_with(Showing showing) {
   heading_ = showing.heading;
   headings_ = showing.headings;
   fade_ = showing.fade;
+  patterns_->go_on_with(std::move(showing.patterns));
   return frame_ == nullptr ? Status(Done{}) : panorama_.upload(*frame_);
 }
 
@@ -79,10 +79,17 @@ Status Presenter::refresh() {
     *watched = frame_ != nullptr ? *frame_ : attract_frame_;
     mailbox_.panorama.give(std::move(watched));
   }
-  if (!is_drawn_ || takes_turns_ || is_any_head_watched()) TRY(draw_heads());
+  TRY_ASSIGN(const bool has_changed, heads_->step(event.drawing_at, frame_ == nullptr ? 0 : frame_->order));
+  if (patterns_->take() || has_changed) is_drawn_ = false;
+  if (patterns_->is_open()) {
+    TRY(draw_patterns());
+  } else if (!is_drawn_ || takes_turns_ || is_any_head_watched()) {
+    TRY(draw_heads());
+  }
   event.drawn_at = clock_.now();
   TRY_ASSIGN(event.presented, output_.present());
   shared_.shown(event.presented, output_.refresh_hz());
+  patterns_->presented(event.presented, output_.shown());
   event.is_past_guard = shift_.is_past_guard;
   event.attract_share = drawn_share_;
   event.shared_refresh = shared_.number();
@@ -95,20 +102,20 @@ Status Presenter::refresh() {
 
 /// What hangs on a head may be changed for another device while this runs.
 void Presenter::notice_depths() {
-  for (std::size_t head = 0; head < painters_.size(); ++head) {
+  for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
     const HeadShown& shown = output_.shown()[head];
     if (shown.light == HeadShown::Light::kDark || shown.depth_bits == depths_bits_[head]) continue;
     depths_bits_[head] = shown.depth_bits;
-    painters_[head].set_depth(shown.depth_bits);
+    heads_->set_depth(head, shown.depth_bits);
     is_drawn_ = false;
   }
 }
 
 void Presenter::tell_heads() {
   HeadRefresh told;
-  if (frame_ != nullptr && drawn_share_ < 1.0)
+  if (frame_ != nullptr && drawn_share_ < 1.0 && !patterns_->is_open())
     told.picture_at = frame_->shutter_ns != 0 ? from_nanoseconds(frame_->shutter_ns) : frame_->begun_at;
-  for (told.head = 0; told.head < painters_.size(); ++told.head) {
+  for (told.head = 0; told.head < depths_bits_.size(); ++told.head) {
     told.shown = output_.shown()[told.head];
     mailbox_.head_refreshes.push(told);
   }
@@ -189,23 +196,31 @@ Status Presenter::draw_heads() {
   const Eye now = eye_at(shared_.coming());
   const TurnedPicture shown{&panorama_, shift_.angle_rad};
   const TurnedPicture attract{&attract_, 0.0};  // It belongs to no heading.
-  for (std::size_t head = 0; head < painters_.size(); ++head) {
+  for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
     TRY(output_.draw_to(head));
-    if (share <= 0.0) {
-      painters_[head].draw(shown, now);
-    } else if (share >= 1.0) {
-      painters_[head].draw(attract, now);
-    } else {
-      painters_[head].draw(shown, attract, share, now);
-    }
-    if (std::unique_ptr<RgbImage> watched = mailbox_.heads[head].take_empty()) {
-      read_back(head, watched.get());
-      mailbox_.heads[head].give(std::move(watched));
-    }
+    heads_->draw(head, shown, attract, share, now);
+    show_watcher(head);
   }
   drawn_share_ = share;
   is_drawn_ = true;
   return output_.gl().check("drawing the heads");
+}
+
+Status Presenter::draw_patterns() {
+  for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
+    if (!patterns_->needs_drawing(head) && !mailbox_.heads[head].is_wanted()) continue;
+    TRY(output_.draw_to(head));
+    patterns_->draw(head);
+    show_watcher(head);
+  }
+  return output_.gl().check("drawing patterns");
+}
+
+void Presenter::show_watcher(std::size_t head) {
+  std::unique_ptr<RgbImage> watched = mailbox_.heads[head].take_empty();
+  if (watched == nullptr) return;
+  read_back(head, watched.get());
+  mailbox_.heads[head].give(std::move(watched));
 }
 
 void Presenter::read_back(std::size_t head, RgbImage* ret_picture) {

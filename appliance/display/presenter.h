@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "appliance/display/attract_fade.h"
-#include "appliance/display/head_painter.h"
+#include "appliance/display/head_change.h"
+#include "appliance/display/pattern_show.h"
 #include "appliance/display/present_mailbox.h"
 #include "appliance/display/shared_refresh.h"
 #include "appliance/display/yaw_shift.h"
@@ -21,6 +22,8 @@ struct Showing {
   HeadingNow heading;                             ///< Its order is 0 before the first.
   RecentHeadings headings;
   AttractFade fade;
+  std::unique_ptr<PatternWall> patterns;  ///< Null before the first.
+  HeadPlans plans;                        ///< What the heads draw with, or are about to.
 };
 
 /// Draws and shows: the inside of the present thread. On heads where two eyes take turns it is the left one's at
@@ -29,16 +32,25 @@ struct Showing {
 /// writes no log and opens nothing; what the graphics driver does inside is the driver's.
 class Presenter {
  public:
-  /// Shows `attract` until a frame comes, and when frames fail. `plans` are the output's heads', in order. Borrows the
-  /// output, the mailbox and the clock. kSystem  the graphics card refused something.
+  /// Shows `attract` until a frame comes, and when frames fail. `plans` are the output's heads', in order;
+  /// `may_change`: others may come later (PresentMailbox::plans). Borrows the output, the mailbox and the clock.
+  /// kSystem  the graphics card refused something.
+  static Result<std::unique_ptr<Presenter>> make(Output* output, HeadPlans plans, bool may_change, const Frame& attract,
+                                                 const AttractTimes& times, PresentMailbox* mailbox,
+                                                 const Clock* clock);
   static Result<std::unique_ptr<Presenter>> make(Output* output, const std::vector<HeadPlan>& plans,
                                                  const Frame& attract, const AttractTimes& times,
-                                                 PresentMailbox* mailbox, const Clock* clock);
+                                                 PresentMailbox* mailbox, const Clock* clock) {
+    return make(output, std::make_shared<std::vector<HeadPlan>>(plans), false, attract, times, mailbox, clock);
+  }
 
   /// Goes on with what another one showed. kSystem  the graphics card refused the frame.
   Status go_on_with(Showing showing);
   /// For the next one. Afterwards this one may only die.
-  [[nodiscard]] Showing take_showing() { return {std::move(frame_), std::move(waiting_), heading_, headings_, fade_}; }
+  [[nodiscard]] Showing take_showing() {
+    return {std::move(frame_),      std::move(waiting_),   heading_, headings_, fade_,
+            patterns_->take_wall(), heads_->newest_plans()};
+  }
 
   /// Waits for a refresh and shows the newest frame for the newest heading, of those that are due (shared_refresh.h).
   /// Errors of Output: it is lost.
@@ -52,6 +64,8 @@ class Presenter {
   Status show_due_frame(RefreshEvent* ret_event);
   void turn_to_due_heading(RefreshEvent* ret_event);
   Status draw_heads();
+  Status draw_patterns();
+  void show_watcher(std::size_t head);
   void tell_heads();
   void notice_depths();
   void read_back(std::size_t head, RgbImage* ret_picture);
@@ -61,10 +75,10 @@ class Presenter {
   PresentMailbox& mailbox_;
   const Clock& clock_;
   PictureProgram picture_program_;
-  HeadPrograms programs_;
   PanoramaTexture attract_;
   PanoramaTexture panorama_;
-  std::vector<HeadPainter> painters_;
+  std::unique_ptr<HeadChange> heads_;
+  std::unique_ptr<PatternShow> patterns_;
   std::vector<int> depths_bits_;  // That the painters dither to.
   std::vector<RgbaImage> read_backs_;
   AttractFade fade_;

@@ -88,7 +88,10 @@ Result<Calibration> read_from(const fs::path& folder, const fs::path& file) {
 
 }  // namespace
 
-Status save_calibration(const fs::path& folder, const Calibration& calibration) {
+fs::path calibration_folder(const fs::path& folder, const std::string& date) { return folder / kFolder / date; }
+
+Status save_calibration(const fs::path& folder, const Calibration& calibration,
+                        std::span<const CalibratedColour> colours) {
   if (!is_date(calibration.date)) {
     return Error(ErrorCode::kInvalidArgument, "a calibration's date is as 2026-11-22T13-05-00Z; give it one");
   }
@@ -102,6 +105,7 @@ Status save_calibration(const fs::path& folder, const Calibration& calibration) 
   if (error) return Error(ErrorCode::kSystem, fmt::format("making '{}': {}", own.string(), error.message()));
   for (std::size_t i = 0; i < calibration.projectors.size(); ++i)
     TRY(write_map(own, i + 1, calibration.projectors[i].map));
+  if (!colours.empty()) TRY(write_colours(own, colours));
   const std::string text = calibration_json(calibration);
   TRY(write_file_atomically(own / kFile, text));
   TRY(write_file_atomically(folder / kFile, text));

@@ -5,16 +5,19 @@
 ///     FOLDER/calibrations/DATE/calibration.json   the same, kept: to go back to
 ///     FOLDER/calibrations/DATE/N.map.pfm          directions of the control points of projector N (from 1); NaN: none
 ///     FOLDER/calibrations/DATE/N.sigma.pfm        how sure they are, in projector pixels; infinite where there is none
+///     FOLDER/calibrations/DATE/colours.json       brightness and colours, if they were measured: colour_file.h
 ///
 /// Maps are written before the file that names them, and never changed, so a reader of either file finds its maps.
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "appliance/calibrator/solve/calibrate.h"
+#include "appliance/calibrator/solve/colour_file.h"
 #include "common/base/result.h"
 
 namespace cyclorama {
@@ -28,12 +31,16 @@ namespace cyclorama {
 Result<Calibration> parse_calibration(std::string_view text, const std::string& name);
 
 /// Writes all files, then replaces FOLDER/calibration.json. Keeps the newest ten. kInvalidArgument  the date is no
-/// folder's name, or there is one of that date already.     kSystem  errno says why. Nothing that counts has changed
-/// then.
-Status save_calibration(const std::filesystem::path& folder, const Calibration& calibration);
+/// folder's name, or there is one of that date already; or as write_colours().     kSystem  errno says why. Nothing
+/// that counts has changed then.
+Status save_calibration(const std::filesystem::path& folder, const Calibration& calibration,
+                        std::span<const CalibratedColour> colours = {});
 
 /// FOLDER/calibration.json and its maps. Errors as parse_calibration(), and the files'.
 Result<Calibration> read_calibration(const std::filesystem::path& folder);
+
+/// Where the maps, colours and pictures of the calibration of that date lie. Precondition: it was read from there.
+[[nodiscard]] std::filesystem::path calibration_folder(const std::filesystem::path& folder, const std::string& date);
 
 /// Dates that can be gone back to, the newest first.
 [[nodiscard]] std::vector<std::string> kept_calibrations(const std::filesystem::path& folder);

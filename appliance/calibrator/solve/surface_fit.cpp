@@ -15,7 +15,6 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::string_view kLensNames[] = {"pinhole", "k1", "k1 k2", "k1 k2 p1 p2"};
 constexpr double kLoss_sigmas = 3.0;
 constexpr double kBendSigma = 0.05;  // Per knot: a right-angled corner bends by three of it, noise by a hundredth.
 constexpr double kMissed_px = 100.0;
@@ -193,15 +192,6 @@ class SurfaceProblem {
 };
 
 }  // namespace
-
-std::string_view name_of(LensRung rung) { return kLensNames[static_cast<std::size_t>(rung)]; }
-
-std::optional<LensRung> lens_rung(std::string_view name) {
-  for (const LensRung rung : kLensRungs) {
-    if (name_of(rung) == name) return rung;
-  }
-  return std::nullopt;
-}
 
 Result<SurfaceFit> fit_surface(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
                                const SurfaceFit& start, const SurfaceFitOptions& options) {

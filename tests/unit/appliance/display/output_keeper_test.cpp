@@ -115,6 +115,66 @@ TEST_F(Keeping, keeps_the_heading_and_takes_the_frame_that_came_meanwhile) {
   EXPECT_GT(wall->at(kWidth / 2 - 3, 18)[1], 200);
 }
 
+TEST_F(Keeping, shows_a_calibrations_patterns_on_the_output_that_is_opened_anew_and_answers_then) {
+  open();
+  show(1, 150);
+  const auto put = [&](std::uint64_t order, bool is_open, std::uint8_t code) {
+    auto wall = std::make_unique<PatternWall>();
+    wall->order = order;
+    wall->is_open = is_open;
+    wall->heads.assign(2, {std::make_shared<RgbaImage>(kWidth, kHeight, code), true});
+    mailbox_.patterns.replaced.take();
+    mailbox_.patterns.wanted.put(std::move(wall));
+  };
+  const auto expect_exactly = [&](int code) {
+    for (const std::size_t connector : {0U, 2U}) {
+      const auto wall = machine_.wall(0, connector);
+      ASSERT_TRUE(wall);
+      EXPECT_THAT(wall->data(), Each(code));
+    }
+  };
+  put(1, true, 77);
+  refresh();
+  PatternsShown told;
+  ASSERT_TRUE(mailbox_.patterns.shown.take(&told));
+  EXPECT_EQ(told.order, 1U);
+  expect_exactly(77);
+  machine_.reset_gpu();
+  refresh();
+  ASSERT_TRUE(keeper_->state().loss);
+  put(2, true, 78);
+  EXPECT_FALSE(mailbox_.patterns.shown.take(&told)) << "no answer while nobody sees it";
+  wait_for_output(4);
+  refresh();
+  refresh();
+  ASSERT_TRUE(mailbox_.patterns.shown.take(&told));
+  EXPECT_EQ(told.order, 2U);
+  EXPECT_EQ(told.lacking, 0U);
+  expect_exactly(78);
+  put(3, false, 0);
+  refresh();
+  expect_shown(150);
+}
+
+TEST_F(Keeping, answers_for_a_pattern_once_a_flip_that_failed_was_done_again) {
+  open();
+  show(1, 150);
+  auto wall = std::make_unique<PatternWall>();
+  wall->order = 1;
+  wall->is_open = true;
+  wall->heads.assign(2, {std::make_shared<RgbaImage>(kWidth, kHeight, 99), true});
+  mailbox_.patterns.wanted.put(std::move(wall));
+  machine_.fail("drmModeAtomicCommit (flip)", EBUSY);
+  refresh();
+  PatternsShown told;
+  ASSERT_TRUE(mailbox_.patterns.shown.take(&told));
+  EXPECT_EQ(told.lacking, 3U);
+  for (int n = 0; n < 8; ++n) refresh();
+  ASSERT_TRUE(mailbox_.patterns.shown.take(&told));
+  EXPECT_EQ(told.lacking, 0U);
+  EXPECT_THAT(machine_.wall(0, 0)->data(), Each(99));
+}
+
 TEST_F(Keeping, tries_a_card_that_is_gone_with_growing_pauses_until_it_is_back) {
   open();
   show(1, 90);

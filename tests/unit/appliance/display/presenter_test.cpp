@@ -170,6 +170,154 @@ TEST_F(Presenting, keeps_its_picture_while_nobody_frees_the_old_ones) {
   EXPECT_TRUE(refresh().is_first_of_frame);
 }
 
+std::unique_ptr<PatternWall> pattern_wall(std::uint64_t order, bool is_open,
+                                          std::vector<std::shared_ptr<const RgbaImage>> pictures) {
+  auto wall = std::make_unique<PatternWall>();
+  wall->order = order;
+  wall->is_open = is_open;
+  for (auto& picture : pictures) wall->heads.push_back({std::move(picture), true});
+  return wall;
+}
+
+TEST_F(Presenting, allocates_nothing_while_patterns_come_and_go_and_answers_each_with_the_refresh_that_shows_it) {
+  const auto picture = [](std::uint8_t code) { return std::make_shared<RgbaImage>(kWidth, kHeight, code); };
+  std::vector<std::unique_ptr<PatternWall>> walls;
+  for (std::uint64_t n = 1; n <= 200; ++n) {
+    const auto code = static_cast<std::uint8_t>(n);
+    walls.push_back(pattern_wall(n, n % 10 != 0, {picture(code), n % 3 == 0 ? nullptr : picture(255 - code)}));
+  }
+  mailbox_.frames.put(frame_of(1, plain(80, 40, 100)));
+  refresh_for(std::chrono::milliseconds(400));
+  PatternsShown told;
+  for (std::size_t n = 0; n < walls.size(); ++n) {
+    if (n == 10) allocations = 0;  // Each head has had its first pattern.
+    mailbox_.patterns.wanted.put(std::move(walls[n]));
+    refresh();
+    ASSERT_TRUE(mailbox_.patterns.shown.take(&told)) << n;
+    EXPECT_EQ(told.order, n + 1);
+    EXPECT_EQ(told.lacking, 0U);
+    mailbox_.patterns.replaced.take();
+    refresh();
+    EXPECT_FALSE(mailbox_.patterns.shown.take(&told)) << "once";
+  }
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST_F(Presenting, shows_the_frame_bit_for_bit_when_patterns_end_and_watchers_see_patterns_meanwhile) {
+  RandomHeads heads(3);
+  mailbox_.frames.put(frame_of(1, heads.noise(80, 40, false)));
+  refresh_for(std::chrono::milliseconds(400));
+  const RgbImage show = shown();
+  auto pattern = std::make_shared<RgbaImage>(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      for (int c = 0; c < 3; ++c) pattern->at(x, y)[c] = static_cast<std::uint8_t>(3 * x + 5 * y + 50 * c);
+    }
+  }
+  mailbox_.patterns.wanted.put(pattern_wall(1, true, {pattern, nullptr}));
+  const RgbImage seen = shown();
+  bool is_same = true;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      for (int c = 0; c < 3; ++c) is_same = is_same && seen.at(x, y)[c] == pattern->at(x, y)[c];
+    }
+  }
+  EXPECT_TRUE(is_same) << "code for code";
+  EXPECT_THAT(shown(1).data(), ::testing::Each(0));
+  mailbox_.patterns.replaced.take();
+  mailbox_.patterns.wanted.put(pattern_wall(2, false, {nullptr, nullptr}));
+  EXPECT_EQ(shown(), show);
+}
+
+TEST_F(Presenting, keeps_the_patterns_while_nobody_frees_the_old_ones) {
+  const auto wall = [](std::uint64_t order) {
+    return pattern_wall(order, true, {std::make_shared<RgbaImage>(kWidth, kHeight, 7), nullptr});
+  };
+  PatternsShown told;
+  for (std::uint64_t n = 1; n <= 5; ++n) {
+    mailbox_.patterns.wanted.put(wall(n));
+    refresh();
+    mailbox_.patterns.shown.take(&told);
+  }
+  EXPECT_EQ(told.order, 2U) << "the second replaced the first, which nobody frees";
+  mailbox_.patterns.replaced.take();
+  refresh();
+  mailbox_.patterns.shown.take(&told);
+  EXPECT_EQ(told.order, 5U) << "the newest wins";
+}
+
+std::unique_ptr<HeadSet> heads_with_mask(float mask) {
+  std::vector<HeadPlan> plans(2, plain_head(kWidth, kHeight));
+  for (HeadPlan& plan : plans) plan.mask = MaskImage(kWidth, kHeight, mask);
+  return std::make_unique<HeadSet>(std::make_shared<const std::vector<HeadPlan>>(std::move(plans)));
+}
+
+class ChangingHeads : public Presenting {
+ protected:
+  void SetUp() override {
+    Presenting::SetUp();
+    presenter_.reset();
+    const auto plans = std::make_shared<std::vector<HeadPlan>>(2, plain_head(kWidth, kHeight));
+    for (HeadPlan& plan : *plans) plan.mask = MaskImage(kWidth, kHeight, 0.999f);
+    const AttractTimes times{std::chrono::milliseconds(100), std::chrono::milliseconds(200)};
+    auto made = Presenter::make(output_.get(), plans, true, *frame_of(0, plain(32, 16, 0)), times, &mailbox_, &clock_);
+    ASSERT_TRUE(made) << made.error().message();
+    presenter_ = *std::move(made);
+    mailbox_.frames.put(frame_of(1, plain(80, 40, 200)));
+    refresh_for(std::chrono::milliseconds(400));
+  }
+  int code() { return shown().at(30, 20)[1]; }
+};
+
+TEST_F(ChangingHeads, blends_for_half_a_second_never_jumps_and_allocates_nothing) {
+  const int before = code();
+  auto set = heads_with_mask(0.05f);
+  set->latest_at = clock_.now() + std::chrono::hours(1);
+  mailbox_.plans.wanted.put(std::move(set));
+  allocations = 0;
+  std::vector<int> codes{before};
+  TimePoint first{};
+  TimePoint last{};
+  for (int n = 0; n < 80; ++n) {
+    codes.push_back(code());
+    if (codes.back() == codes[codes.size() - 2]) continue;
+    if (first == TimePoint{}) first = clock_.now();
+    last = clock_.now();
+  }
+  EXPECT_EQ(allocations, 0);
+  for (std::size_t i = 1; i < codes.size(); ++i) {
+    EXPECT_LE(codes[i], codes[i - 1]);
+    EXPECT_GE(codes[i], codes[i - 1] - 9) << i;
+  }
+  EXPECT_NEAR(to_seconds(last - first), 0.45, 0.1);
+  EXPECT_NE(mailbox_.plans.replaced.take(), nullptr);
+  // What is seen in the end is what a presenter shows that never had another.
+  const RgbImage changed = shown();
+  mailbox_.plans.wanted.put(heads_with_mask(0.05f));
+  refresh_for(std::chrono::milliseconds(700));
+  EXPECT_EQ(shown(), changed);
+}
+
+TEST_F(ChangingHeads, waits_for_a_frame_that_has_the_parts_which_they_show_but_not_for_ever) {
+  const int before = code();
+  auto set = heads_with_mask(0.05f);
+  set->needs_frames_after = 1;
+  set->latest_at = clock_.now() + std::chrono::seconds(5);
+  mailbox_.plans.wanted.put(std::move(set));
+  refresh_for(std::chrono::milliseconds(2000));
+  EXPECT_EQ(code(), before);
+  mailbox_.frames.put(frame_of(2, plain(80, 40, 200)));
+  refresh_for(std::chrono::milliseconds(700));
+  EXPECT_LT(code(), before - 100);
+  mailbox_.plans.replaced.take();
+  set = heads_with_mask(0.999f);
+  set->needs_frames_after = 2;
+  set->latest_at = clock_.now() + std::chrono::seconds(2);
+  mailbox_.plans.wanted.put(std::move(set));
+  refresh_for(std::chrono::milliseconds(2800));
+  EXPECT_EQ(code(), before) << "no frame came";
+}
+
 /// No refresh changes the share by more than its part of the fade (whose steepest place is 1.5 times the mean).
 class Fading : public Presenting {
  protected:

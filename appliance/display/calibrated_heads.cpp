@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/calibrated_heads.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "appliance/calibrator/solve/calibration_file.h"
+#include "appliance/calibrator/solve/measured_blend.h"
+#include "appliance/display/measured_head.h"
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+Pinhole lens_of(const Installation& installation, std::size_t projector) {
+  const Pinhole& lens = installation.projectors[projector].lens;
+  return installation.stereo ? lens_of_an_eye(lens, installation.stereo->packing) : lens;
+}
+
+Error of_others(const std::string& name, int width_px, int height_px, const Pinhole& lens, const char* what) {
+  return Error(ErrorCode::kInvalidArgument,
+               fmt::format("projector '{}': its {} is of {}x{} pixels, but it has {}x{}; calibrate again",
+                           printable(name), what, width_px, height_px, lens.width_px, lens.height_px));
+}
+
+/// Null where the calibration does not know a projector. An eye's pixels are a part of the head's, stretched over all
+/// of its picture, and a map's control points are even over the picture.
+Result<std::vector<const MeasuredMap*>> maps_of(Calibration* calibration, const Installation& installation) {
+  std::vector<const MeasuredMap*> maps;
+  for (std::size_t i = 0; i < installation.projectors.size(); ++i) {
+    const InstalledProjector& installed = installation.projectors[i];
+    const auto found = std::ranges::find(calibration->projectors, installed.name, &CalibratedProjector::name);
+    maps.push_back(found == calibration->projectors.end() ? nullptr : &found->map);
+    if (maps.back() == nullptr) continue;
+    MeasuredMap& map = found->map;
+    if (map.width_px != installed.lens.width_px || map.height_px != installed.lens.height_px)
+      return of_others(installed.name, map.width_px, map.height_px, installed.lens, "map");
+    const Pinhole lens = lens_of(installation, i);
+    map.width_px = lens.width_px;
+    map.height_px = lens.height_px;
+  }
+  return maps;
+}
+
+Status add_colours(std::vector<CalibratedColour> colours, const Installation& installation, std::size_t projector,
+                   HeadPlan* head) {
+  const InstalledProjector& installed = installation.projectors[projector];
+  const auto found = std::ranges::find(colours, installed.name, &CalibratedColour::name);
+  if (found == colours.end()) return Done{};
+  if (found->mask.width() != installed.lens.width_px || found->mask.height() != installed.lens.height_px)
+    return of_others(installed.name, found->mask.width(), found->mask.height(), installed.lens, "mask");
+  const auto& lift = found->colour.lift;
+  if (lift && (lift->width() != installed.lens.width_px || lift->height() != installed.lens.height_px))
+    return of_others(installed.name, lift->width(), lift->height(), installed.lens, "lift");
+  if (found->mask.width() != head->mask.width() || found->mask.height() != head->mask.height()) {
+    found->colour.lift.reset();  // Of two eyes' pictures in one: the whole head's pictures do not fit.
+  } else {
+    head->mask = std::move(found->mask);
+  }
+  head->colour = std::move(found->colour);
+  return Done{};
+}
+
+}  // namespace
+
+Result<std::vector<HeadPlan>> planned_heads(const Installation& of, const PictureShape& picture) {
+  Installation installation = of;
+  std::optional<StereoPacking> packing;
+  if (installation.stereo) packing = installation.stereo->packing;
+  for (std::size_t i = 0; i < of.projectors.size(); ++i) installation.projectors[i].lens = lens_of(of, i);
+  const std::vector<ProjectorMap> maps = projector_maps(installation);
+  std::vector<MaskImage> masks = make_blend_masks(maps);
+  std::vector<HeadPlan> heads;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    if (installation.projectors[i].warp) {
+      TRY_ASSIGN(HeadPlan measured, measured_head(installation, i, picture));
+      heads.push_back(std::move(measured));
+      heads.back().packing = packing;
+      continue;
+    }
+    auto warp = make_warp(maps[i], picture);
+    if (!warp)
+      return std::move(warp).error().while_doing(fmt::format("projector '{}'", installation.projectors[i].name));
+    HeadPlan& head = heads.emplace_back();
+    head.warp = *std::move(warp);
+    head.mask = std::move(masks[i]);
+    head.picture = picture;
+    head.packing = packing;
+  }
+  return heads;
+}
+
+Result<CalibratedHeads> calibrated_heads(const std::filesystem::path& folder, const Installation& installation,
+                                         const PictureShape& picture, std::vector<HeadPlan> planned) {
+  CHECK(planned.size() == installation.projectors.size());
+  TRY_ASSIGN(Calibration calibration, read_calibration(folder));
+  TRY_ASSIGN(const std::vector<CalibratedColour> colours, read_colours(calibration_folder(folder, calibration.date)));
+  TRY_ASSIGN(const std::vector<const MeasuredMap*> maps, maps_of(&calibration, installation));
+  if (std::ranges::all_of(maps, [](const MeasuredMap* map) { return map == nullptr; })) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("the calibration of {} knows none of this installation's projectors; calibrate again",
+                             calibration.date));
+  }
+  std::vector<MaskImage> masks = measured_blend_masks(maps, picture);
+  CalibratedHeads made{std::move(planned), calibration.date, {}};
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    const std::string& name = installation.projectors[i].name;
+    if (maps[i] == nullptr) {
+      made.lacking.push_back(name);
+      continue;
+    }
+    HeadPlan& head = made.heads[i];
+    auto warp = warp_of(*maps[i], picture);
+    if (!warp) return std::move(warp).error().while_doing(fmt::format("projector '{}'", name));
+    head.warp = *std::move(warp);
+    head.mask = std::move(masks[i]);
+    head.colour = {};
+    head.picture = picture;
+    TRY(add_colours(colours, installation, i, &head));
+  }
+  return made;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/pattern_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "common/base/text.h"
+#include "common/image/png.h"
+#include "common/wire/channel.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr auto kLookAtCall = std::chrono::milliseconds(50);  // How soon a cancelled call is noticed.
+constexpr auto kForTheShow = std::chrono::seconds(2);        // That it be back when the call ends.
+
+Error wrong(const std::string& message) { return Error(ErrorCode::kInvalidArgument, message); }
+
+Result<std::shared_ptr<const RgbaImage>> picture_of(const std::string& png, const HeadMode& head) {
+  const std::size_t most_px = static_cast<std::size_t>(head.width_px) * static_cast<std::size_t>(head.height_px);
+  auto decoded = decode_png(std::as_bytes(std::span(png)), most_px);
+  if (!decoded) {
+    return wrong(fmt::format("projector '{}': {}; send a PNG of {}x{} pixels", head.name, decoded.error().message(),
+                             head.width_px, head.height_px));
+  }
+  if (decoded->width() != head.width_px || decoded->height() != head.height_px) {
+    return wrong(fmt::format("projector '{}': a picture of {}x{} pixels, but it has {}x{}", head.name, decoded->width(),
+                             decoded->height(), head.width_px, head.height_px));
+  }
+  return std::shared_ptr<const RgbaImage>(std::make_shared<RgbaImage>(*std::move(decoded)));
+}
+
+}  // namespace
+
+void PatternService::tend() {
+  mailbox_.replaced.take();
+  PatternsShown shown;
+  if (!mailbox_.shown.take(&shown)) return;
+  const std::lock_guard lock(mutex_);
+  shown_ = shown;
+  changed_.notify_all();
+}
+
+void PatternService::stop() {
+  const std::lock_guard lock(mutex_);
+  stops_ = true;
+  changed_.notify_all();
+}
+
+grpc::Status PatternService::ShowPatterns(grpc::ServerContext* context, Stream* stream) {
+  if (is_open_.exchange(true)) {
+    return {grpc::StatusCode::FAILED_PRECONDITION,
+            "another calibration shows its patterns; wait for its end, or cancel it"};
+  }
+  const grpc::Status end = serve(context, stream);
+  const std::uint64_t back = put(false, std::vector<PatternWall::Head>(heads_.size()));
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, kForTheShow, [&] { return shown_.order >= back || stops_; });
+  is_open_ = false;
+  return end;
+}
+
+grpc::Status PatternService::serve(grpc::ServerContext* context, Stream* stream) {
+  std::vector<PatternWall::Head> heads(heads_.size());
+  put(true, heads);
+  wire::PatternOrder order;
+  while (stream->Read(&order)) {
+    if (const Status taken = take(order, &heads); !taken) return to_grpc(taken.error());
+    const Result<TimePoint> shown = wait_for(put(true, heads), *context);
+    if (!shown) return to_grpc(shown.error());
+    wire::PatternShown answer;
+    answer.set_number(order.number());
+    answer.set_shown_ns(to_nanoseconds(*shown));
+    if (!stream->Write(answer)) break;
+  }
+  return grpc::Status::OK;
+}
+
+/// All of an order, or nothing of it.
+Status PatternService::take(const wire::PatternOrder& order, std::vector<PatternWall::Head>* heads) const {
+  std::vector<PatternWall::Head> next = *heads;
+  for (PatternWall::Head& head : next) head.is_awaited = false;
+  for (const wire::HeadPattern& pattern : order.heads()) {
+    const auto mode = std::ranges::find(heads_, pattern.projector(), &HeadMode::name);
+    if (mode == heads_.end()) {
+      return wrong(
+          fmt::format("projector '{}' is not one of this display's; use a [[projector]]'s name of its "
+                      "installation.toml",
+                      printable(pattern.projector())));
+    }
+    PatternWall::Head& head = next[static_cast<std::size_t>(mode - heads_.begin())];
+    if (head.is_awaited) return wrong(fmt::format("projector '{}' twice in one order", mode->name));
+    head = {nullptr, true};
+    if (pattern.png().empty()) continue;
+    TRY_ASSIGN(head.picture, picture_of(pattern.png(), *mode));
+  }
+  *heads = std::move(next);
+  return Done{};
+}
+
+std::uint64_t PatternService::put(bool is_open, std::vector<PatternWall::Head> heads) {
+  auto wall = std::make_unique<PatternWall>();
+  wall->order = ++order_;
+  wall->is_open = is_open;
+  wall->heads = std::move(heads);
+  mailbox_.wanted.put(std::move(wall));
+  return order_;
+}
+
+Result<TimePoint> PatternService::wait_for(std::uint64_t order, const grpc::ServerContext& context) {
+  const TimePoint deadline = SteadyClock().now() + patience_;
+  std::unique_lock lock(mutex_);
+  while (shown_.order < order || shown_.lacking != 0) {
+    if (context.IsCancelled()) return Error(ErrorCode::kUnavailable, "the call was cancelled");
+    if (stops_) return Error(ErrorCode::kUnavailable, "the display stops");
+    if (SteadyClock().now() < deadline) {
+      changed_.wait_for(lock, kLookAtCall);
+      continue;
+    }
+    if (shown_.order < order) return Error(ErrorCode::kUnavailable, "the display's output is away; see its state");
+    std::string names;
+    for (std::size_t i = 0; i < heads_.size() && i < 64; ++i) {
+      if ((shown_.lacking >> i & 1) != 0) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", heads_[i].name);
+    }
+    return Error(ErrorCode::kUnavailable,
+                 fmt::format("projector {} shows nothing; see whether it is on and connected", names));
+  }
+  return shown_.at;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "appliance/display/pattern_wall.h"
+#include "common/base/result.h"
+#include "common/wire/calibration.grpc.pb.h"
+#include "drivers/output/output.h"
+
+namespace cyclorama {
+
+/// What calibration.proto's PatternScreen promises, between its one stream and the presenter. Pictures are decoded on
+/// gRPC's threads. Thread-safe, but tend().
+class PatternService final : public wire::PatternScreen::Service {
+ public:
+  /// `heads`: the output's, in order. Borrows the mailbox. A head that shows nothing for `patience` is away.
+  PatternService(std::vector<HeadMode> heads, PatternMailbox* mailbox, Duration patience = std::chrono::seconds(10))
+      : heads_(std::move(heads)), mailbox_(*mailbox), patience_(patience) {}
+
+  /// Hears from the presenter, and frees what it is done with. By one thread, at each refresh.
+  void tend();
+  /// The presenter is about to end: nobody waits for it any more.
+  void stop();
+  /// Whether patterns are shown in the show's place.
+  [[nodiscard]] bool is_open() const { return is_open_; }
+
+ private:
+  using Stream = grpc::ServerReaderWriter<wire::PatternShown, wire::PatternOrder>;
+  grpc::Status ShowPatterns(grpc::ServerContext* context, Stream* stream) override;
+  grpc::Status serve(grpc::ServerContext* context, Stream* stream);
+  Status take(const wire::PatternOrder& order, std::vector<PatternWall::Head>* heads) const;
+  std::uint64_t put(bool is_open, std::vector<PatternWall::Head> heads);
+  Result<TimePoint> wait_for(std::uint64_t order, const grpc::ServerContext& context);
+
+  const std::vector<HeadMode> heads_;
+  PatternMailbox& mailbox_;
+  const Duration patience_;
+  std::atomic<bool> is_open_{false};
+  std::uint64_t order_ = 0;  // Of the newest wall; the one stream's.
+  std::mutex mutex_;         // Guards the two below; never taken by the present thread.
+  PatternsShown shown_;
+  bool stops_ = false;
+  std::condition_variable changed_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "appliance/calibrator/solve/colour_file.h"
+#include "common/base/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const auto colours = parse_colours({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (!colours) {
+    CHECK(colours.error().message().find("; ") != std::string::npos);
+    return 0;
+  }
+  // What was accepted can be written, and is then the same; and heads can draw with it.
+  const std::string written = colours_json(*colours);
+  const auto back = parse_colours(written, "fuzz");
+  CHECK(back.has_value() && colours_json(*back) == written);
+  for (const CalibratedColour& one : *colours) {
+    if (!one.colour.response) continue;
+    for (const ResponseCurve& curve : *one.colour.response) CHECK(curve.is_valid());
+  }
+  return 0;
+}

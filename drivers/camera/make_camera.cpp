@@ -66,9 +66,15 @@ Made make_v4l2_camera(const CameraSpec& spec, const Clock& clock) {
   for (const auto& [key, value] : spec.options) {
     TRY_ASSIGN(const bool is_known, read_option(spec, key, value, &options.wish, &options.exposure));
     if (is_known) continue;
+    if (key == "gain" && (value == "held" || value == "automatic")) {
+      options.gain = value == "held" ? GainRule::kHeld : GainRule::kFollowsLight;
+      continue;
+    }
     if (key != "memory" || (value != "mapped" && value != "dma_buf")) {
       return spec.refused(
-          "knows the options width_px, height_px, frames_per_second, exposure_ms, memory=mapped or dma_buf");
+          "knows the options width_px, height_px, frames_per_second, exposure_ms, gain=held or automatic, "
+          "memory=mapped "
+          "or dma_buf");
     }
     options.memory = value == "dma_buf" ? BufferMemory::kDmaBuf : BufferMemory::kMapped;
   }

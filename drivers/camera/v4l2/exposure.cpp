@@ -18,7 +18,7 @@ long nearest(const DeviceControl& control, long wished) {
 
 const std::uint32_t kGainControl = V4L2_CID_GAIN;
 
-Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished) {
+Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished, GainRule gain) {
   ExposureSet set;
   if (wished <= Duration::zero()) return set;
   // The order matters: UVC devices take a time only once exposure is manual.
@@ -33,11 +33,15 @@ Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished) {
     TRY_ASSIGN(const bool is_taken, device.set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value));
     if (is_taken) set.exposure = kExposureUnit * value;
   }
+  if (gain == GainRule::kHeld) {
+    TRY(device.set_control(V4L2_CID_AUTOGAIN, 0));  // Refused by those that have none.
+    return set;
+  }
   TRY_ASSIGN(const bool follows_light, device.set_control(V4L2_CID_AUTOGAIN, 1));
   if (!follows_light && set.exposure) {
-    if (const auto gain = device.control(V4L2_CID_GAIN); gain && gain->most > gain->least) {
-      set.gain = GainRange{gain->least, gain->most, gain->step};
-      set.gain_now = gain->value;
+    if (const auto range = device.control(V4L2_CID_GAIN); range && range->most > range->least) {
+      set.gain = GainRange{range->least, range->most, range->step};
+      set.gain_now = range->value;
     }
   }
   return set;

@@ -16,6 +16,12 @@ struct ExposureSet {
   long gain_now = 0;
 };
 
+/// A tracker's pictures stay bright enough; a calibration compares brightness between pictures.
+enum class GainRule {
+  kFollowsLight,
+  kHeld,  ///< Automatic gain is switched off, and the gain stays as it is.
+};
+
 /// The control that GainRange is of.
 extern const std::uint32_t kGainControl;
 
@@ -27,6 +33,6 @@ inline constexpr Duration kExposureUnit = std::chrono::microseconds(100);
 /// zero `wished` leaves the device to itself. What the device refuses is left as it is.
 ///
 /// kUnavailable  it is gone.
-Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished);
+Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished, GainRule gain = GainRule::kFollowsLight);
 
 }  // namespace cyclorama

@@ -60,7 +60,7 @@ Status V4l2Camera::set_up() {
   TRY(device_.follow_signal());
   TRY_ASSIGN(format_, device_.set_format(offer_));
   TRY(device_.set_rate(options_.wish.frames_per_second));
-  TRY_ASSIGN(exposure_, set_exposure(device_, options_.exposure));
+  TRY_ASSIGN(exposure_, set_exposure(device_, options_.exposure, options_.gain));
   auto buffers = StreamBuffers::start(device_.fd(), options_.memory);
   if (!buffers) return std::move(buffers).error().while_doing(fmt::format("camera at {}", device_.port()));
   buffers_.emplace(*std::move(buffers));

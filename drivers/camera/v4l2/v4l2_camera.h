@@ -20,6 +20,7 @@ struct V4l2CameraOptions {
   /// the device's automatic.
   Duration exposure = std::chrono::milliseconds(5);
   BufferMemory memory = BufferMemory::kMapped;
+  GainRule gain = GainRule::kFollowsLight;
 };
 
 /// A camera, or a frame grabber, of the kernel's. The newest picture wins: what the driver filled meanwhile goes back

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cyclorama-calibrator: measures the wall when it is told to.
+#include <fmt/format.h>
+
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/scan/frame_scan_camera.h"
+#include "appliance/calibrator/scan/remote_pattern_screen.h"
+#include "appliance/calibrator/scan/simulated_devices.h"
+#include "appliance/calibrator/service/calibrator_service.h"
+#include "common/process/log.h"
+#include "common/process/notify.h"
+#include "common/process/program.h"
+#include "common/wire/channel.h"
+#include "drivers/camera/make_camera.h"
+#include "drivers/turnplate/make_turnplate.h"
+#include "drivers/turnplate/simulated/simulated_turnplate.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
+constexpr double kFirstExposure_s = 1.0 / 60.0;
+
+struct Options {
+  std::string installation;
+  std::string simulated;
+  std::string folder = "/var/lib/cyclorama/calibration";
+  std::string listen = "[::1]:7410";
+  std::string camera = "v4l2:";
+  std::string turnplate = "manual";
+  std::vector<std::string> displays;
+  double field_of_view_deg = 70.0;
+  double pitch_deg = 0.0;
+  double settle_ms = 100.0;
+  double longest_exposure_ms = 250.0;
+};
+
+void add_options(CLI::App& app, Options* ret) {
+  app.add_option("--installation", ret->installation, "What stands in the room (installation.toml)")->type_name("FILE");
+  app.add_option(
+         "--simulated", ret->simulated,
+         "Calibrate a simulated museum in this process instead of the room: its installation.toml, beside which "
+         "lies its truth")
+      ->type_name("FILE")
+      ->excludes("--installation");
+  app.add_option("--folder", ret->folder, "Where calibration.json and those of before are kept")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  app.add_option("--listen", ret->listen, "Where to be told to calibrate, and to show live state to the operator")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--camera", ret->camera, "On the turn-plate: v4l2:PORT[?OPTIONS], libcamera:ID[?OPTIONS]")
+      ->type_name("CAMERA")
+      ->capture_default_str();
+  app.add_option("--turnplate", ret->turnplate, "serial:DEVICE[?OPTIONS], or manual: asks on the terminal")
+      ->type_name("PLATE")
+      ->capture_default_str();
+  app.add_option("--display", ret->displays,
+                 "A display that shows the patterns; repeat it where there are several, with the names of their "
+                 "projectors")
+      ->type_name("[NAMES=]HOST:PORT")
+      ->allow_extra_args(false);
+  app.add_option("--field-of-view-deg", ret->field_of_view_deg, "Of the width of the camera's picture")
+      ->check(CLI::Range(5.0, 150.0))
+      ->capture_default_str();
+  app.add_option("--pitch-deg", ret->pitch_deg, "How far the camera looks up, about")
+      ->check(CLI::Range(-60.0, 60.0))
+      ->capture_default_str();
+  app.add_option("--settle-ms", ret->settle_ms, "From a projector's signal to its light")
+      ->check(CLI::Range(0.0, 2000.0))
+      ->capture_default_str();
+  app.add_option("--longest-exposure-ms", ret->longest_exposure_ms, "Of the camera")
+      ->check(CLI::Range(1.0, 5000.0))
+      ->capture_default_str();
+}
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+ScanSettings settings_for(const Options& options, const ScanCamera& camera) {
+  ScanSettings settings;
+  settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), options.field_of_view_deg * kDegree);
+  settings.pitch_rad = options.pitch_deg * kDegree;
+  settings.view.exposure.longest = ExposureTime(1e-3 * options.longest_exposure_ms);
+  return settings;
+}
+
+/// The museum outlives all devices: the opener holds it.
+DeviceOpener simulated_opener(const Options& options, std::shared_ptr<SimulatedMuseum> museum) {
+  return [options, museum]() -> Result<CalibrationDevices> {
+    CalibrationDevices devices;
+    devices.plate = std::make_unique<SimulatedTurnplate>(museum.get());
+    devices.camera = std::make_unique<SimulatedScanCamera>(museum.get(), PhotographColour::kGrey);
+    devices.screen = std::make_unique<SimulatedPatternScreen>(museum.get());
+    devices.settings = settings_for(options, *devices.camera);
+    return devices;
+  };
+}
+
+Result<DeviceOpener> real_opener(const Options& options, const Installation& installation, const Clock& clock) {
+  std::vector<PatternDisplay> displays;
+  for (const std::string& text : options.displays) {
+    TRY_ASSIGN(PatternDisplay display, parse_pattern_display(text));
+    displays.push_back(std::move(display));
+  }
+  if (displays.empty()) {
+    return Error(ErrorCode::kInvalidArgument, "no display is named that shows the patterns; give --display HOST:PORT");
+  }
+  return DeviceOpener([options, displays, projectors = installation.projectors,
+                       &clock]() -> Result<CalibrationDevices> {
+    const FrameScanCamera::Opener open_camera = [spec = options.camera, &clock](double exposure_s) {
+      const std::string more =
+          fmt::format("{}{}exposure_ms={}", spec, spec.find('?') == std::string::npos ? '?' : '&', 1e3 * exposure_s);
+      // Brightness is compared between pictures. libcamera's cameras hold their gain with a fixed exposure.
+      return make_camera(spec.starts_with("v4l2:") ? more + "&gain=held" : more, clock);
+    };
+    CalibrationDevices devices;
+    TRY_ASSIGN(devices.plate, make_turnplate(options.turnplate));
+    TRY_ASSIGN(devices.camera, FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
+    const auto settle = std::chrono::milliseconds(static_cast<int>(options.settle_ms));
+    TRY_ASSIGN(devices.screen, RemotePatternScreen::open(projectors, displays, settle));
+    devices.settings = settings_for(options, *devices.camera);
+    return devices;
+  });
+}
+
+Status run(const Options& options, const StopSignal& stop) {
+  const SteadyClock clock;
+  Installation installation;
+  DeviceOpener opener;
+  if (!options.simulated.empty()) {
+    TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::open(options.simulated));
+    installation = museum.installation();
+    opener = simulated_opener(options, std::make_shared<SimulatedMuseum>(std::move(museum)));
+  } else if (!options.installation.empty()) {
+    TRY_ASSIGN(installation, read_installation(options.installation));
+    TRY_ASSIGN(opener, real_opener(options, installation, clock));
+  } else {
+    return Error(ErrorCode::kInvalidArgument, "no room is named; give --installation FILE, or --simulated FILE");
+  }
+  InspectionService inspection("calibrator");
+  CalibratorService calibrator(std::move(installation), options.folder, std::move(opener), clock, &inspection);
+  TRY_ASSIGN(const std::unique_ptr<WireServer> server, WireServer::start(options.listen, {&calibrator, &inspection}));
+  Notify notify;
+  notify.ready();
+  log(LogLevel::kNotice, fmt::format("waits to be told to calibrate, at port {}", server->port()));
+  std::string shown;
+  do {
+    notify.keep_alive(clock.now());
+    const std::string state = calibrator.state();
+    notify.status(state);
+    // Percents change all the time; what is worth a line is another situation.
+    const std::string situation = state.substr(0, state.find(','));
+    if (situation == shown) continue;
+    log(LogLevel::kInfo, state);
+    shown = situation;
+  } while (!stop.wait_until(clock.now() + kSupervisePeriod));
+  notify.stopping();
+  calibrator.stop();
+  server->stop(std::chrono::seconds(5));  // A photograph may take a second, and the patterns have to go.
+  return Done{};
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  cyclorama::Program program("cyclorama-calibrator",
+                             "Measures the wall with a camera on a turn-plate when it is told to, and writes "
+                             "calibration.json.");
+  cyclorama::Options options;
+  cyclorama::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One calibration from beginning to end:
+///
+///     scan_wall() ─▶ calibrate() ─▶ save_calibration()          FOLDER/calibration.json, FOLDER/calibrations/DATE/
+///         │ FOLDER/scan: what was seen, to go on with
+#pragma once
+
+#include <filesystem>
+#include <stop_token>
+#include <string>
+
+#include "appliance/calibrator/scan/registration.h"
+#include "appliance/calibrator/scan/wall_scan.h"
+#include "appliance/calibrator/solve/calibrate.h"
+#include "common/base/clock.h"
+
+namespace cyclorama {
+
+struct CalibrationOutcome {
+  Calibration calibration;  ///< With the scan's remarks among its own.
+  MeasuredRegistration registration;
+  int pictures = 0;
+  int retries = 0;
+  double scan_s = 0.0;  ///< By the clock that was given: of a simulated museum these are its computer's, not its own.
+  double solve_s = 0.0;
+};
+
+/// `date` names the calibration: "2026-11-22T13-05-00Z". The one of before is never replaced by a worse one.
+/// Errors of scan_wall(), calibrate() and save_calibration(), each with its remedy; the calibration that counts is the
+/// one of before then. Blocks, for minutes.
+Result<CalibrationOutcome> run_calibration(const Installation& installation, const ScanSettings& settings,
+                                           const ScanDevices& devices, const std::filesystem::path& folder,
+                                           const std::string& date, const Clock& clock, const ScanListener& listener,
+                                           std::stop_token stop);
+
+/// Now, in UTC, as save_calibration() wants it.
+[[nodiscard]] std::string calibration_date();
+
+}  // namespace cyclorama

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/calibration/chain_case.h"
+
+#include <numbers>
+
+#include "appliance/calibrator/scan/simulated_devices.h"
+#include "drivers/turnplate/simulated/simulated_turnplate.h"
+
+namespace cyclorama {
+
+KnownCamera camera_of_preset(const std::string& name) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  if (name == "dome") return {92.0 * kDegree, 25.0 * kDegree};
+  return {70.0 * kDegree, 0.0};
+}
+
+Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  std::filesystem::create_directories(folder, ignored);
+  TRY_ASSIGN(const Preset preset, make_preset(chain.name, chain.seed, chain.museum));
+  TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::make(preset.installation, preset.truth));
+  SimulatedPatternScreen screen(&museum);
+  SimulatedScanCamera camera(&museum, PhotographColour::kGrey);
+  SimulatedTurnplate plate(&museum);
+  const KnownCamera known = camera_of_preset(chain.name);
+  ScanSettings settings;
+  settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), known.field_of_view_rad);
+  settings.pitch_rad = known.pitch_rad;
+  settings.view = chain.view;
+  settings.directions = chain.directions;
+  const SteadyClock clock;
+  const TimePoint begun = clock.now();
+  const double museum_begun = museum.now_s();
+  ChainResult result;
+  TRY_ASSIGN(result.outcome, run_calibration(museum.installation(), settings, {screen, camera, plate}, folder,
+                                             "2026-01-01T00-00-00Z", clock, {}, {}));
+  result.museum_s = museum.now_s() - museum_begun;
+  result.work_s = to_seconds(clock.now() - begun);
+  const Calibration& calibration = result.outcome.calibration;
+  result.directions = calibration.plate.angles_rad.size();
+  result.score = museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
+    return calibration.projectors[p].map.direction_at(pixel);
+  });
+  std::filesystem::remove_all(folder, ignored);
+  return result;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A calibration of a simulated museum from beginning to end, and what its truth says of it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/scan/calibration_run.h"
+#include "drivers/simulated_room/presets.h"
+#include "tests/doubles/museum_score.h"
+
+namespace cyclorama {
+
+struct ChainCase {
+  std::string name;  ///< A preset's.
+  PresetOptions museum{};
+  std::uint32_t seed = 1;
+  ViewSettings view{};
+  int directions = 0;
+};
+
+struct ChainResult {
+  MuseumScore score;
+  CalibrationOutcome outcome;
+  double museum_s = 0.0;  ///< Of the museum's clock: what a visitor would wait.
+  double work_s = 0.0;    ///< Of this computer: light, decoding and solving.
+  std::size_t directions = 0;
+};
+
+/// What an installer knows of a preset's camera.
+struct KnownCamera {
+  double field_of_view_rad;
+  double pitch_rad;
+};
+[[nodiscard]] KnownCamera camera_of_preset(const std::string& name);
+
+/// `folder` is made, and emptied afterwards.
+Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::path& folder);
+
+}  // namespace cyclorama

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "appliance/calibrator/scan/scan_view.h"
+#include "common/base/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const auto manifest = parse_manifest({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (manifest) {
+    // What was accepted can be written, and is then the same.
+    const std::string written = manifest_text(*manifest);
+    const auto back = parse_manifest(written, "fuzz");
+    CHECK(back.has_value() && manifest_text(*back) == written);
+  } else {
+    CHECK(manifest.error().message().find("; ") != std::string::npos);
+  }
+  const ScanIdentity identity{"camera", 640, 480, {{"left", 320, 200}}, {0.0}, ""};
+  const auto places = decode_places({reinterpret_cast<const std::byte*>(data), size}, identity, 0);
+  if (places) CHECK(encode_places(*places).size() == size);
+  return 0;
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole chain in small museums: from devices that know nothing of the truth to calibration.json, which is then
+// compared with it.
+#include "appliance/calibrator/scan/calibration_run.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <numbers>
+
+#include "appliance/calibrator/scan/simulated_devices.h"
+#include "appliance/calibrator/solve/calibration_file.h"
+#include "drivers/simulated_room/presets.h"
+#include "drivers/turnplate/simulated/simulated_turnplate.h"
+#include "tests/doubles/museum_score.h"
+
+namespace cyclorama {
+namespace {
+
+class CalibrationRun : public ::testing::TestWithParam<const char*> {
+ protected:
+  CalibrationRun() : folder_(std::filesystem::path(::testing::TempDir()) / ("chain-" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~CalibrationRun() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  std::filesystem::path folder_;
+};
+
+MuseumScore score_of(const SimulatedMuseum& museum, const Calibration& calibration) {
+  return museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
+    return calibration.projectors[p].map.direction_at(pixel);
+  });
+}
+
+TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
+  PresetOptions options;
+  options.projectors = 3;
+  options.projector_width_px = 320;
+  options.projector_height_px = 200;
+  options.camera_megapixels = 0.25;
+  const auto preset = make_preset(GetParam(), 3, options);
+  ASSERT_TRUE(preset.has_value());
+  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  ASSERT_TRUE(museum.has_value());
+  SimulatedPatternScreen screen(&*museum);
+  SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
+  SimulatedTurnplate plate(&*museum);
+  ScanSettings settings;
+  settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
+  double told = 0.0;
+  const auto listener = [&](const ScanProgress& progress) {
+    EXPECT_GE(progress.fraction, told);
+    told = progress.fraction;
+  };
+  const SteadyClock clock;
+  const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, plate}, folder_,
+                                       "2026-01-01T00-00-00Z", clock, listener, {});
+  ASSERT_TRUE(outcome.has_value()) << outcome.error().message();
+  EXPECT_DOUBLE_EQ(told, 1.0);
+
+  const auto written = read_calibration(folder_);
+  ASSERT_TRUE(written.has_value()) << written.error().message();
+  const MuseumScore score = score_of(*museum, *written);
+  RecordProperty("p95_px", std::to_string(score.p95_px));
+  EXPECT_GT(score.places, 100u);
+  // The goals of a projector of 1080p, in whose pixels this camera is no coarser.
+  EXPECT_LE(score.mean_px, 0.25);
+  EXPECT_LE(score.p95_px, 0.6);
+  EXPECT_LE(score.max_px, 1.0);
+  EXPECT_LT(static_cast<double>(score.missing), 0.05 * static_cast<double>(score.lit));
+  // What the installer is told comes from measurements alone, and includes their noise.
+  EXPECT_GT(outcome->registration.places, 100u);
+  EXPECT_LE(outcome->registration.p95_px, 1.5);
+
+  // Once more: no worse than before.
+  const auto again = run_calibration(museum->installation(), settings, {screen, camera, plate}, folder_,
+                                     "2026-01-02T00-00-00Z", clock, {}, {});
+  ASSERT_TRUE(again.has_value()) << again.error().message();
+  EXPECT_LE(score_of(*museum, again->calibration).p95_px, 0.6);
+  EXPECT_EQ(kept_calibrations(folder_).size(), 2u);
+}
+
+INSTANTIATE_TEST_SUITE_P(rooms, CalibrationRun, ::testing::Values("cylinder126", "plane"));
+
+}  // namespace
+}  // namespace cyclorama

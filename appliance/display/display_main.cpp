@@ -20,6 +20,7 @@ struct Options {
   std::string installation;
   std::string output = "headless";
   std::vector<std::string> heads;
+  bool check = false;
   DisplayOptions display;
 };
 
@@ -60,6 +61,7 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option("--calibration", display.calibration,
                   "A calibration's folder: draw as it measured, and move over when it is replaced. In the place of "
                   "site.toml's");
+  app->add_flag("--check", options->check, "Only read the settings, say what is wrong with them, and end");
   app->add_option("--decode-threads", display.decode_threads, "Threads that decode tiles")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
@@ -96,6 +98,7 @@ Status run_display(Options options, const StopSignal& stop) {
     options.display.hours = settings.hours;
     if (options.display.calibration.empty()) options.display.calibration = settings.calibration;
   }
+  if (options.check) return Done{};
   const SteadyClock clock;
   const std::string tour = options.display.tour;
   TRY_ASSIGN(const std::unique_ptr<Display> display, Display::start(std::move(options.display), clock));

@@ -57,4 +57,9 @@ struct SeamScore {
 /// `uses_photometry` false: what the wall looks like without: blend only, sRGB.
 SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry = true);
 
+/// The wall with one linear grey on it, as an eye at the sweet spot sees it: sRGB, azimuths of 65 degrees to either side
+/// and elevations from -20 to 20, ten pixels a degree; `white_nits` is as bright as sRGB goes.
+RgbImage seen_wall(const TrueMuseum& museum, const Photometry& photometry, double content, double white_nits,
+                   bool uses_photometry);
+
 }  // namespace cyclorama

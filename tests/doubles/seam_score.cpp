@@ -239,4 +239,23 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
   return score;
 }
 
+RgbImage seen_wall(const TrueMuseum& museum, const Photometry& photometry, double content, double white_nits,
+                   bool uses_photometry) {
+  const ShownWall wall(museum, photometry, content, uses_photometry);
+  RgbImage picture(1300, 400);
+  for (int y = 0; y < picture.height(); ++y) {
+    const double elevation = (20.0 - 0.1 * (y + 0.5)) * kDegree;
+    for (int x = 0; x < picture.width(); ++x) {
+      const double azimuth = (0.1 * (x + 0.5) - 65.0) * kDegree;
+      const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                                      -std::cos(azimuth) * std::cos(elevation));
+      const auto hit = museum.wall().hit({museum.installation().sweet_spot, direction});
+      if (!hit) continue;
+      const Eigen::Vector3d code = codes_of({}, wall.at(*hit) / white_nits);
+      for (int c = 0; c < 3; ++c) picture.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(255.0 * code[c]));
+    }
+  }
+  return picture;
+}
+
 }  // namespace cyclorama

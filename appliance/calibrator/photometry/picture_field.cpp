@@ -4,7 +4,6 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <utility>
 
 #include "appliance/calibrator/photometry/cubic_basis.h"
@@ -13,6 +12,7 @@ namespace cyclorama {
 namespace {
 
 constexpr double kAny = 1e-6;  // Weight of 0, where nothing else is said.
+constexpr double kSlack = 0.3;
 
 struct Knots {
   int cells_x;
@@ -119,9 +119,11 @@ PictureField FieldFit::fit(const Eigen::VectorXd& values) const {
   const Eigen::VectorXd solved = s.factor.solve(right);
   PictureField field{s.width_px, s.height_px, s.knots.cells_x, s.knots.cells_y, {}, 0.0, 0.0};
   field.coefficients.assign(solved.begin(), solved.end());
-  const double infinite = std::numeric_limits<double>::infinity();
-  field.least = values.size() > 0 ? values.minCoeff() : -infinite;
-  field.most = values.size() > 0 ? values.maxCoeff() : infinite;
+  if (values.size() == 0) return field;
+  // Some way past what was seen, since the rim of a picture never is.
+  const double slack = kSlack * (values.maxCoeff() - values.minCoeff());
+  field.least = values.minCoeff() - slack;
+  field.most = values.maxCoeff() + slack;
   return field;
 }
 

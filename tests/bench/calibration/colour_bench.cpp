@@ -6,9 +6,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/image/png.h"
 #include "tests/doubles/photometry_museum.h"
 
 namespace cyclorama {
@@ -143,6 +145,28 @@ int slopes(bool is_quick) {
   return 0;
 }
 
+/// FOLDER/{white,dark}-{before,after}.png of one museum.
+int pictures(const std::filesystem::path& folder) {
+  auto museum = museum_of("cylinder126", 1, true);
+  if (!museum) return failed("cylinder126", museum.error());
+  LightScan scan;
+  scan.cell_px = 16;
+  const auto scanned = scan_light(&*museum, scan);
+  if (!scanned) return failed("cylinder126", scanned.error());
+  const auto result = photometry(scanned->input);
+  if (!result) return failed("cylinder126", result.error());
+  for (const bool is_after : {false, true}) {
+    const char* const when = is_after ? "after" : "before";
+    const RgbImage white = seen_wall(museum->truth(), *result, 0.5, 90.0, is_after);
+    const RgbImage dark = seen_wall(museum->truth(), *result, 0.0, 1.2, is_after);
+    for (const auto& [name, picture] : {std::pair("white", &white), std::pair("dark", &dark)}) {
+      const auto written = write_png(folder / fmt::format("{}-{}.png", name, when), *picture);
+      if (!written) return failed(folder.string(), written.error());
+    }
+  }
+  return 0;
+}
+
 }  // namespace
 }  // namespace cyclorama
 
@@ -152,6 +176,7 @@ int main(int argc, char** argv) {
   if (what == "rooms") return cyclorama::rooms(is_quick);
   if (what == "trade") return cyclorama::trade(is_quick);
   if (what == "slopes") return cyclorama::slopes(is_quick);
-  fmt::print(stderr, "colour_bench rooms|trade|slopes [--quick]\n");
+  if (what == "pictures" && argc > 2) return cyclorama::pictures(argv[2]);
+  fmt::print(stderr, "colour_bench rooms|trade|slopes [--quick], or pictures FOLDER\n");
   return 2;
 }

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Readings of evenly lit projectors without photographs: curves, noise and disturbances as a test wants them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/photometry/photometry_input.h"
+
+namespace cyclorama {
+
+/// A projector on a wall at infinity: its pixels are directions, `pan_rad` to the right.
+inline MeasuredMap far_map(int width_px, int height_px, double field_rad, double pan_rad, int cell_px = 20) {
+  MeasuredMap map;
+  map.width_px = width_px;
+  map.height_px = height_px;
+  map.cells_x = width_px / cell_px;
+  map.cells_y = height_px / cell_px;
+  const double focal = 0.5 * width_px / std::tan(0.5 * field_rad);
+  for (int y = 0; y <= map.cells_y; ++y) {
+    for (int x = 0; x <= map.cells_x; ++x) {
+      const double right = (static_cast<double>(x) * width_px / map.cells_x - 0.5 * width_px) / focal;
+      const double up = -(static_cast<double>(y) * height_px / map.cells_y - 0.5 * height_px) / focal;
+      const double cosine = std::cos(pan_rad);
+      const double sine = std::sin(pan_rad);
+      map.directions.push_back(Eigen::Vector3d(cosine * right + sine, up, sine * right - cosine).normalized());
+    }
+  }
+  map.sigma_px.assign(map.directions.size(), 0.1);
+  return map;
+}
+
+using Curve = std::function<double(double)>;
+
+struct EvenLight {
+  std::array<Curve, 3> projector = {[](double x) { return std::pow(x, 2.2); },
+                                    [](double x) { return std::pow(x, 2.2); },
+                                    [](double x) { return std::pow(x, 2.2); }};
+  Curve camera = [](double light) { return light; };  ///< Code for light in parts of full scale.
+  double pedestal = 0.01;
+  double brightness = 0.24;  ///< Of each light in the camera's own channel, at the first exposure.
+  double leak = 5e-4;
+  double ambient = 2e-3;
+  double noise = 0.0;  ///< Of a cell's mean.
+  int bits = 0;        ///< 0: codes are not rounded.
+  int steps = 17;
+  std::vector<double> exposures{1.0, 3.0};
+  std::vector<double> black_exposures{1.0, 3.0, 32.0};
+  std::array<double, 3> channel_light{1.0, 1.0, 1.0};
+  double disturbed = 0.0;  ///< Part of the readings that something walks through.
+  unsigned seed = 1;
+};
+
+/// Adds a view of a projector of cells_x * cells_y cells, brighter in its middle, and its ramps.
+inline void add_view(const EvenLight& light, std::size_t projector, PhotometryInput* input) {
+  const MeasuredMap& map = input->projectors[projector].map;
+  ProjectorView view;
+  view.projector = projector;
+  view.cells.width_px = map.width_px;
+  view.cells.height_px = map.height_px;
+  view.cells.cells_x = 12;
+  view.cells.cells_y = 8;
+  view.cells.cell_of = Image<std::int32_t, 1>(input->camera_width_px, input->camera_height_px, -1);
+  std::vector<double> gains;
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 12; ++x) {
+      const double u = (x + 0.5) / 12.0;
+      const double v = (y + 0.5) / 8.0;
+      CameraCells::Cell cell;
+      cell.pixels = 100;
+      cell.projector_px = {u * map.width_px, v * map.height_px};
+      cell.camera_px = {(0.1 + 0.8 * u) * input->camera_width_px, (0.1 + 0.8 * v) * input->camera_height_px};
+      view.cells.cells.push_back(cell);
+      gains.push_back(1.0 - 0.8 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5)));
+    }
+  }
+  std::mt19937 random(light.seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> even;
+  const auto read = [&](PatternLight which, double level, double exposure) {
+    LightReading reading;
+    reading.light = which;
+    reading.level = level;
+    reading.exposure_s = 0.02 * exposure;
+    for (const double gain : gains) {
+      CellCode code;
+      const double shade = even(random) < light.disturbed ? 0.5 : 1.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        double seen = light.ambient;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const bool is_on = which == PatternLight::kAll || (which == PatternLight::kRed && c == 0) ||
+                             (which == PatternLight::kGreen && c == 1) || (which == PatternLight::kBlue && c == 2);
+          const double share = (k == c ? 1.0 : 0.1) * light.brightness * light.channel_light.at(c);
+          const double shone = is_on ? light.projector.at(c)(level) : 0.0;
+          seen += gain * share * (light.leak + (1.0 - light.leak) * shone);
+        }
+        double value = light.camera(std::min(1.0, shade * seen * exposure + light.pedestal));
+        value += light.noise * normal(random);
+        const double steps = light.bits > 0 ? (1 << light.bits) - 1 : 0;
+        if (light.bits > 0) value = std::round(value * steps) / steps;
+        code.code.at(k) = static_cast<float>(std::clamp(value, 0.0, 1.0));
+        code.spread.at(k) = static_cast<float>(light.noise * 10.0);
+        code.is_clipped.at(k) = value > 0.98;
+      }
+      reading.codes.push_back(code);
+    }
+    view.readings.push_back(std::move(reading));
+  };
+  for (const double exposure : light.black_exposures) read(PatternLight::kAll, 0.0, exposure);
+  for (const double exposure : light.exposures) {
+    read(PatternLight::kAll, 1.0, exposure);
+    for (const PatternLight which : {PatternLight::kRed, PatternLight::kGreen, PatternLight::kBlue}) {
+      for (int i = 1; i < light.steps; ++i) read(which, as_shown(static_cast<double>(i) / (light.steps - 1)), exposure);
+    }
+  }
+  input->views.push_back(std::move(view));
+}
+
+/// One projector, or two side by side whose pictures overlap by 10 of 40 degrees.
+inline PhotometryInput even_light(const std::vector<EvenLight>& lights) {
+  PhotometryInput input;
+  input.camera_width_px = 400;
+  input.camera_height_px = 300;
+  input.code_step = 1.0 / 4095.0;
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  for (std::size_t p = 0; p < lights.size(); ++p) {
+    const double pan = 30.0 * kDegree * (static_cast<double>(p) - 0.5 * static_cast<double>(lights.size() - 1));
+    input.projectors.push_back({p == 0 ? "left" : "right", far_map(320, 200, 40.0 * kDegree, pan)});
+    if (lights[p].bits > 0) input.code_step = 1.0 / ((1 << lights[p].bits) - 1);
+  }
+  for (std::size_t p = 0; p < lights.size(); ++p) add_view(lights[p], p, &input);
+  return input;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/photometry/photometry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "appliance/calibrator/photometry/inverse_map.h"
+#include "tests/doubles/even_light.h"
+#include "tests/doubles/photometry_museum.h"
+
+namespace cyclorama {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+bool is_finite(const Photometry& photometry) {
+  for (const PhotometricHead& head : photometry.heads) {
+    for (const MaskImage* image : {&head.mask, &head.weight}) {
+      if (!std::ranges::all_of(image->data(), [](float v) { return v >= 0.0f && v <= 1.0f; })) return false;
+    }
+    if (head.colour.lift &&
+        !std::ranges::all_of(head.colour.lift->data(), [](float v) { return v >= 0.0f && v <= 1.0f; })) {
+      return false;
+    }
+    if (head.colour.matrix && !head.colour.matrix->allFinite()) return false;
+    if (!head.colour.black.allFinite() || !head.primaries.allFinite() || !head.black.allFinite()) return false;
+    for (const ResponseCurve& curve : *head.colour.response) {
+      if (!curve.is_valid()) return false;
+    }
+  }
+  return std::isfinite(photometry.light_kept) && std::isfinite(photometry.camera_corner);
+}
+
+TEST(Photometry, of_two_alike_projectors_changes_only_what_the_overlap_needs) {
+  const auto result = photometry(even_light({EvenLight{}, EvenLight{}}));
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_TRUE(is_finite(*result));
+  EXPECT_THAT(result->remarks, IsEmpty());
+  EXPECT_NEAR(result->heads[0].brightness, result->heads[1].brightness, 2e-3);
+  EXPECT_LT((*result->heads[0].colour.matrix - Eigen::Matrix3d::Identity()).norm(), 0.01);
+  EXPECT_GT(result->light_kept, result->light_kept_flat);
+  for (const PhotometricHead& head : result->heads) {
+    EXPECT_NEAR(head.black.y(), 5e-4, 2e-4);
+  }
+}
+
+TEST(Photometry, light_of_both_adds_up_to_a_target_that_varies_slowly) {
+  EvenLight dim;
+  dim.brightness = 0.15;
+  PhotometryInput input = even_light({EvenLight{}, dim});
+  PhotometryOptions options;
+  const auto result = photometry(input, options);
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_NEAR(result->heads[1].brightness, 0.15 / 0.24, 0.01);
+  // Along the horizon: the sum of both projectors' light.
+  const auto left = *InverseMap::make(input.projectors[0].map);
+  const auto right = *InverseMap::make(input.projectors[1].map);
+  double before = 0.0;
+  for (double azimuth = -33.0; azimuth <= 33.0; azimuth += 0.25) {
+    const double angle = azimuth * 3.14159265 / 180.0;
+    const Eigen::Vector3d direction(std::sin(angle), 0.0, -std::cos(angle));
+    double sum = 0.0;
+    for (std::size_t p = 0; p < 2; ++p) {
+      const auto pixel = (p == 0 ? left : right).pixel_at(direction);
+      if (!pixel) continue;
+      const double u = pixel->x() / 320.0 - 0.5;
+      const double v = pixel->y() / 200.0 - 0.5;
+      const double gain = (p == 0 ? 0.24 : 0.15) * (1.0 - 0.8 * (u * u + v * v));
+      const double x = std::clamp(pixel->x() - 0.5, 0.0, 318.999);
+      const int y = std::clamp(static_cast<int>(pixel->y()), 0, 199);
+      const auto mask = [&](int column) { return static_cast<double>(*result->heads[p].mask.at(column, y)); };
+      const int column = static_cast<int>(x);
+      sum += gain * ((column + 1 - x) * mask(column) + (x - column) * mask(column + 1));
+    }
+    if (before > 0.0) {
+      EXPECT_LT(std::abs(std::log(sum / before)), 0.25 * options.most_slope_per_deg + 0.006) << azimuth;
+    }
+    before = sum;
+  }
+}
+
+TEST(Photometry, says_what_is_wrong_with_a_projector) {
+  EvenLight clipped;
+  clipped.projector[0] = [](double x) { return std::pow(std::min(x / 0.85, 1.0), 2.2); };
+  EvenLight dim;
+  dim.brightness = 0.05;
+  dim.leak = 0.01;
+  const auto result = photometry(even_light({clipped, dim}));
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_TRUE(is_finite(*result));
+  EXPECT_THAT(result->remarks, Contains(HasSubstr("projector 'left', red: code values above")));
+  EXPECT_THAT(result->remarks, Contains(HasSubstr("projector 'right' gives 2")));
+  EXPECT_THAT(result->remarks, Contains(HasSubstr("projector 'right': its black is 1/")));
+}
+
+TEST(Photometry, a_grey_camera_leaves_colours_alone_and_says_so) {
+  PhotometryInput input = even_light({EvenLight{}, EvenLight{}});
+  input.has_colour = false;
+  const auto result = photometry(input);
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_TRUE(is_finite(*result));
+  EXPECT_FALSE(result->heads[0].colour.matrix);
+  EXPECT_THAT(result->remarks, Contains(HasSubstr("use a colour camera")));
+}
+
+TEST(Photometry, one_projector_alone_keeps_nearly_all_of_its_middle) {
+  const auto result = photometry(even_light({EvenLight{}}));
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_TRUE(is_finite(*result));
+  EXPECT_EQ(*result->heads[0].weight.at(160, 100), 1.0f);
+}
+
+TEST(Photometry, refuses_what_makes_no_sense) {
+  PhotometryInput input = even_light({EvenLight{}});
+  PhotometryOptions options;
+  options.most_slope_per_deg = -1.0;
+  EXPECT_FALSE(photometry(input, options));
+  EXPECT_FALSE(photometry({}));
+  input.views[0].readings[3].codes.pop_back();
+  EXPECT_FALSE(photometry(input));
+  input = even_light({EvenLight{}});
+  input.views[0].projector = 3;
+  EXPECT_FALSE(photometry(input));
+  input = even_light({EvenLight{}});
+  input.projectors[0].map.directions.clear();
+  const auto refused = photometry(input);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message(), HasSubstr("projector 'left'"));
+}
+
+TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
+  PresetOptions small;
+  small.projector_width_px = 480;
+  small.projector_height_px = 270;
+  small.camera_megapixels = 0.15;
+  auto preset = make_preset("cylinder126", 3, small);
+  ASSERT_TRUE(preset);
+  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  ASSERT_TRUE(museum);
+  LightScan scan;
+  scan.cell_px = 16;
+  scan.angles_deg = {-36.0, 0.0, 36.0};
+  const auto scanned = scan_light(&*museum, scan);
+  ASSERT_TRUE(scanned) << scanned.error().message();
+  const auto result = photometry(scanned->input);
+  ASSERT_TRUE(result) << result.error().message();
+  EXPECT_TRUE(is_finite(*result));
+  EXPECT_LT(response_rms(museum->truth(), *result), 0.005);
+  const SeamScore score = seam_score(museum->truth(), *result);
+  EXPECT_GT(score.pairs, 40u);
+  EXPECT_LT(score.mask_sum_error, 0.005);
+  EXPECT_LT(score.step_p95, 0.015);
+  EXPECT_LT(score.delta_e_mean, 0.8);
+  EXPECT_LT(score.delta_e_p95, 1.5);
+  EXPECT_GT(seam_score(museum->truth(), *result, false).delta_e_p95, score.delta_e_p95);
+}
+
+}  // namespace
+}  // namespace cyclorama

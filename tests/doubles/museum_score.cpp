@@ -8,8 +8,6 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kStep_px = 24;
-
 using Slope = Eigen::Matrix<double, 3, 2>;
 
 double in_pixels(const Slope& slope, const Eigen::Vector3d& error) {
@@ -50,8 +48,9 @@ MuseumScore museum_score(const TrueMuseum& truth, const DirectionOfPixel& mapped
   const auto& projectors = truth.truth().projectors;
   for (std::size_t p = 0; p < projectors.size(); ++p) {
     const Pinhole& lens = projectors[p].lens.pinhole();
-    for (int y = kStep_px / 2; y < lens.height_px; y += kStep_px) {
-      for (int x = kStep_px / 2; x < lens.width_px; x += kStep_px) {
+    const int step = std::max(4, lens.width_px / 80);
+    for (int y = step / 2; y < lens.height_px; y += step) {
+      for (int x = step / 2; x < lens.width_px; x += step) {
         const Eigen::Vector2d pixel(x + 0.37, y + 0.61);
         const auto at = truth.wall_at(p, pixel.x(), pixel.y());
         const auto slope = slope_at(p, pixel);

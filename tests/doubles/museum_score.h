@@ -10,7 +10,7 @@
 
 namespace cyclorama {
 
-/// In projector pixels, on the wall, every 24th pixel each way.
+/// In projector pixels, on the wall, of 80 columns of a picture.
 struct MuseumScore {
   double mean_px = 0.0;  ///< Between two projectors: how far apart they draw one place of the wall.
   double p95_px = 0.0;

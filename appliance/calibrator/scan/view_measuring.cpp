@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "appliance/calibrator/patterns/pattern_drawing.h"
@@ -15,6 +16,10 @@ namespace {
 // is noise.
 constexpr double kLeastLit = 0.002;
 constexpr int kMostExposures = 12;
+// A pattern and its inverse together are white and black together; cameras' curves bend that by a sixth at most.
+constexpr float kUneven = 0.3f;
+constexpr float kUnevenCodes = 0.03f;
+constexpr float kLitGain = 0.05f;
 
 class ViewMeasuring {
  public:
@@ -54,12 +59,16 @@ class ViewMeasuring {
     }
     TRY_ASSIGN(Decoder decoder, Decoder::from(set_, settings_.decode, camera_.width_px(), camera_.height_px()));
     // White and black come first in every set, and were photographed for the exposure.
+    Photo pattern;
     TRY(decoder.add(white_));
     TRY(decoder.add(black_));
     for (std::size_t i = 2; i < set_.pictures.size(); ++i) {
       const double fraction = static_cast<double>(i) / static_cast<double>(set_.pictures.size());
-      TRY_ASSIGN(const Photo photo, photographed(set_.pictures[i], settings_.photographs, fraction));
+      TRY_ASSIGN(Photo photo, photographed(set_.pictures[i], settings_.photographs, fraction));
       TRY(decoder.add(photo));
+      if (set_.pictures[i].kind != PatternKind::kBit) continue;
+      if (set_.pictures[i].is_inverse) view.disturbed = std::max(view.disturbed, uneven_share(pattern, photo));
+      pattern = std::move(photo);
     }
     view.pictures = pictures_;
     view.exposure_s = exposure_s_;
@@ -71,6 +80,21 @@ class ViewMeasuring {
     }
     take_places(*decoded, &view);
     return view;
+  }
+
+  /// Of the lit pixels, those where a pattern and its inverse do not add up: somebody is in the way of some of the
+  /// photographs. The decoder's own judgement cannot tell that from noise when no pixel was spared.
+  [[nodiscard]] double uneven_share(const Photo& pattern, const Photo& inverse) const {
+    std::size_t lit = 0;
+    std::size_t uneven = 0;
+    for (std::size_t i = 0; i < white_.data().size(); i += 3) {
+      const float gain = std::max(white_.data()[i] - black_.data()[i], std::abs(pattern.data()[i] - inverse.data()[i]));
+      if (gain < kLitGain) continue;
+      ++lit;
+      const float off = pattern.data()[i] + inverse.data()[i] - white_.data()[i] - black_.data()[i];
+      uneven += static_cast<std::size_t>(std::abs(off) > kUneven * gain + kUnevenCodes);
+    }
+    return lit == 0 ? 0.0 : static_cast<double>(uneven) / static_cast<double>(lit);
   }
 
   Result<Photo> photographed(const PatternPicture& picture, int times, double fraction) {
@@ -126,14 +150,9 @@ class ViewMeasuring {
   }
 
   void take_places(const Decoded& decoded, ScanView* view) const {
-    std::size_t disturbed = 0;
-    std::size_t lit = 0;
     for (int y = 0; y < decoded.fate.height(); ++y) {
       for (int x = 0; x < decoded.fate.width(); ++x) {
-        const PixelFate fate = *decoded.fate.at(x, y);
-        lit += static_cast<std::size_t>(fate != PixelFate::kDark);
-        disturbed += static_cast<std::size_t>(fate == PixelFate::kDisturbed);
-        if (fate != PixelFate::kDecoded) continue;
+        if (*decoded.fate.at(x, y) != PixelFate::kDecoded) continue;
         const float* position = decoded.position_px.at(x, y);
         const float* sigma = decoded.sigma_px.at(x, y);
         Correspondence place;
@@ -147,7 +166,6 @@ class ViewMeasuring {
         view->places.push_back(place);
       }
     }
-    view->disturbed = lit == 0 ? 0.0 : static_cast<double>(disturbed) / static_cast<double>(lit);
   }
 
   const ViewOrder& order_;

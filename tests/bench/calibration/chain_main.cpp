@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole chain in simulated museums: calibration_bench rooms [--quick]. Prints a table, then a line of JSON.
+// The whole chain in simulated museums: calibration_bench rooms|trade [--quick]. Prints a table; rooms also a line of
+// JSON, which trade writes to a file.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/bench/calibration/chain_case.h"
+#include "tests/bench/calibration/chain_trade.h"
 
 namespace cyclorama {
 namespace {
@@ -96,12 +98,16 @@ int main(int argc, char** argv) {
   std::uint32_t seed = 1;
   std::string folder = "build/calibration-bench";
   CLI::App* rooms = app.add_subcommand("rooms", "Every kind of room");
-  for (CLI::App* command : {rooms}) {
+  CLI::App* trade = app.add_subcommand("trade", "One knob at a time");
+  std::string json;
+  trade->add_option("--json", json, "For the figures")->required();
+  for (CLI::App* command : {rooms, trade}) {
     command->add_flag("--quick", is_quick, "Fewer of them, and smaller");
-    command->add_option("--only", only, "That one alone");
-    command->add_option("--seed", seed, "Of the rooms");
     command->add_option("--folder", folder, "For what is measured; emptied afterwards");
   }
+  rooms->add_option("--only", only, "That one alone");
+  rooms->add_option("--seed", seed, "Of the rooms");
   CLI11_PARSE(app, argc, argv);
+  if (trade->parsed()) return cyclorama::trade(is_quick, folder, json);
   return cyclorama::rooms(is_quick, only, seed, folder);
 }

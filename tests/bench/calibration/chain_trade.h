@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+namespace cyclorama {
+
+/// Sweeps one knob of a calibration at a time, prints a table, and writes what trade.py draws. Returns what main does.
+int trade(bool is_quick, const std::filesystem::path& folder, const std::filesystem::path& json_file);
+
+}  // namespace cyclorama

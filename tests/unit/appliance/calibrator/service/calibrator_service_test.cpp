@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// The service over gRPC, with a very small simulated museum behind it.
+#include "appliance/calibrator/service/calibrator_service.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <numbers>
+#include <thread>
+
+#include "appliance/calibrator/scan/simulated_devices.h"
+#include "appliance/calibrator/solve/calibration_file.h"
+#include "common/wire/channel.h"
+#include "drivers/simulated_room/presets.h"
+#include "drivers/turnplate/simulated/simulated_turnplate.h"
+
+namespace cyclorama {
+namespace {
+
+using ::testing::HasSubstr;
+
+class CalibratorServiceTest : public ::testing::Test {
+ protected:
+  CalibratorServiceTest()
+      : folder_(std::filesystem::path(::testing::TempDir()) / ("calibrator-" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+    PresetOptions options;
+    options.projectors = 2;
+    options.projector_width_px = 160;
+    options.projector_height_px = 100;
+    options.camera_megapixels = 0.08;
+    const auto preset = make_preset("cylinder126", 1, options);
+    museum_.emplace(*SimulatedMuseum::make(preset->installation, preset->truth));
+    service_.emplace(
+        preset->installation, folder_, [this] { return open(); }, clock_, &inspection_);
+    server_ = *WireServer::start("[::1]:0", {&*service_});
+    stub_ = wire::Calibrator::NewStub(*make_channel("[::1]:" + std::to_string(server_->port())));
+  }
+  ~CalibratorServiceTest() override {
+    service_->stop();
+    server_->stop(std::chrono::seconds(5));
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  Result<CalibrationDevices> open() {
+    CalibrationDevices devices;
+    devices.plate = std::make_unique<SimulatedTurnplate>(&*museum_);
+    devices.camera = std::make_unique<SimulatedScanCamera>(&*museum_, PhotographColour::kGrey);
+    devices.screen = std::make_unique<SimulatedPatternScreen>(&*museum_);
+    devices.settings.camera =
+        data_sheet_lens(devices.camera->width_px(), devices.camera->height_px(), 70.0 * std::numbers::pi / 180.0);
+    return devices;
+  }
+  /// Ends with `cancel_after` progress messages, or by itself.
+  grpc::Status calibrate(const wire::CalibrateOrder& order, int cancel_after = 1 << 30) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
+    const auto reader = stub_->Calibrate(&context, order);
+    progress_.clear();
+    wire::CalibrateProgress message;
+    while (reader->Read(&message)) {
+      progress_.push_back(message);
+      if (static_cast<int>(progress_.size()) >= cancel_after) context.TryCancel();
+    }
+    return reader->Finish();
+  }
+
+  const SteadyClock clock_;
+  std::filesystem::path folder_;
+  std::optional<SimulatedMuseum> museum_;
+  InspectionService inspection_{"calibrator"};
+  std::optional<CalibratorService> service_;
+  std::unique_ptr<WireServer> server_;
+  std::unique_ptr<wire::Calibrator::Stub> stub_;
+  std::vector<wire::CalibrateProgress> progress_;
+};
+
+TEST_F(CalibratorServiceTest, calibrates_tells_its_progress_and_goes_back) {
+  const auto done = calibrate({});
+  ASSERT_TRUE(done.ok()) << done.error_message();
+  ASSERT_GE(progress_.size(), 3u);
+  for (std::size_t i = 1; i < progress_.size(); ++i) {
+    EXPECT_GE(progress_[i].fraction(), progress_[i - 1].fraction());
+    EXPECT_FALSE(progress_[i - 1].has_done());
+  }
+  ASSERT_TRUE(progress_.back().has_done());
+  EXPECT_DOUBLE_EQ(progress_.back().fraction(), 1.0);
+  const std::string date = progress_.back().done().date();
+  EXPECT_EQ(read_calibration(folder_)->date, date);
+  EXPECT_GT(progress_.back().done().registration_p95_px(), 0.0);
+  EXPECT_TRUE(std::any_of(progress_.begin(), progress_.end(), [](const auto& p) { return !p.jpeg().empty(); }));
+  EXPECT_THAT(inspection_.status().state(), HasSubstr("calibrated 2 projectors"));
+
+  grpc::ClientContext nothing_before;
+  wire::RestoreAnswer answer;
+  EXPECT_EQ(stub_->Restore(&nothing_before, {}, &answer).error_code(), grpc::StatusCode::NOT_FOUND);
+  // A second one, as if it were later.
+  Calibration later = *read_calibration(folder_);
+  later.date = "2999-01-01T00-00-00Z";
+  ASSERT_TRUE(save_calibration(folder_, later).has_value());
+  grpc::ClientContext context;
+  const auto restored = stub_->Restore(&context, {}, &answer);
+  ASSERT_TRUE(restored.ok()) << restored.error_message();
+  EXPECT_EQ(answer.date(), date);
+  EXPECT_EQ(read_calibration(folder_)->date, date);
+}
+
+TEST_F(CalibratorServiceTest, cancelled_leaves_no_calibration_and_goes_on_when_told_to) {
+  const auto cancelled = calibrate({}, 3);
+  EXPECT_EQ(cancelled.error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "calibration.json"));
+  wire::CalibrateOrder resume;
+  resume.set_resume(true);
+  // The call of before may take a photograph longer to end.
+  grpc::Status resumed;
+  for (int i = 0; i < 100; ++i) {
+    resumed = calibrate(resume);
+    if (resumed.error_code() != grpc::StatusCode::FAILED_PRECONDITION) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_TRUE(resumed.ok()) << resumed.error_message();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "calibration.json"));
+}
+
+TEST_F(CalibratorServiceTest, does_one_at_a_time) {
+  grpc::ClientContext context;
+  const auto first = stub_->Calibrate(&context, {});
+  wire::CalibrateProgress message;
+  ASSERT_TRUE(first->Read(&message));
+  const auto second = calibrate({});
+  EXPECT_EQ(second.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(second.error_message(), HasSubstr("runs already"));
+  context.TryCancel();
+  while (first->Read(&message)) {
+  }
+  EXPECT_EQ(first->Finish().error_code(), grpc::StatusCode::CANCELLED);
+}
+
+TEST_F(CalibratorServiceTest, has_nothing_to_resume_at_first) {
+  wire::CalibrateOrder resume;
+  resume.set_resume(true);
+  const auto refused = calibrate(resume);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(refused.error_message(), HasSubstr("nothing to go on with"));
+}
+
+}  // namespace
+}  // namespace cyclorama

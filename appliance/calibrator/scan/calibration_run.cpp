@@ -4,12 +4,29 @@
 #include <ctime>
 #include <optional>
 
+#include "appliance/calibrator/scan/light_scan.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 
 namespace cyclorama {
 namespace {
-constexpr double kScanPart = 0.9;  // Of the bar.
+constexpr double kWallPart = 0.7;  // Of the bar.
+constexpr double kLightPart = 0.9;
 constexpr double kSolvePart = 0.98;
+
+/// What is not there yet, its maps, comes from the calibration.
+Result<Photometry> photometry_of(LightScan light, const Calibration& calibration) {
+  for (const CalibratedProjector& projector : calibration.projectors)
+    light.input.projectors.push_back({projector.name, projector.map});
+  return photometry(light.input);
+}
+
+std::vector<CalibratedColour> colours_of(const Photometry& photometry, const Calibration& calibration) {
+  std::vector<CalibratedColour> colours;
+  for (std::size_t p = 0; p < photometry.heads.size(); ++p)
+    colours.push_back({calibration.projectors[p].name, photometry.heads[p].mask, photometry.heads[p].colour});
+  return colours;
+}
+
 }  // namespace
 
 Result<CalibrationOutcome> run_calibration(const Installation& installation, const ScanSettings& settings,
@@ -21,18 +38,19 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   };
   CalibrationOutcome outcome;
   TimePoint begun = clock.now();
-  TRY_ASSIGN(WallScan scan, scan_wall(
-                                installation, settings, devices, folder / "scan",
-                                [&](const ScanProgress& progress) {
-                                  if (!listener) return;
-                                  listener({progress.step, kScanPart * progress.fraction, progress.newest});
-                                },
-                                stop));
-  outcome.pictures = scan.pictures;
+  const auto part = [&](double from, double to) -> ScanListener {
+    return [&listener, from, to](const ScanProgress& progress) {
+      if (listener) listener({progress.step, from + (to - from) * progress.fraction, progress.newest});
+    };
+  };
+  TRY_ASSIGN(WallScan scan, scan_wall(installation, settings, devices, folder / "scan", part(0.0, kWallPart), stop));
+  TRY_ASSIGN(LightScan light,
+             scan_light(installation, scan.views, settings.view.exposure, devices, part(kWallPart, kLightPart), stop));
+  outcome.pictures = scan.pictures + light.pictures;
   outcome.retries = scan.retries;
   outcome.scan_s = to_seconds(clock.now() - begun);
 
-  tell("finds out where everything is", kScanPart);
+  tell("finds out where everything is", kLightPart);
   begun = clock.now();
   // One that cannot be read is no reason to have none: it is only not compared with.
   std::optional<Calibration> previous;
@@ -45,12 +63,20 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   options.previous = previous ? &*previous : nullptr;
   TRY_ASSIGN(outcome.calibration, calibrate(scan.measurements, date, options));
   outcome.registration = measured_registration(scan.measurements, outcome.calibration);
+  std::vector<CalibratedColour> colours;
+  if (auto found = photometry_of(std::move(light), outcome.calibration)) {
+    scan.remarks.insert(scan.remarks.end(), found->remarks.begin(), found->remarks.end());
+    colours = colours_of(*found, outcome.calibration);
+    outcome.light = *std::move(found);
+  } else {
+    scan.remarks.push_back("brightness and colours stay as they were: " + found.error().message());
+  }
   outcome.solve_s = to_seconds(clock.now() - begun);
   auto& remarks = outcome.calibration.remarks;
   remarks.insert(remarks.begin(), scan.remarks.begin(), scan.remarks.end());
   if (stop.stop_requested()) return cancelled();
   tell("writes the calibration", kSolvePart);
-  TRY(save_calibration(folder, outcome.calibration));
+  TRY(save_calibration(folder, outcome.calibration, colours));
   tell("is calibrated", 1.0);
   return outcome;
 }

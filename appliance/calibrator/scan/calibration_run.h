@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// One calibration from beginning to end:
 ///
-///     scan_wall() ─▶ calibrate() ─▶ save_calibration()          FOLDER/calibration.json, FOLDER/calibrations/DATE/
-///         │ FOLDER/scan: what was seen, to go on with
+///     scan_wall() ─▶ scan_light() ─▶ calibrate() ─▶ photometry() ─▶ save_calibration()
+///         │ FOLDER/scan: what was seen, to go on with               FOLDER/calibration.json, FOLDER/calibrations/DATE/
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <stop_token>
 #include <string>
 
+#include "appliance/calibrator/photometry/photometry.h"
 #include "appliance/calibrator/scan/registration.h"
 #include "appliance/calibrator/scan/wall_scan.h"
 #include "appliance/calibrator/solve/calibrate.h"
@@ -19,6 +21,7 @@ namespace cyclorama {
 struct CalibrationOutcome {
   Calibration calibration;  ///< With the scan's remarks among its own.
   MeasuredRegistration registration;
+  std::optional<Photometry> light;  ///< Absent where it could not be found: a remark says why.
   int pictures = 0;
   int retries = 0;
   double scan_s = 0.0;  ///< By the clock that was given: of a simulated museum these are its computer's, not its own.
@@ -26,8 +29,9 @@ struct CalibrationOutcome {
 };
 
 /// `date` names the calibration: "2026-11-22T13-05-00Z". The one of before is never replaced by a worse one.
-/// Errors of scan_wall(), calibrate() and save_calibration(), each with its remedy; the calibration that counts is the
-/// one of before then. Blocks, for minutes.
+/// Where brightness and colour cannot be found, the geometry is all that is written, and a remark says what to do.
+/// Errors of scan_wall(), scan_light(), calibrate() and save_calibration(), each with its remedy; the calibration that
+/// counts is the one of before then. Blocks, for minutes.
 Result<CalibrationOutcome> run_calibration(const Installation& installation, const ScanSettings& settings,
                                            const ScanDevices& devices, const std::filesystem::path& folder,
                                            const std::string& date, const Clock& clock, const ScanListener& listener,

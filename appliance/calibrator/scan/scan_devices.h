@@ -41,6 +41,8 @@ class ScanCamera {
   [[nodiscard]] virtual int height_px() const = 0;
   /// A grey camera gives the same in all channels.
   [[nodiscard]] virtual bool has_colour() const = 0;
+  /// Between one code and the next, in parts of the largest: of 8 bits, where a camera does not say otherwise.
+  [[nodiscard]] virtual double code_step() const { return 1.0 / 255.0; }
   /// What was exposed wholly after the call began. Codes as the sensor has them, divided by the largest.
   /// kInvalidArgument  an exposure that it cannot do.   kTimedOut, kUnavailable  as Camera::next_frame().
   virtual Result<ScanPhotograph> photograph(double exposure_s) = 0;

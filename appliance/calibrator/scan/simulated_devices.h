@@ -36,6 +36,7 @@ class SimulatedScanCamera final : public ScanCamera {
   [[nodiscard]] int width_px() const override { return museum_->camera_width_px(); }
   [[nodiscard]] int height_px() const override { return museum_->camera_height_px(); }
   [[nodiscard]] bool has_colour() const override { return colour_ == PhotographColour::kColour; }
+  [[nodiscard]] double code_step() const override { return 1.0 / ((1 << museum_->camera_bits()) - 1); }
   Result<ScanPhotograph> photograph(double exposure_s) override;
 
  private:

@@ -29,17 +29,6 @@ ScanIdentity identity_of(const Installation& installation, const ScanPlan& plan,
   return identity;
 }
 
-/// A plate that stalled has forgotten where it stands.
-Status turned(Turnplate& plate, double angle_rad) {
-  if (!plate.is_homed()) TRY(plate.home());
-  auto turn = plate.turn_to(angle_rad);
-  if (turn) return turn;
-  const ErrorCode code = turn.error().code();
-  if (code != ErrorCode::kTimedOut && code != ErrorCode::kBadData) return turn;
-  TRY(plate.home());
-  return plate.turn_to(angle_rad);
-}
-
 class WallScanning {
  public:
   WallScanning(const Installation& installation, const ScanSettings& settings, const ScanDevices& devices,
@@ -66,6 +55,7 @@ class WallScanning {
     TRY(refuse_dark_projectors(kept));
     for (const ScanView& view : kept.views()) scan_.pictures += view.pictures;
     scan_.measurements = measurements_of(kept);
+    scan_.views = kept.views();
     return std::move(scan_);
   }
 
@@ -82,7 +72,7 @@ class WallScanning {
           if (!has_turned) {
             tell(fmt::format("turns the camera to {:.0f} degrees", plan_.directions[d].angle_rad / kDegree), 0.0,
                  nullptr);
-            TRY(turned(devices_.plate, plan_.directions[d].angle_rad));
+            TRY(turn_plate(devices_.plate, plan_.directions[d].angle_rad));
             has_turned = true;
           }
           TRY_ASSIGN(ScanView view, undisturbed_view(d, p));
@@ -197,6 +187,16 @@ class WallScanning {
 };
 
 }  // namespace
+
+Status turn_plate(Turnplate& plate, double angle_rad) {
+  if (!plate.is_homed()) TRY(plate.home());
+  auto turn = plate.turn_to(angle_rad);
+  if (turn) return turn;
+  const ErrorCode code = turn.error().code();
+  if (code != ErrorCode::kTimedOut && code != ErrorCode::kBadData) return turn;
+  TRY(plate.home());
+  return plate.turn_to(angle_rad);
+}
 
 MeasuredLens data_sheet_lens(int width_px, int height_px, double field_of_view_rad) {
   MeasuredLens lens = MeasuredLens::from_focal(width_px, height_px, 0.5 * width_px / std::tan(0.5 * field_of_view_rad));

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "appliance/calibrator/scan/scan_plan.h"
+#include "appliance/calibrator/scan/scan_view.h"
 #include "appliance/calibrator/scan/view_measuring.h"
 #include "appliance/calibrator/solve/measurements.h"
 #include "drivers/turnplate/turnplate.h"
@@ -24,6 +25,8 @@ struct ScanDevices {
   PatternScreen& screen;
   ScanCamera& camera;
   Turnplate& plate;
+  /// The same camera with its colour filters, where `camera` is without: brightness and colour are measured with it.
+  ScanCamera* colour_camera = nullptr;
 };
 
 struct ScanSettings {
@@ -35,6 +38,10 @@ struct ScanSettings {
   double most_disturbed = 0.02;  ///< Of the lit pixels; with more the view is measured once more.
   bool resume = false;
 };
+
+/// Turns there; a plate that stalled has forgotten where it stands, and is homed and asked once more. Errors as
+/// Turnplate's.
+Status turn_plate(Turnplate& plate, double angle_rad);
 
 /// A lens of which one knows the field of view, as its data sheet has it, and no more: the directions of the plate
 /// teach the rest.
@@ -50,6 +57,7 @@ using ScanListener = std::function<void(const ScanProgress&)>;
 
 struct WallScan {
   Measurements measurements;
+  std::vector<ScanView> views;       ///< What the measurements were made of.
   std::vector<std::string> remarks;  ///< For the installer.
   int pictures = 0;                  ///< Photographs, of this scan and of those that it went on with.
   int retries = 0;                   ///< Views that were measured again, because somebody was in the way.

@@ -4,6 +4,7 @@
 #include <ctime>
 #include <optional>
 
+#include "appliance/calibrator/report/report_page.h"
 #include "appliance/calibrator/scan/light_scan.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 
@@ -77,6 +78,14 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   if (stop.stop_requested()) return cancelled();
   tell("writes the calibration", kSolvePart);
   TRY(save_calibration(folder, outcome.calibration, colours));
+  ReportFindings findings;
+  findings.residuals = wall_residuals(scan.measurements, outcome.calibration);
+  findings.registration = {outcome.registration.mean_px, outcome.registration.p95_px, outcome.registration.places};
+  if (auto report = write_report(folder, outcome.calibration, findings)) {
+    outcome.report = *std::move(report);
+  } else {
+    remarks.push_back("there is no report page: " + report.error().message());
+  }
   tell("is calibrated", 1.0);
   return outcome;
 }

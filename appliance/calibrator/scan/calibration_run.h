@@ -22,6 +22,7 @@ struct CalibrationOutcome {
   Calibration calibration;  ///< With the scan's remarks among its own.
   MeasuredRegistration registration;
   std::optional<Photometry> light;  ///< Absent where it could not be found: a remark says why.
+  std::filesystem::path report;     ///< The page for the installer; empty: it could not be written, a remark says why.
   int pictures = 0;
   int retries = 0;
   double scan_s = 0.0;  ///< By the clock that was given: of a simulated museum these are its computer's, not its own.

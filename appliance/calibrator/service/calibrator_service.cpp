@@ -126,6 +126,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   last.mutable_done()->set_date(calibration.date);
   for (const std::string& remark : calibration.remarks) last.mutable_done()->add_remarks(remark);
   last.mutable_done()->set_registration_p95_px(outcome->registration.p95_px);
+  last.mutable_done()->set_report_path(outcome->report.string());
   writer->Write(last);
   return grpc::Status::OK;
 }

@@ -22,6 +22,7 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::make(preset.installation, preset.truth));
   SimulatedPatternScreen screen(&museum);
   SimulatedScanCamera camera(&museum, PhotographColour::kGrey);
+  SimulatedScanCamera colour_camera(&museum, PhotographColour::kColour);
   SimulatedTurnplate plate(&museum);
   const KnownCamera known = camera_of_preset(chain.name);
   ScanSettings settings;
@@ -33,8 +34,8 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   const TimePoint begun = clock.now();
   const double museum_begun = museum.now_s();
   ChainResult result;
-  TRY_ASSIGN(result.outcome, run_calibration(museum.installation(), settings, {screen, camera, plate}, folder,
-                                             "2026-01-01T00-00-00Z", clock, {}, {}));
+  TRY_ASSIGN(result.outcome, run_calibration(museum.installation(), settings, {screen, camera, plate, &colour_camera},
+                                             folder, "2026-01-01T00-00-00Z", clock, {}, {}));
   result.museum_s = museum.now_s() - museum_begun;
   result.work_s = to_seconds(clock.now() - begun);
   const Calibration& calibration = result.outcome.calibration;
@@ -42,6 +43,11 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   result.score = museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
     return calibration.projectors[p].map.direction_at(pixel);
   });
+  if (result.outcome.light) {
+    result.seams = seam_score(museum.truth(), *result.outcome.light);
+    result.seams_before = seam_score(museum.truth(), *result.outcome.light, false);
+    result.response_rms = response_rms(museum.truth(), *result.outcome.light);
+  }
   std::filesystem::remove_all(folder, ignored);
   return result;
 }

@@ -10,6 +10,7 @@
 #include "appliance/calibrator/scan/calibration_run.h"
 #include "drivers/simulated_room/presets.h"
 #include "tests/doubles/museum_score.h"
+#include "tests/doubles/photometry_museum.h"
 
 namespace cyclorama {
 
@@ -24,6 +25,9 @@ struct ChainCase {
 struct ChainResult {
   MuseumScore score;
   CalibrationOutcome outcome;
+  SeamScore seams{};         ///< Of the corrected wall; where the outcome has light.
+  SeamScore seams_before{};  ///< Without its correction: blended, and taken for sRGB.
+  double response_rms = 0.0;
   double museum_s = 0.0;  ///< Of the museum's clock: what a visitor would wait.
   double work_s = 0.0;    ///< Of this computer: light, decoding and solving.
   std::size_t directions = 0;

@@ -67,9 +67,20 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const std:
         key, room.projectors, score.mean_px, score.p95_px, score.max_px, score.true_p95_px, missing,
         outcome.registration.p95_px, result->directions, outcome.pictures, result->museum_s, each, outcome.solve_s,
         result->work_s);
+    if (outcome.light) {
+      const SeamScore& seams = result->seams;
+      const SeamScore& before = result->seams_before;
+      fmt::print(
+          "    light: responses {:.2f} %, seams' step p95 {:.2f} % (before {:.1f} %), dE mean {:.2f} p95 {:.2f} "
+          "(before {:.1f}, {:.1f}), masks within {:.2f} %, light kept {:.0f} % (flat {:.0f} %)\n",
+          100.0 * result->response_rms, 100.0 * seams.step_p95, 100.0 * before.step_p95, seams.delta_e_mean,
+          seams.delta_e_p95, before.delta_e_mean, before.delta_e_p95, 100.0 * seams.mask_sum_error,
+          100.0 * outcome.light->light_kept, 100.0 * outcome.light->light_kept_flat);
+    }
     for (const std::string& remark : outcome.calibration.remarks) fmt::print("    {}\n", remark);
     if (outcome.calibration.wall) fmt::print("    wall: {}\n", outcome.calibration.wall->reason);
     std::fflush(stdout);
+    if (!outcome.light) is_done = false;
     json[key] = {{"mean_px", rounded(score.mean_px)},
                  {"p95_px", rounded(score.p95_px)},
                  {"max_px", rounded(score.max_px)},
@@ -78,6 +89,10 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const std:
                  {"seconds", rounded(result->museum_s)},
                  {"seconds_per_pattern", rounded(each)},
                  {"solve_s", rounded(outcome.solve_s)},
+                 {"seam_step", rounded(result->seams.step_p95)},
+                 {"seam_de_mean", rounded(result->seams.delta_e_mean)},
+                 {"seam_de_p95", rounded(result->seams.delta_e_p95)},
+                 {"response_rms", rounded(result->response_rms)},
                  {"places", score.places},
                  {"projector_width_px", chain.museum.projector_width_px},
                  {"camera_megapixels", chain.museum.camera_megapixels},

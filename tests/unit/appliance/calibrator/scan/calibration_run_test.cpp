@@ -13,21 +13,24 @@
 #include "drivers/simulated_room/presets.h"
 #include "drivers/turnplate/simulated/simulated_turnplate.h"
 #include "tests/doubles/museum_score.h"
+#include "tests/doubles/photometry_museum.h"
 
 namespace cyclorama {
 namespace {
 
-class CalibrationRun : public ::testing::TestWithParam<const char*> {
+class InFolder : public ::testing::Test {
  protected:
-  CalibrationRun() : folder_(std::filesystem::path(::testing::TempDir()) / ("chain-" + std::to_string(getpid()))) {
+  InFolder() : folder_(std::filesystem::path(::testing::TempDir()) / ("chain-" + std::to_string(getpid()))) {
     std::filesystem::create_directories(folder_);
   }
-  ~CalibrationRun() override {
+  ~InFolder() override {
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);
   }
   std::filesystem::path folder_;
 };
+class CalibrationRun : public InFolder, public ::testing::WithParamInterface<const char*> {};
+class CalibrationOfLight : public InFolder {};
 
 MuseumScore score_of(const SimulatedMuseum& museum, const Calibration& calibration) {
   return museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
@@ -82,6 +85,41 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
   ASSERT_TRUE(again.has_value()) << again.error().message();
   EXPECT_LE(score_of(*museum, again->calibration).p95_px, 0.6);
   EXPECT_EQ(kept_calibrations(folder_).size(), 2u);
+}
+
+TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) {
+  PresetOptions options;
+  options.projectors = 2;
+  options.projector_width_px = 160;
+  options.projector_height_px = 100;
+  options.camera_megapixels = 0.1;
+  const auto preset = make_preset("cylinder126", 5, options);
+  ASSERT_TRUE(preset.has_value());
+  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  ASSERT_TRUE(museum.has_value());
+  SimulatedPatternScreen screen(&*museum);
+  SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
+  SimulatedScanCamera colour_camera(&*museum, PhotographColour::kColour);
+  SimulatedTurnplate plate(&*museum);
+  ScanSettings settings;
+  settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
+  const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, plate, &colour_camera},
+                                       folder_, "2026-01-01T00-00-00Z", SteadyClock(), {}, {});
+  ASSERT_TRUE(outcome.has_value()) << outcome.error().message();
+  ASSERT_TRUE(outcome->light.has_value()) << ::testing::PrintToString(outcome->calibration.remarks);
+  RecordProperty("response_rms", std::to_string(response_rms(museum->truth(), *outcome->light)));
+  EXPECT_LE(response_rms(museum->truth(), *outcome->light), 0.01);
+  const SeamScore before = seam_score(museum->truth(), *outcome->light, false);
+  const SeamScore after = seam_score(museum->truth(), *outcome->light, true);
+  EXPECT_LT(after.delta_e_p95, before.delta_e_p95);
+  EXPECT_LE(after.mask_sum_error, 0.005);
+
+  const auto written = read_colours(calibration_folder(folder_, outcome->calibration.date));
+  ASSERT_TRUE(written.has_value()) << written.error().message();
+  ASSERT_EQ(written->size(), 2u);
+  EXPECT_EQ(written->front().name, outcome->calibration.projectors.front().name);
+  EXPECT_EQ(written->front().mask.width(), 160);
+  EXPECT_TRUE(std::filesystem::exists(outcome->report));
 }
 
 INSTANTIATE_TEST_SUITE_P(rooms, CalibrationRun, ::testing::Values("cylinder126", "plane"));

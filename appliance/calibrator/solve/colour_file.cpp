@@ -28,13 +28,9 @@ constexpr std::size_t kMostPx = std::size_t{64} << 20;
 constexpr std::size_t kMostCodes = 65536;
 constexpr std::array<const char*, 3> kChannels{"red", "green", "blue"};
 
-bool is_file_name(const std::string& name) {
-  constexpr const char* kKnown = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
-  return !name.empty() && name.size() <= 60 && name[0] != '.' && name.find_first_not_of(kKnown) == std::string::npos;
-}
-
-std::string mask_file(const std::string& name) { return "mask-" + name + ".png"; }
-std::string lift_file(const std::string& name) { return "lift-" + name + ".png"; }
+// Counted from 1, as the maps are: a projector's name need not be a file's.
+std::string mask_file(std::size_t index) { return fmt::format("{}.mask.png", index + 1); }
+std::string lift_file(std::size_t index) { return fmt::format("{}.lift.png", index + 1); }
 
 Status write_picture(const fs::path& file, const OneChannel& picture) {
   MaskMap map(picture.width(), picture.height(), 1, 16);
@@ -94,9 +90,9 @@ HeadColour colour_of(StrictJson* json) {
 std::string colours_json(std::span<const CalibratedColour> colours) {
   Json projectors = Json::array();
   for (const CalibratedColour& one : colours) {
-    Json json{{"name", one.name}, {"mask", mask_file(one.name)}};
+    Json json{{"name", one.name}, {"mask", mask_file(projectors.size())}};
     if (one.colour.lift) {
-      json["lift"] = lift_file(one.name);
+      json["lift"] = lift_file(projectors.size());
       json["black_linear"] = {one.colour.black.x(), one.colour.black.y(), one.colour.black.z()};
     }
     if (one.colour.matrix) {
@@ -133,12 +129,12 @@ Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const
   for (StrictJson p : json.list("projectors", 0, 64)) {
     CalibratedColour one;
     one.name = p.text("name", 60);
-    if (!is_file_name(one.name)) p.at("name").refuse("is no name of a file; rename the projector");
     if (!names.insert(one.name).second) p.at("name").refuse("is another projector's name; give each its own");
     // Where pictures lie is not theirs to choose.
-    if (p.text("mask", 80) != mask_file(one.name)) p.at("mask").refuse("is not 'mask-NAME.png'; calibrate again");
-    if (p.has("lift") && p.text("lift", 80) != lift_file(one.name))
-      p.at("lift").refuse("is not 'lift-NAME.png'; calibrate again");
+    const std::size_t index = colours.size();
+    if (p.text("mask", 80) != mask_file(index)) p.at("mask").refuse("is not 'N.mask.png'; calibrate again");
+    if (p.has("lift") && p.text("lift", 80) != lift_file(index))
+      p.at("lift").refuse("is not 'N.lift.png'; calibrate again");
     one.colour = colour_of(&p);
     p.refuse_other_keys();
     colours.push_back(std::move(one));
@@ -150,15 +146,13 @@ Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const
 
 Status write_colours(const fs::path& own_folder, std::span<const CalibratedColour> colours) {
   std::set<std::string> names;
-  for (const CalibratedColour& one : colours) {
-    if (is_file_name(one.name) && names.insert(one.name).second) continue;
-    return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("projector '{}': no name of a file, or twice; name it with letters, digits, '-' and '_'",
-                             printable(one.name)));
-  }
-  for (const CalibratedColour& one : colours) {
-    TRY(write_picture(own_folder / mask_file(one.name), one.mask));
-    if (one.colour.lift) TRY(write_picture(own_folder / lift_file(one.name), *one.colour.lift));
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    if (!names.insert(colours[i].name).second) {
+      return Error(ErrorCode::kInvalidArgument,
+                   fmt::format("two projectors are called '{}'; give each its own name", printable(colours[i].name)));
+    }
+    TRY(write_picture(own_folder / mask_file(i), colours[i].mask));
+    if (colours[i].colour.lift) TRY(write_picture(own_folder / lift_file(i), *colours[i].colour.lift));
   }
   return write_file_atomically(own_folder / kFile, colours_json(colours));
 }
@@ -168,10 +162,10 @@ Result<std::vector<CalibratedColour>> read_colours(const fs::path& own_folder) {
   if (!text && text.error().code() == ErrorCode::kNotFound) return std::vector<CalibratedColour>{};
   if (!text) return std::move(text).error();
   TRY_ASSIGN(std::vector<CalibratedColour> colours, parse_colours(*text, (own_folder / kFile).string()));
-  for (CalibratedColour& one : colours) {
-    TRY_ASSIGN(one.mask, read_picture(own_folder / mask_file(one.name)));
-    if (!one.colour.lift) continue;
-    TRY_ASSIGN(one.colour.lift, read_picture(own_folder / lift_file(one.name)));
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    TRY_ASSIGN(colours[i].mask, read_picture(own_folder / mask_file(i)));
+    if (!colours[i].colour.lift) continue;
+    TRY_ASSIGN(colours[i].colour.lift, read_picture(own_folder / lift_file(i)));
   }
   return colours;
 }

@@ -2,12 +2,13 @@
 /// colours.json: how bright each projector's pixels may be and which codes make its light, beside a calibration's maps.
 ///
 ///     FOLDER/calibrations/DATE/colours.json      absent where only geometry was measured
-///     FOLDER/calibrations/DATE/mask-NAME.png     grey, 16 bits: a factor on linear light, 65535 is 1
-///     FOLDER/calibrations/DATE/lift-NAME.png     the same of the head's black; where there is any
+///     FOLDER/calibrations/DATE/N.mask.png        of projector N (from 1): grey, 16 bits: a factor on linear light,
+///                                                65535 is 1
+///     FOLDER/calibrations/DATE/N.lift.png        the same of the head's black; where there is any
 ///
 ///     {"format": "cyclorama-colours", "version": 1,
-///      "projectors": [{"name": "left", "mask": "mask-left.png",
-///                      "lift": "lift-left.png", "black_linear": [0.002, 0.002, 0.003],     with `lift` only
+///      "projectors": [{"name": "left", "mask": "1.mask.png",
+///                      "lift": "1.lift.png", "black_linear": [0.002, 0.002, 0.003],     with `lift` only
 ///                      "matrix": [[0.98, 0.01, 0], [0.01, 0.97, 0], [0, 0, 1]],            or left out
 ///                      "response": {"red": [0, ..., 1], "green": [...], "blue": [...]}}]}  or left out: sRGB
 ///
@@ -37,8 +38,8 @@ struct CalibratedColour {
 /// The opposite: masks are empty, a lift too. Errors as parse_calibration().
 Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const std::string& name);
 
-/// Into a calibration's own folder, pictures first. kInvalidArgument  a projector's name that is no file's (letters,
-/// digits, '-', '_' and '.', not first), or one twice.     kSystem  errno says why.
+/// Into a calibration's own folder, pictures first. kInvalidArgument  a projector's name twice.     kSystem  errno says
+/// why.
 Status write_colours(const std::filesystem::path& own_folder, std::span<const CalibratedColour> colours);
 /// None where there is no colours.json. kBadData  a file is not what it should be, and which; sizes of pictures are the
 /// caller's to compare.

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Point {
+struct TradePoint {
   std::string knob;
   std::string value;
   ChainCase chain;
@@ -29,10 +29,10 @@ ChainCase base_case() {
   return chain;
 }
 
-std::vector<Point> points(bool is_quick) {
-  std::vector<Point> all;
+std::vector<TradePoint> points(bool is_quick) {
+  std::vector<TradePoint> all;
   const auto add = [&](const char* knob, std::string value, const auto& change) {
-    Point point{knob, std::move(value), base_case()};
+    TradePoint point{knob, std::move(value), base_case()};
     change(&point.chain);
     all.push_back(std::move(point));
   };
@@ -68,7 +68,7 @@ std::vector<Point> points(bool is_quick) {
   for (const int directions : {2, 3, 4, 6}) {
     add("directions", std::to_string(directions), [=](ChainCase* chain) { chain->directions = directions; });
   }
-  if (is_quick) std::erase_if(all, [n = 0](const Point&) mutable { return n++ % 2 != 0; });
+  if (is_quick) std::erase_if(all, [n = 0](const TradePoint&) mutable { return n++ % 2 != 0; });
   return all;
 }
 
@@ -78,7 +78,7 @@ int trade(bool is_quick, const std::filesystem::path& folder, const std::filesys
   Json json = Json::array();
   fmt::print("{:<20}{:<30}{:>8}{:>8}{:>8}{:>10}{:>10}{:>10}{:>9}\n", "knob", "value", "mean", "p95", "max", "true p95",
              "pictures", "museum s", "solve s");
-  for (const Point& point : points(is_quick)) {
+  for (const TradePoint& point : points(is_quick)) {
     const auto result = run_chain(point.chain, folder);
     if (!result) {
       fmt::print("{:<20}{:<30}  {}\n", point.knob, point.value, result.error().message());

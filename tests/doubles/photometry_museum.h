@@ -54,7 +54,7 @@ struct SeamScore {
   double delta_e_black_p95 = 0.0;  ///< Of content 0 alone.
   double mask_sum_error = 0.0;     ///< The largest difference from 1 of the weights where two projectors or more light.
 };
-/// `uses_photometry` false: what the wall looks like without: blend only, sRGB.
+/// `uses_photometry` false: what the wall looks like without: no mask, sRGB.
 SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry = true);
 
 /// The wall with one linear grey on it, as an eye at the sweet spot sees it: sRGB, azimuths of 65 degrees to either side

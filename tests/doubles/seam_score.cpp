@@ -19,16 +19,16 @@ const Eigen::Vector3d kLuminance{0.2126, 0.7152, 0.0722};  // ITU-R BT.709.
 Eigen::Vector3d as_vector(const RoomColour& colour) { return {colour[0], colour[1], colour[2]}; }
 
 template <int Channels>
-std::array<double, Channels> bilinear(const Image<float, Channels>& image, const Eigen::Vector2d& pixel) {
+std::array<double, std::size_t{Channels}> bilinear(const Image<float, Channels>& image, const Eigen::Vector2d& pixel) {
   const double x = std::clamp(pixel.x() - 0.5, 0.0, image.width() - 1.001);
   const double y = std::clamp(pixel.y() - 0.5, 0.0, image.height() - 1.001);
   const int x0 = static_cast<int>(x);
   const int y0 = static_cast<int>(y);
-  std::array<double, Channels> result{};
+  std::array<double, std::size_t{Channels}> result{};
   for (int corner = 0; corner < 4; ++corner) {
     const double part = (corner % 2 == 0 ? 1.0 - (x - x0) : x - x0) * (corner / 2 == 0 ? 1.0 - (y - y0) : y - y0);
     const float* value = image.at(x0 + corner % 2, y0 + corner / 2);
-    for (std::size_t c = 0; c < Channels; ++c) result.at(c) += part * static_cast<double>(value[c]);
+    for (std::size_t c = 0; c < result.size(); ++c) result.at(c) += part * static_cast<double>(value[c]);
   }
   return result;
 }
@@ -40,7 +40,8 @@ class ShownWall {
       : museum_(museum) {
     std::vector<RgbImage> rounded;
     for (const PhotometricHead& head : photometry.heads) {
-      const MaskImage& mask = uses_photometry ? head.mask : head.weight;
+      const MaskImage all(head.mask.width(), head.mask.height(), 1.0f);
+      const MaskImage& mask = uses_photometry ? head.mask : all;
       const HeadColour plain;
       const HeadColour& colour = uses_photometry ? head.colour : plain;
       Image<float, 3> codes(mask.width(), mask.height());

@@ -18,6 +18,7 @@ constexpr double kTargetStep_rad = 0.35 * kDegree;
 constexpr double kBlur_rad = 1.0 * kDegree;
 constexpr double kNoShare = 1e-3;  // Who has less of a place does not limit it.
 constexpr int kStep_px = 2;        // Masks are smooth: every other pixel is enough.
+constexpr float kSteep = 0.03f;    // Where pictures' corners meet weights change quickly.
 constexpr double kLeastLift = 1e-7;
 
 /// What one pixel of a head gets.
@@ -27,6 +28,18 @@ struct PixelShare {
   float weight = 0.0f;
   float lift = 0.0f;  ///< In parts of the head's own white there; not yet scaled.
 };
+
+/// Whether what lies between is as well interpolated.
+bool is_even(const std::array<const PixelShare*, 4>& corners) {
+  float least = 1.0f;
+  float most = 0.0f;
+  for (const PixelShare* corner : corners) {
+    if (!corner->is_lit) return false;
+    least = std::min(least, corner->weight);
+    most = std::max(most, corner->weight);
+  }
+  return most - least < kSteep;
+}
 
 class HeadMaker {
  public:
@@ -177,7 +190,7 @@ void HeadMaker::make_images(std::size_t projector, PhotometricHead* head) const 
       const std::array<float, 4> parts = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
       PixelShare share;
       const bool is_inside = (column + 1) * kStep_px <= map.width_px && (row + 1) * kStep_px <= map.height_px;
-      if (is_inside && std::ranges::all_of(corners, [](const PixelShare* s) { return s->is_lit; })) {
+      if (is_inside && is_even(corners)) {
         for (std::size_t i = 0; i < 4; ++i) {
           share.mask += parts.at(i) * corners.at(i)->mask;
           share.weight += parts.at(i) * corners.at(i)->weight;

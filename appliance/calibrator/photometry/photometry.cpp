@@ -94,6 +94,11 @@ void remark_on(const PhotometryInput& input, const WallLighting& lighting, const
                     "ambient light steady and the camera's gain fixed, then calibrate again",
                     100.0 * lighting.unexplained));
   }
+  if (!lighting.has_vignetting) {
+    remarks.emplace_back(
+        "no place was seen from two stops of the camera, so what its lens darkens counts as the "
+        "projectors'; let neighbouring stops see half of the same wall");
+  }
   if (gamut == nullptr) {
     remarks.emplace_back("the camera sees no colours, so the projectors' were not matched; use a colour camera");
   } else if (gamut->area_kept < kGamut) {

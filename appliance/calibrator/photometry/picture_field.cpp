@@ -127,15 +127,4 @@ PictureField FieldFit::fit(const Eigen::VectorXd& values) const {
   return field;
 }
 
-Eigen::VectorXd FieldFit::at_samples(const PictureField& field) const {
-  Eigen::VectorXd values(static_cast<Eigen::Index>(state_->shares.size()));
-  for (std::size_t i = 0; i < state_->shares.size(); ++i) {
-    double sum = 0.0;
-    for (const Share& share : state_->shares[i])
-      sum += share.second * field.coefficients[static_cast<std::size_t>(share.first)];
-    values(static_cast<Eigen::Index>(i)) = sum;
-  }
-  return values;
-}
-
 }  // namespace cyclorama

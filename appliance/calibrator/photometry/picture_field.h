@@ -28,7 +28,7 @@ struct FieldSample {
   double sigma = 1.0;
 };
 
-/// Fits fields to samples at the same places again and again: the matrix is made and factored once. Movable.
+/// Least squares with the energy of a thin plate. Movable.
 class FieldFit {
  public:
   /// `bend` is the change of slope that is expected from a knot to the next.
@@ -40,8 +40,6 @@ class FieldFit {
   [[nodiscard]] bool is_solved() const;
   /// One value per sample. Linear in them.
   [[nodiscard]] PictureField fit(const Eigen::VectorXd& values) const;
-  /// What a field says at the samples.
-  [[nodiscard]] Eigen::VectorXd at_samples(const PictureField& field) const;
 
  private:
   struct State;

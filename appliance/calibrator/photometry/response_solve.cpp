@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "appliance/calibrator/photometry/cubic_basis.h"
 #include "appliance/calibrator/photometry/ramp_blocks.h"
@@ -14,30 +15,46 @@ namespace {
 
 constexpr int kIntervals = 24;
 constexpr int kCamera = kIntervals + 3;
-constexpr double kBend = 0.01;     // Expected change of slope per interval of the camera's curve.
+constexpr double kBend = 0.02;  // Expected change of slope per interval of the camera's curve,
+constexpr double kTwist =
+    7e-5;  // and of that change: two exposures alone leave waves open that repeat with their ratio.
 constexpr double kGauge = 1e-6;    // How exactly the highest code's light is 1.
 constexpr double kAnyCurve = 1.0;  // Prior on a response: it lies in [0, 1].
-constexpr int kRounds = 12;
-constexpr double kStartGamma = 2.2;
+constexpr int kRounds = 20;
+constexpr int kStartRounds = 5;
+constexpr double kConverged = 1e-6;
+
+/// Somebody walks through, a lamp flickers: what is far off counts little. `scale` of 0: all counts.
+double cauchy_weight(double normalised, double scale) {
+  if (!(scale > 0.0)) return 1.0;
+  const double ratio = normalised / (4.0 * scale);
+  return 1.0 / (1.0 + ratio * ratio);
+}
+
+/// The standard deviation of most of them.
+double scale_of(std::vector<double>* magnitudes) {
+  if (magnitudes->empty()) return 1.0;
+  const auto middle = magnitudes->begin() + static_cast<std::ptrdiff_t>(magnitudes->size() / 2);
+  std::nth_element(magnitudes->begin(), middle, magnitudes->end());
+  return std::max(0.1, 1.4826 * *middle);
+}
 
 /// Unknowns: the camera's coefficients, then the responses between black and full. Each block's own (rest, shares) are
 /// eliminated.
 class ResponseFit {
  public:
-  explicit ResponseFit(const RampProblem& problem) : problem_(problem), unknowns_(kCamera + problem.unknowns) {
-    response_.assign(static_cast<std::size_t>(problem.unknowns), 0.0);
-    for (std::size_t p = 0; p < problem.levels.size(); ++p) {
-      for (std::size_t light = 0; light < 4; ++light) {
-        auto at = static_cast<std::size_t>(problem.first_unknown[p].at(light));
-        for (const double level : problem.levels[p].at(light)) response_[at++] = std::pow(level, kStartGamma);
-      }
-    }
-  }
+  explicit ResponseFit(const RampProblem& problem)
+      : problem_(problem),
+        unknowns_(kCamera + problem.unknowns),
+        response_(static_cast<std::size_t>(problem.unknowns), 0.0) {}
 
-  /// The camera alone, linear: what was photographed twice had one light.
+  /// The camera alone, which is a linear problem: what was photographed twice had one light. Then the responses, as the
+  /// camera tells them.
   bool start();
+  /// How far most readings are off before the first step.
+  void find_scale();
   /// One Gauss-Newton step for all; the largest change, or nothing when the problem has no solution.
-  std::optional<double> step(bool is_robust);
+  std::optional<double> step();
 
   [[nodiscard]] const CameraResponse& camera() const { return camera_; }
   [[nodiscard]] double response(int unknown) const { return response_[static_cast<std::size_t>(unknown)]; }
@@ -46,8 +63,13 @@ class ResponseFit {
   [[nodiscard]] bool is_finite() const { return std::isfinite(residual_) && std::isfinite(scale_); }
 
  private:
+  bool start_camera();
+  void start_responses();
   void add_priors(Eigen::MatrixXd* normal, Eigen::VectorXd* right) const;
-  void add_block(const RampBlock& block, bool is_robust, Eigen::MatrixXd* normal, Eigen::VectorXd* right);
+  template <std::size_t N>
+  void add_difference(int first, const std::array<double, N>& shares, double sigma, Eigen::MatrixXd* normal,
+                      Eigen::VectorXd* right) const;
+  void add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eigen::VectorXd* right);
   [[nodiscard]] double response_at(const RampReading& r) const {
     if (r.light < 0) return 0.0;
     return r.unknown < 0 ? 1.0 : response(r.unknown);
@@ -58,7 +80,7 @@ class ResponseFit {
   CameraResponse camera_ = CameraResponse::linear(kIntervals);
   std::vector<double> response_;
   Eigen::VectorXd sigmas_;
-  double scale_ = 1.0;  ///< Of residuals over their sigmas.
+  double scale_ = 0.0;  ///< Of residuals over their sigmas; 0: not known yet.
   double residual_ = 0.0;
   std::vector<double> normalised_;
   double square_sum_ = 0.0;
@@ -75,19 +97,30 @@ void add_row(const CubicWeights& w, double factor, double weight, double residua
   }
 }
 
+template <std::size_t N>
+void ResponseFit::add_difference(int first, const std::array<double, N>& shares, double sigma, Eigen::MatrixXd* normal,
+                                 Eigen::VectorXd* right) const {
+  double difference = 0.0;
+  for (std::size_t a = 0; a < N; ++a)
+    difference += shares.at(a) * camera_.coefficients[static_cast<std::size_t>(first) + a];
+  const double weight = 1.0 / (sigma * sigma);
+  for (std::size_t a = 0; a < N; ++a) {
+    const int row = first + static_cast<int>(a);
+    (*right)(row) -= weight * shares.at(a) * difference;
+    for (std::size_t b = 0; b < N; ++b)
+      (*normal)(row, first + static_cast<int>(b)) += weight * shares.at(a) * shares.at(b);
+  }
+}
+
 void ResponseFit::add_priors(Eigen::MatrixXd* normal, Eigen::VectorXd* right) const {
-  const std::vector<double>& c = camera_.coefficients;
-  for (int i = 1; i + 1 < kCamera; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const double bend = c[at - 1] - 2.0 * c[at] + c[at + 1];
-    const double weight = 1.0 / (kBend * kBend);
-    constexpr std::array<double, 3> kShares = {1.0, -2.0, 1.0};
-    for (int a = 0; a < 3; ++a) {
-      const double wa = kShares.at(static_cast<std::size_t>(a));
-      (*right)(i - 1 + a) -= weight * wa * bend;
-      for (int b = 0; b < 3; ++b)
-        (*normal)(i - 1 + a, i - 1 + b) += weight * wa * kShares.at(static_cast<std::size_t>(b));
-    }
+  constexpr std::array<double, 3> kSecond = {1.0, -2.0, 1.0};
+  constexpr std::array<double, 4> kThird = {1.0, -3.0, 3.0, -1.0};
+  for (int i = 0; i + 3 <= kCamera; ++i) add_difference(i, kSecond, kBend, normal, right);
+  for (int i = 0; i + 4 <= kCamera; ++i) {
+    // Cameras' curves are powers of the light: straighter the brighter.
+    const double code = std::max(0.5, i + 0.5) / kIntervals;
+    const double darkness = std::max(1.0, 0.3 / code);
+    add_difference(i, kThird, kTwist * darkness * darkness, normal, right);
   }
   add_row(cubic_weights(kIntervals, kIntervals), 1.0, 1.0 / (kGauge * kGauge), camera_.light_of(1.0) - 1.0, normal,
           right);
@@ -95,7 +128,50 @@ void ResponseFit::add_priors(Eigen::MatrixXd* normal, Eigen::VectorXd* right) co
 }
 
 bool ResponseFit::start() {
-  for (int round = 0; round < 2; ++round) {
+  if (!start_camera()) return false;
+  start_responses();
+  return true;
+}
+
+void ResponseFit::start_responses() {
+  struct Mean {
+    double sum = 0.0;
+    double weight = 0.0;
+    void add(double value, double w) {
+      sum += w * value;
+      weight += w;
+    }
+    [[nodiscard]] double value() const { return weight > 0.0 ? sum / weight : 0.0; }
+  };
+  std::vector<Mean> products(response_.size());
+  for (const RampBlock& block : problem_.blocks) {
+    // Long exposures tell the most, but for full light, where all do.
+    Mean rest;
+    std::array<Mean, 4> share;
+    const auto light_of = [this](const RampReading& r) { return camera_.light_of(r.code) / r.exposure; };
+    const auto weight_of = [](const RampReading& r) { return std::pow(r.exposure / r.sigma, 2); };
+    for (const RampReading& r : block.readings) {
+      if (r.light < 0) rest.add(light_of(r), weight_of(r));
+    }
+    for (const RampReading& r : block.readings) {
+      if (r.light >= 0 && r.unknown < 0)
+        share.at(static_cast<std::size_t>(r.light)).add(light_of(r) - rest.value(), weight_of(r));
+    }
+    for (const RampReading& r : block.readings) {
+      if (r.unknown < 0) continue;
+      const double full = share.at(static_cast<std::size_t>(r.light)).value();
+      Mean& product = products[static_cast<std::size_t>(r.unknown)];
+      product.sum += weight_of(r) * full * (light_of(r) - rest.value());
+      product.weight += weight_of(r) * full * full;
+    }
+  }
+  for (std::size_t i = 0; i < products.size(); ++i) response_[i] = std::clamp(products[i].value(), -0.1, 1.5);
+}
+
+bool ResponseFit::start_camera() {
+  double scale = 0.0;  // Of residuals; none is known yet.
+  for (int round = 0; round < kStartRounds; ++round) {
+    std::vector<double> normalised;
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns_);
     add_priors(&normal, &right);
@@ -109,7 +185,9 @@ bool ResponseFit::start() {
           const RampReading& more = a.exposure < b.exposure ? b : a;
           const double ratio = less.exposure / more.exposure;
           const double residual = camera_.light_of(less.code) - ratio * camera_.light_of(more.code);
-          const double weight = 1.0 / (less.sigma * less.sigma + ratio * ratio * more.sigma * more.sigma);
+          const double variance = less.sigma * less.sigma + ratio * ratio * more.sigma * more.sigma;
+          normalised.push_back(std::abs(residual) / std::sqrt(variance));
+          const double weight = cauchy_weight(normalised.back(), scale) / variance;
           const CubicWeights wl = cubic_weights(less.code * kIntervals, kIntervals);
           const CubicWeights wm = cubic_weights(more.code * kIntervals, kIntervals);
           add_row(wl, 1.0, weight, residual, &normal, &right);
@@ -128,11 +206,12 @@ bool ResponseFit::start() {
     const Eigen::VectorXd change = normal.topLeftCorner(kCamera, kCamera).ldlt().solve(right.head(kCamera));
     if (!change.allFinite()) return false;
     for (int i = 0; i < kCamera; ++i) camera_.coefficients[static_cast<std::size_t>(i)] += change(i);
+    scale = scale_of(&normalised);
   }
   return true;
 }
 
-void ResponseFit::add_block(const RampBlock& block, bool is_robust, Eigen::MatrixXd* normal, Eigen::VectorXd* right) {
+void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eigen::VectorXd* right) {
   // Own unknowns: the rest, then the share of each light that was shown.
   std::array<int, 4> own{};
   int owns = 1;
@@ -158,19 +237,18 @@ void ResponseFit::add_block(const RampBlock& block, bool is_robust, Eigen::Matri
     residual = seen + local * values;
   };
   solve_own();
-  if (is_robust) {
-    // Cauchy's weights: somebody walks through, a lamp flickers.
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double ratio = residual(i) * std::sqrt(weight(i)) / (4.0 * scale_);
-      weight(i) /= 1.0 + ratio * ratio;
-    }
+  // Again and again, for one disturbed reading pulls the others' first.
+  const Eigen::VectorXd full = weight;
+  for (int round = 0; round < 3 && scale_ > 0.0; ++round) {
+    for (Eigen::Index i = 0; i < n; ++i)
+      weight(i) = full(i) * cauchy_weight(std::abs(residual(i)) * std::sqrt(full(i)), scale_);
     solve_own();
   }
   Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(unknowns_, owns);
   for (Eigen::Index i = 0; i < n; ++i) {
     const RampReading& r = block.readings[static_cast<std::size_t>(i)];
     const double w = weight(i);
-    normalised_.push_back(std::abs(residual(i)) * std::sqrt(w));
+    normalised_.push_back(std::abs(residual(i)) * std::sqrt(full(i)));
     square_sum_ += residual(i) * residual(i);
     ++count_;
     const CubicWeights basis = cubic_weights(r.code * kIntervals, kIntervals);
@@ -198,14 +276,22 @@ void ResponseFit::add_block(const RampBlock& block, bool is_robust, Eigen::Matri
   normal->noalias() -= half.transpose() * half;
 }
 
-std::optional<double> ResponseFit::step(bool is_robust) {
+void ResponseFit::find_scale() {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns_);
+  normalised_.clear();
+  for (const RampBlock& block : problem_.blocks) add_block(block, &normal, &right);
+  scale_ = scale_of(&normalised_);
+}
+
+std::optional<double> ResponseFit::step() {
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns_);
   normalised_.clear();
   square_sum_ = 0.0;
   count_ = 0;
   add_priors(&normal, &right);
-  for (const RampBlock& block : problem_.blocks) add_block(block, is_robust, &normal, &right);
+  for (const RampBlock& block : problem_.blocks) add_block(block, &normal, &right);
   const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
   const Eigen::VectorXd change = factor.solve(right);
   if (!change.allFinite()) return std::nullopt;
@@ -216,9 +302,7 @@ std::optional<double> ResponseFit::step(bool is_robust) {
     largest = std::max(largest, std::abs(change(kCamera + i)));
   }
   residual_ = std::sqrt(square_sum_ / static_cast<double>(std::max<std::size_t>(count_, 1)));
-  const auto middle = normalised_.begin() + static_cast<std::ptrdiff_t>(normalised_.size() / 2);
-  std::nth_element(normalised_.begin(), middle, normalised_.end());
-  scale_ = std::max(0.1, 1.4826 * *middle);
+  scale_ = scale_of(&normalised_);
   sigmas_ = factor.solve(Eigen::MatrixXd::Identity(unknowns_, unknowns_)).diagonal().cwiseMax(0.0).cwiseSqrt();
   return largest;
 }
@@ -232,10 +316,11 @@ Result<SolvedResponses> solve_responses(const PhotometryInput& input) {
                        "nobody walked through, then photograph them again");
   ResponseFit fit(problem);
   if (!fit.start()) return unsolved;
+  fit.find_scale();
   for (int round = 0; round < kRounds; ++round) {
-    const auto change = fit.step(round >= 3);
+    const auto change = fit.step();
     if (!change) return unsolved;
-    if (round >= 5 && *change < 1e-6) break;
+    if (*change < kConverged) break;
   }
   if (!fit.is_finite()) return unsolved;
   SolvedResponses solved;

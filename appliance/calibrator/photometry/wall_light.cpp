@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "appliance/calibrator/photometry/cell_light.h"
 
@@ -16,8 +17,9 @@ namespace {
 constexpr int kKnot_px = 32;
 constexpr double kBend = 0.01;        // Change of slope of log(light) from knot to knot that is expected.
 constexpr double kLeastSigma = 2e-3;  // Relative: what a wall's paint and speckle differ by.
-constexpr double kVignetting = 0.7;   // Prior of each of its terms.
-constexpr int kRounds = 3;            // Of weights against disturbed cells.
+constexpr std::size_t kLeastGroups = 12;
+constexpr double kVignetting = 0.7;  // Prior of each of its terms.
+constexpr int kRounds = 3;           // Of weights against disturbed cells.
 constexpr double kGross = 0.01;
 constexpr double kLeakPrior = 1e-3;  // A projector's contrast is about 1000 to 1 or more.
 
@@ -93,82 +95,85 @@ double luminance_of(const CellLight& light, const Eigen::Matrix3d& primaries,
   return kCameraLuminance.dot(light.primaries.rowwise().sum());
 }
 
-/// Fields of all projectors and the camera's vignetting, which they share.
-class LightFit {
- public:
-  LightFit(const PhotometryInput& input, std::vector<std::vector<Sample>>* samples)
-      : input_(input), samples_(*samples) {}
+double sigma_of(const Sample& sample) { return std::hypot(sample.light.sigma, kLeastSigma); }
 
-  bool solve(WallLighting* result) {
-    for (int round = 0; round < kRounds; ++round) {
-      if (!solve_once(result)) return false;
-      weigh(*result);
+/// Cauchy's weight of a residual of log(light).
+double weight_of(double residual, const Sample& sample) {
+  const double ratio = residual / std::max(kGross, 4.0 * sample.light.sigma);
+  return 1.0 / (1.0 + ratio * ratio);
+}
+
+/// The camera's vignetting, from cells that were seen from two stops or more: what it does to one and the same light.
+/// Nothing else tells it from the projectors' own.
+bool solve_vignetting(std::vector<std::vector<Sample>>* samples, WallLighting* result) {
+  std::vector<std::vector<Sample*>> groups;
+  for (std::vector<Sample>& of_projector : *samples) {
+    std::map<std::size_t, std::vector<Sample*>> cells;
+    for (Sample& sample : of_projector) cells[sample.light.cell].push_back(&sample);
+    for (auto& [cell, group] : cells) {
+      if (group.size() > 1) groups.push_back(std::move(group));
     }
-    return true;
   }
-
- private:
-  bool solve_once(WallLighting* result) {
-    // The vignetting's three terms are what is left when fields have explained all that they can.
+  result->has_vignetting = groups.size() >= kLeastGroups;
+  if (!result->has_vignetting) return true;
+  for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() / (kVignetting * kVignetting);
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    std::vector<FieldFit> fits;
-    for (std::size_t p = 0; p < samples_.size(); ++p) {
-      const auto& samples = samples_[p];
-      std::vector<FieldSample> places;
-      Eigen::MatrixXd terms(static_cast<Eigen::Index>(samples.size()), 4);
-      for (std::size_t i = 0; i < samples.size(); ++i) {
-        const double sigma = std::hypot(samples[i].light.sigma, kLeastSigma) / std::sqrt(samples[i].weight);
-        places.push_back({samples[i].pixel(), sigma});
-        const auto row = static_cast<Eigen::Index>(i);
-        terms.row(row) << samples[i].by_radius.transpose(), samples[i].log_white;
+    for (const auto& group : groups) {
+      Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+      double sum = 0.0;
+      for (const Sample* sample : group) {
+        const double weight = sample->weight / (sigma_of(*sample) * sigma_of(*sample));
+        mean += weight *
+                Eigen::Vector4d(sample->by_radius.x(), sample->by_radius.y(), sample->by_radius.z(), sample->log_white);
+        sum += weight;
       }
-      const PhotometricProjector& projector = input_.projectors[p];
-      FieldFit fit(projector.map.width_px, projector.map.height_px, kKnot_px, kBend, places);
-      if (!fit.is_solved()) return false;
-      Eigen::MatrixXd left = terms;
-      for (Eigen::Index c = 0; c < 4; ++c) left.col(c) -= fit.at_samples(fit.fit(terms.col(c)));
-      for (std::size_t i = 0; i < samples.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        const double weight = 1.0 / (places[i].sigma * places[i].sigma);
-        normal += weight * terms.row(row).head<3>().transpose() * left.row(row).head<3>();
-        right += weight * terms.row(row).head<3>().transpose() * left(row, 3);
+      mean /= sum;
+      for (Sample* sample : group) {
+        const Eigen::Vector3d terms = sample->by_radius - mean.head<3>();
+        const double light = sample->log_white - mean.w();
+        if (round > 0) sample->weight = weight_of(light - terms.dot(result->vignetting), *sample);
+        const double weight = sample->weight / (sigma_of(*sample) * sigma_of(*sample));
+        normal += weight * terms * terms.transpose();
+        right += weight * light * terms;
       }
-      fits.push_back(std::move(fit));
     }
-    const Eigen::Matrix3d symmetric = 0.5 * (normal + normal.transpose());
-    result->vignetting = symmetric.ldlt().solve(right);
+    result->vignetting = normal.ldlt().solve(right);
     if (!result->vignetting.allFinite()) return false;
-    for (std::size_t p = 0; p < samples_.size(); ++p) {
-      Eigen::VectorXd values(static_cast<Eigen::Index>(samples_[p].size()));
-      for (std::size_t i = 0; i < samples_[p].size(); ++i)
-        values(static_cast<Eigen::Index>(i)) =
-            samples_[p][i].log_white - samples_[p][i].by_radius.dot(result->vignetting);
-      result->projectors[p].log_white = fits[p].fit(values);
-    }
-    return true;
   }
+  return true;
+}
 
-  /// Cauchy's weights, and what is left unexplained.
-  void weigh(WallLighting& result) {
-    double squares = 0.0;
-    double count = 0.0;
-    for (std::size_t p = 0; p < samples_.size(); ++p) {
-      for (Sample& sample : samples_[p]) {
-        const double residual = sample.log_white - sample.by_radius.dot(result.vignetting) -
-                                result.projectors[p].log_white.at(sample.pixel());
-        const double ratio = residual / std::max(kGross, 4.0 * sample.light.sigma);
-        sample.weight = 1.0 / (1.0 + ratio * ratio);
-        squares += sample.weight * residual * residual;
-        count += sample.weight;
+/// A smooth field per projector, and how much of the readings it leaves unexplained.
+bool solve_fields(const PhotometryInput& input, std::vector<std::vector<Sample>>* all, WallLighting* result) {
+  double squares = 0.0;
+  double count = 0.0;
+  for (std::size_t p = 0; p < all->size(); ++p) {
+    std::vector<Sample>& samples = (*all)[p];
+    const MeasuredMap& map = input.projectors[p].map;
+    for (int round = 0; round < kRounds; ++round) {
+      std::vector<FieldSample> places;
+      Eigen::VectorXd values(static_cast<Eigen::Index>(samples.size()));
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        places.push_back({samples[i].pixel(), sigma_of(samples[i]) / std::sqrt(samples[i].weight)});
+        values(static_cast<Eigen::Index>(i)) = samples[i].log_white - samples[i].by_radius.dot(result->vignetting);
+      }
+      const FieldFit fit(map.width_px, map.height_px, kKnot_px, kBend, places);
+      if (!fit.is_solved()) return false;
+      PictureField& field = result->projectors[p].log_white;
+      field = fit.fit(values);
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const double residual = values(static_cast<Eigen::Index>(i)) - field.at(samples[i].pixel());
+        samples[i].weight = weight_of(residual, samples[i]);
+        if (round + 1 < kRounds) continue;
+        squares += samples[i].weight * residual * residual;
+        count += samples[i].weight;
       }
     }
-    result.unexplained = std::sqrt(squares / std::max(count, 1.0));
   }
-
-  const PhotometryInput& input_;
-  std::vector<std::vector<Sample>>& samples_;
-};
+  result->unexplained = std::sqrt(squares / std::max(count, 1.0));
+  return std::isfinite(result->unexplained);
+}
 
 /// What shines when all projectors show black: ambient light, and the leaks of those that light a place.
 void fit_black(const PhotometryInput& input, const std::vector<std::vector<Sample>>& samples,
@@ -254,8 +259,7 @@ Result<WallLighting> wall_lighting(const PhotometryInput& input, const SolvedRes
                                input.projectors[p].name));
     }
   }
-  LightFit fit(input, &samples);
-  if (!fit.solve(&result)) {
+  if (!solve_vignetting(&samples, &result) || !solve_fields(input, &samples, &result)) {
     return Error(ErrorCode::kBadData, "the wall's light has no solution; photograph white at every stop again");
   }
   fit_black(input, samples, inverses, &result);

@@ -34,7 +34,8 @@ struct WallLighting {
   /// Colour of what shines besides, by direction (x, y, z, 1): ambient light.
   Eigen::Matrix<double, 3, 4> ambient = Eigen::Matrix<double, 3, 4>::Zero();
   Eigen::Vector3d vignetting = Eigen::Vector3d::Zero();  ///< Of log(light) by r^2, r^4, r^6; r is 1 in a corner.
-  double unexplained = 0.0;                              ///< Relative rms of white's readings.
+  bool has_vignetting = false;  ///< Else no cell was seen from two stops, and it counts as the projectors'.
+  double unexplained = 0.0;     ///< Relative rms of white's readings.
 
   /// Below 0 never.
   [[nodiscard]] Eigen::Vector3d ambient_at(const Eigen::Vector3d& direction) const;

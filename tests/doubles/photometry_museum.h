@@ -15,7 +15,7 @@ namespace cyclorama {
 struct LightScan {
   int ramp_steps = kRampSteps;
   std::vector<double> exposures{kRampExposures.begin(), kRampExposures.end()};  ///< In parts of white's.
-  double black_exposure = 32.0;                                                 ///< Likewise.
+  double black_exposure = kBlackExposure;                                       ///< Likewise.
   std::vector<double> angles_deg{-44.0, -22.0, 0.0, 22.0, 44.0};
   int map_cell_px = 8;
   int cell_px = 32;
@@ -57,8 +57,8 @@ struct SeamScore {
 /// `uses_photometry` false: what the wall looks like without: no mask, sRGB.
 SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry = true);
 
-/// The wall with one linear grey on it, as an eye at the sweet spot sees it: sRGB, azimuths of 65 degrees to either side
-/// and elevations from -20 to 20, ten pixels a degree; `white_nits` is as bright as sRGB goes.
+/// The wall with one linear grey on it, as an eye at the sweet spot sees it: sRGB, azimuths of 65 degrees to either
+/// side and elevations from -20 to 20, ten pixels a degree; `white_nits` is as bright as sRGB goes.
 RgbImage seen_wall(const TrueMuseum& museum, const Photometry& photometry, double content, double white_nits,
                    bool uses_photometry);
 

@@ -4,7 +4,7 @@
 ///   ramps, several exposures ─▶ solve_responses() ─▶ camera's response, each channel's response
 ///                                                        │ light of every cell, as the camera sees it
 ///                                                        ▼
-///                      camera's vignetting, each projector's light, primaries, black  (wall_light())
+///                      camera's vignetting, each projector's light, primaries, black  (wall_lighting())
 ///                                                        │
 ///     MeasuredMap per projector ─▶ InverseMap ─▶ weights that add up to 1 ─▶ slowly varying brightness (target)
 ///                                                        │
@@ -13,13 +13,15 @@
 ///
 /// How a scan uses it (appliance/calibrator/scan): the lamps are warm, the camera has no automatic exposure or gain.
 ///
+///   e: an exposure at which the brightest projector's white is just not clipped (decode/exposure.h); all others dark.
 ///   at each stop of the turn-plate, for each projector that the camera sees there (Decoded says so):
 ///     cells = camera_cells(decoded, width, height)
-///     for picture of ramps(width, height, kRampSteps, {kRed, kGreen, kBlue}) once per projector, where it is seen best
-///         and of ramps(width, height, 2, {kAll}), black and white, at every stop:
-///       for exposure of exposures:                        white just not clipped, e; then e/2; black also at 32 e
-///         view.readings.push_back(read_light(cells, camera.photograph(exposure), picture, exposure))
+///     show black and white, exposures kRampExposures * e; black also kBlackExposure * e
+///     once per projector, at the stop that sees most of it, also ramps(width, height, kRampSteps, {kRed, kGreen,
+///     kBlue}) each photograph: view.readings.push_back(*read_light(cells, photograph, picture, exposure))
 ///   photometry({camera's size, views, projectors with their maps})
+///
+/// Neighbouring stops should see half of the same wall: only that tells the camera's vignetting from the projectors'.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,6 +41,8 @@ namespace cyclorama {
 /// trade of docs/design/photometry.md.
 inline constexpr int kRampSteps = 17;
 inline constexpr std::array<double, 2> kRampExposures = {1.0, 3.0};
+/// Black is some thousandths of white. Cameras that cannot expose so long do what they can.
+inline constexpr double kBlackExposure = 32.0;
 
 struct PhotometryOptions {
   /// How much brightness may change over the wall, relative, per degree seen from the sweet spot. Eyes do not notice

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <numbers>
+#include <optional>
 #include <thread>
 
 #include "appliance/calibrator/scan/simulated_devices.h"

@@ -78,6 +78,18 @@ void HeadChange::draw(std::size_t head, const TurnedPicture& shown, const Turned
   }
 }
 
+void HeadChange::warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract,
+                         bool may_change) const {
+  now_->painters[head].warm_up(shown, attract);
+  if (!may_change) return;
+  gl_.Enable(GL_BLEND);
+  for (const GLenum old : {GL_ZERO, GL_ONE}) {
+    gl_.BlendFunc(GL_CONSTANT_ALPHA, old);
+    now_->painters[head].warm_up(shown, attract);
+  }
+  gl_.Disable(GL_BLEND);
+}
+
 void HeadChange::set_depth(std::size_t head, int depth_bits) {
   depths_bits_[head] = depth_bits;
   for (HeadSet* const set : {now_.get(), next_.get()}) {

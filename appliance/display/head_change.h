@@ -30,10 +30,9 @@ class HeadChange {
   /// Draws a head with what is to be seen now, into its framebuffer, which is bound: as HeadPainter::draw().
   void draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share, Eye eye) const;
   void set_depth(std::size_t head, int depth_bits);
-  /// Compiles what the newest set needs, in the bound framebuffer of that head.
-  void warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract) const {
-    now_->painters[head].warm_up(shown, attract);
-  }
+  /// Makes the driver compile what is needed, in the bound framebuffer of that head; with `may_change` also what mixes
+  /// two sets.
+  void warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, bool may_change) const;
   /// Of the newest set, for the next presenter.
   [[nodiscard]] HeadPlans newest_plans() const { return (next_ != nullptr ? next_ : now_)->plans; }
 

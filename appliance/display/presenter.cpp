@@ -38,17 +38,17 @@ Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, HeadPlans pla
   TRY_ASSIGN(presenter->patterns_, PatternShow::make(gl, output->heads(), &mailbox->patterns));
   for (const HeadMode& mode : output->heads()) presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
   presenter->attract_frame_ = attract;
-  TRY(presenter->warm_up());
+  TRY(presenter->warm_up(may_change));
   return presenter;
 }
 
 /// A driver compiles a shader when it is first used; here, and not in a visitor's sight.
-Status Presenter::warm_up() {
+Status Presenter::warm_up(bool may_change) {
   TRY(attract_.upload(attract_frame_));
   TRY(panorama_.upload(attract_frame_));
   for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
     TRY(output_.draw_to(head));
-    heads_->warm_up(head, {&panorama_, 0.0}, {&attract_, 0.0});
+    heads_->warm_up(head, {&panorama_, 0.0}, {&attract_, 0.0}, may_change);
   }
   output_.gl().Finish();
   return output_.gl().check("trying the shaders");

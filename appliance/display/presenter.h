@@ -59,7 +59,7 @@ class Presenter {
  private:
   Presenter(Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
             const Clock* clock);
-  Status warm_up();
+  Status warm_up(bool may_change);
   void take_in();
   Status show_due_frame(RefreshEvent* ret_event);
   void turn_to_due_heading(RefreshEvent* ret_event);

@@ -23,7 +23,7 @@ inline Calibration exact_calibration(const Installation& room, const std::string
   for (std::size_t i = 0; i < room.projectors.size(); ++i) {
     const Pinhole& lens = room.projectors[i].lens;
     const ProjectorMap exact(room, i);
-    MeasuredMap map{lens.width_px, lens.height_px, lens.width_px / 8, lens.height_px / 8, {}, {}, 0.01, 0.1, 1000};
+    MeasuredMap map{lens.width_px, lens.height_px, lens.width_px / 4, lens.height_px / 4, {}, {}, 0.01, 0.1, 1000};
     for (int y = 0; y <= map.cells_y; ++y) {
       for (int x = 0; x <= map.cells_x; ++x) {
         const auto sight = exact.sight_of({static_cast<double>(x) * lens.width_px / map.cells_x,

@@ -25,7 +25,7 @@ h1 { font-size: 1.6em; } h2 { font-size: 1.15em; margin-top: 2em; }
 table { border-collapse: collapse; } td, th { padding: .25em .8em; border-bottom: 1px solid #ddd; text-align: right; }
 td:first-child, th:first-child { text-align: left; } tr.chosen { background: #e8f5e9; font-weight: 600; }
 svg { width: 100%; height: auto; background: #fafafa; } svg text { font: 12px system-ui, sans-serif; fill: #777; }
-svg text.name { font-size: 16px; font-weight: 600; fill: inherit; } .grid { stroke: #ddd; fill: none; }
+svg text.name { font-size: 16px; font-weight: 600; fill: #222; } .grid { stroke: #ddd; fill: none; }
 .key span { display: inline-block; margin-right: 1.2em; } .key i { display: inline-block; width: 1em; height: 1em; vertical-align: -.15em; margin-right: .35em; }
 figure { margin: 1em 0; } img { max-width: 100%; } .remarks { background: #fff8e1; padding: .6em 1em .6em 2em; }
 </style></head><body>

@@ -62,9 +62,41 @@ TEST_F(CalibratingHeads, of_a_calibration_without_error_draws_and_blends_as_the_
         worst_mask = std::max(worst_mask, std::abs(static_cast<double>(*is.mask.at(x, y) - *should.mask.at(x, y))));
       }
     }
-    EXPECT_LT(farthest_px, 0.2) << "cells of eight pixels, straight lines within";
+    EXPECT_LT(farthest_px, 0.1) << "cells of four pixels, straight lines within";
     EXPECT_LT(worst_mask, 0.01) << room_.projectors[i].name;
   }
+}
+
+TEST_F(CalibratingHeads, blend_by_weights_that_add_up_to_one_at_each_place_of_the_wall) {
+  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, kDate)));
+  const auto made = heads();
+  ASSERT_TRUE(made) << made.error().message();
+  const std::vector<ProjectorMap> maps = projector_maps(room_);
+  const auto weight_at = [&](std::size_t i, const Eigen::Vector2d& pixel) {
+    const MaskImage& mask = made->heads[i].mask;
+    const double u = std::clamp(pixel.x() - 0.5, 0.0, mask.width() - 1.0);
+    const double v = std::clamp(pixel.y() - 0.5, 0.0, mask.height() - 1.0);
+    const int x = std::min(static_cast<int>(u), mask.width() - 2);
+    const int y = std::min(static_cast<int>(v), mask.height() - 2);
+    const auto row = [&](int at) {
+      return (1.0 - (u - x)) * static_cast<double>(*mask.at(x, at)) +
+             (u - x) * static_cast<double>(*mask.at(x + 1, at));
+    };
+    return (1.0 - (v - y)) * row(y) + (v - y) * row(y + 1);
+  };
+  int blended = 0;
+  double worst = 0.0;
+  for (int y = 12; y < 108; ++y) {
+    for (int x = 4; x < 156; ++x) {
+      const auto point = maps[1].wall_point_of({x + 0.5, y + 0.5});
+      const auto left = point ? maps[0].pixel_lighting(*point) : std::nullopt;
+      if (!left || left->y() < 4.0 || left->y() > 116.0) continue;
+      worst = std::max(worst, std::abs(weight_at(1, {x + 0.5, y + 0.5}) + weight_at(0, *left) - 1.0));
+      ++blended;
+    }
+  }
+  EXPECT_GT(blended, 500);
+  EXPECT_LT(worst, 0.005) << "of heads of 160 pixels, whose masks are read between pixels here";
 }
 
 TEST_F(CalibratingHeads, takes_masks_and_colours_from_the_calibrations_folder) {

@@ -41,15 +41,23 @@ bool is_balanced(const std::string& page) {
   return open.empty();
 }
 
-Calibration of_a_room(const GeneratedRoom& room) {
-  auto calibration = calibrate(room.measurements(), "2026-11-22T13-05-00Z");
+RoomPlan coarse_plan() {
+  RoomPlan plan;
+  plan.stride_px = 16;
+  return plan;
+}
+
+Calibration of_a_room(const GeneratedRoom& room, bool with_wall) {
+  CalibrateOptions options;
+  options.with_wall = with_wall;
+  auto calibration = calibrate(room.measurements(), "2026-11-22T13-05-00Z", options);
   CHECK(calibration.has_value());
   return *std::move(calibration);
 }
 
 TEST(ReportPage, tells_of_a_room_with_plots_and_is_whole) {
-  const GeneratedRoom room({});
-  const Calibration calibration = of_a_room(room);
+  const GeneratedRoom room(coarse_plan());
+  const Calibration calibration = of_a_room(room, true);
   ReportFindings findings;
   findings.residuals = wall_residuals(room.measurements(), calibration);
   findings.registration = {0.21, 0.48, 1234};
@@ -67,12 +75,13 @@ TEST(ReportPage, tells_of_a_room_with_plots_and_is_whole) {
 }
 
 TEST(ReportPage, tells_residuals_that_are_the_noise_of_the_measurements) {
-  RoomPlan plan;
+  RoomPlan plan = coarse_plan();
   plan.noise_px = 0.2;
   plan.outliers = 0.0;
   const GeneratedRoom room(plan);
   std::vector<double> errors;
-  for (const WallResidual& r : wall_residuals(room.measurements(), of_a_room(room), 3000)) errors.push_back(r.error_px);
+  for (const WallResidual& r : wall_residuals(room.measurements(), of_a_room(room, false), 3000))
+    errors.push_back(r.error_px);
   ASSERT_GT(errors.size(), 1000U);
   std::ranges::sort(errors);
   EXPECT_LT(errors[errors.size() / 2], 0.5);  // Of a Rayleigh law with 0.2 px each way the median is 0.24.

@@ -144,9 +144,8 @@ void WallPlot::add_area(const MeasuredMap& map, const char* colour, std::string_
   const auto middle = map.direction_at({0.5 * map.width_px, 0.5 * map.height_px});
   const auto at = middle ? place_of(*middle) : std::nullopt;
   if (at) {
-    drawn_ +=
-        fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\" class=\"name\" fill=\"{}\">{}</text>\n",
-                    at->x(), at->y(), colour, html_text(name));
+    drawn_ += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\" class=\"name\">{}</text>\n", at->x(),
+                          at->y(), html_text(name));
   }
 }
 

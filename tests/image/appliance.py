@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A museum's computer for tests: QEMU without KVM, UEFI with Secure Boot, a TPM, three heads, and a disk that was flashed."""
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import time
+
+from heads_test import Machine
+
+OVMF = pathlib.Path("/usr/share/OVMF")
+HEADS = 3
+WIDTH, HEIGHT = 640, 480
+DISK_GB = 6
+
+
+class Disk:
+    """What stays when the computer is switched off: the disk (over the image, which is not written), the firmware's variables,
+    the TPM."""
+
+    def __init__(self, folder, image, size_gb=DISK_GB):
+        self.folder = pathlib.Path(folder)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.file = self.folder / "disk.qcow2"
+        subprocess.run(["qemu-img", "create", "-q", "-f", "qcow2", "-b", str(pathlib.Path(image).resolve()), "-F", "raw", str(self.file),
+                        f"{size_gb}G"], check=True)
+        shutil.copy(OVMF / "OVMF_VARS_4M.fd", self.folder / "vars.fd")
+        (self.folder / "tpm").mkdir()
+
+    def copy(self, folder):
+        """Another computer in the same state."""
+        other = object.__new__(Disk)
+        other.folder = pathlib.Path(folder)
+        shutil.copytree(self.folder, other.folder, ignore=shutil.ignore_patterns("*.log", "qmp", "vnc*", "serial", "tpm.sock", "*.ppm"))
+        other.file = other.folder / "disk.qcow2"
+        return other
+
+
+class Appliance(Machine):
+    """The computer while it is switched on."""
+
+    def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, extra=()):
+        self.folder = disk.folder
+        self.disk = disk
+        self.log = self.folder / "serial.log"
+        self.clients = []
+        self.began = time.monotonic()
+        self.tpm = None
+        for name in ("serial", "qmp", "tpm.sock", *(f"vnc{head}" for head in range(heads))):
+            (self.folder / name).unlink(missing_ok=True)
+        self.log.unlink(missing_ok=True)
+        tpm_options = []
+        if tpm:
+            # Anew for each start: it ends with QEMU.
+            self.tpm = subprocess.Popen(["swtpm", "socket", "--tpm2", "--tpmstate", f"dir={self.folder}/tpm", "--ctrl",
+                                         f"type=unixio,path={self.folder}/tpm.sock", "--terminate"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            tpm_options = ["-chardev", f"socket,id=tpm,path={self.folder}/tpm.sock", "-tpmdev", "emulator,id=tpm0,chardev=tpm", "-device", "tpm-crb,tpmdev=tpm0"]
+            wait_until(lambda: (self.folder / "tpm.sock").exists(), 20, "swtpm")
+        code = "OVMF_CODE_4M.secboot.fd" if secure else "OVMF_CODE_4M.fd"
+        command = ["qemu-system-x86_64", "-machine", "q35,smm=on", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", str(memory_mb),
+                   "-nodefaults", "-global", "driver=cfi.pflash01,property=secure,value=on", "-global", "ICH9-LPC.disable_s3=1",
+                   "-drive", f"if=pflash,unit=0,format=raw,readonly=on,file={OVMF / code}",
+                   "-drive", f"if=pflash,unit=1,format=raw,file={self.folder}/vars.fd",
+                   "-drive", f"if=none,id=disk,format=qcow2,file={disk.file},cache=writeback", "-device", "virtio-blk-pci,drive=disk,bootindex=1",
+                   "-netdev", "user,id=net,restrict=on", "-device", "virtio-net-pci,netdev=net,romfile=",
+                   "-device", "qemu-xhci,id=usb",
+                   "-chardev", f"socket,id=serial,path={self.folder}/serial,server=on,wait=off,logfile={self.log}", "-serial", "chardev:serial",
+                   "-device", f"virtio-gpu-pci,id=card,max_outputs={heads},xres={WIDTH},yres={HEIGHT}",
+                   "-qmp", f"unix:{self.folder}/qmp,server=on,wait=off", *tpm_options, *extra]
+        for head in range(heads):
+            command += ["-vnc", f"unix:{self.folder}/vnc{head},display=card,head={head}"]
+        self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=open(self.folder / "qemu.log", "w"))
+        wait_until(lambda: (self.folder / "qmp").exists() or self.process.poll() is not None, 30, "QEMU")
+        if self.process.poll() is not None:
+            raise RuntimeError((self.folder / "qemu.log").read_text()[-2000:])
+        self.connect()
+        self.shell = None
+
+    def seconds(self):
+        return time.monotonic() - self.began
+
+    def plug_in(self, heads=HEADS):
+        """The first head has a projector from the start; the others get theirs by a VNC client that wishes a size."""
+        for head in range(1, heads):
+            self.resize(head, WIDTH, HEIGHT)
+
+    def heads(self):
+        """[(width, height, pixels) or None]: what each head shows now."""
+        shown = []
+        for head in range(HEADS):
+            try:
+                shown.append(self.picture(head))
+            except (RuntimeError, FileNotFoundError):
+                shown.append(None)
+        return shown
+
+    def run(self, command, seconds=60):
+        """(exit status, what it printed) of a command in the Debug image's shell on the serial port."""
+        if self.shell is None:
+            self.shell = socket.socket(socket.AF_UNIX)
+            self.shell.connect(str(self.folder / "serial"))
+        self.shell.settimeout(2)
+        self.commands = getattr(self, "commands", 0) + 1
+        # The echo of what is typed must not look like the end of what is printed.
+        begin, end = f"<<{self.commands}", f"{self.commands}>>"
+        typed = f"printf '<%s\\n' '<{self.commands}'; ( {command} ) 2>&1; printf '\\n%s>> %d\\n' {self.commands} $?\n"
+        self.shell.sendall(typed.encode())
+        text, deadline = "", time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            try:
+                text += self.shell.recv(65536).decode(errors="replace")
+            except TimeoutError:
+                pass
+            if found := re.search(rf"{begin}\r?\n(.*?)\r?\n{end} (\d+)", text, re.S):
+                return int(found[2]), found[1].replace("\r", "").strip("\n")
+            if self.process.poll() is not None:
+                break
+        raise RuntimeError(f"'{command}' did not end within {seconds} s:\n{text[-2000:]}")
+
+    def wait_for_shell(self, seconds):
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            if "debug#" in (self.log.read_text(errors="replace") if self.log.exists() else ""):
+                try:
+                    return self.run("true", 20)
+                except RuntimeError:
+                    continue
+            time.sleep(1)
+        raise RuntimeError(f"no shell within {seconds} s:\n{self.console()[-3000:]}")
+
+    def console(self):
+        return self.log.read_text(errors="replace") if self.log.exists() else ""
+
+    def power_off(self):
+        """As a cable that is pulled."""
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+        if self.tpm:
+            try:
+                self.tpm.wait(10)
+            except subprocess.TimeoutExpired:
+                self.tpm.kill()
+                self.tpm.wait()
+        for client in self.clients:
+            client.close()
+
+    stop = power_off
+
+
+def wait_until(condition, seconds, what):
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if condition():
+            return
+        time.sleep(0.1)
+    raise RuntimeError(f"no {what} within {seconds} s")
+
+
+def shared_picture(file):
+    """(width, height, pixels) that a display published (drivers/output/shared_picture.cpp), or None."""
+    data = file.read_bytes()
+    magic, version, width, height, _, _, published = struct.unpack_from("<8sIIIIQQ", data)
+    if magic != b"CYCPICT1" or version != 1 or published == 0:
+        return None
+    words = (width * height * 3 + 7) // 8
+    start = 40 + 32 + published % 2 * 8 * words
+    return width, height, data[start:start + width * height * 3]
+
+
+def reference_pictures(programs, installation, folder, names=("left", "middle", "right"), seconds=60):
+    """What the same settings show without a farm, drawn by this machine's own EGL."""
+    folder = pathlib.Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    display = subprocess.Popen([str(pathlib.Path(programs) / "cyclorama-display"), "--output", "headless", "--installation", str(installation),
+                                "--tour", "[::1]:1", "--listen", "[::1]:0", "--run-dir", str(folder)],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        files = [folder / f"head-{name}.picture" for name in names]
+        wait_until(lambda: all(file.exists() and shared_picture(file) for file in files), seconds, "reference picture")
+        time.sleep(3)
+        return [shared_picture(file) for file in files]
+    finally:
+        display.terminate()
+        display.wait(10)
+
+
+def difference(one, other):
+    """(mean, greatest) difference of two pictures in code values, or None when their sizes differ."""
+    if one is None or other is None or one[:2] != other[:2]:
+        return None
+    differences = [abs(a - b) for a, b in zip(one[2], other[2])]
+    return sum(differences) / len(differences), max(differences)
+
+
+def brightness(picture):
+    return 0.0 if picture is None else sum(picture[2][::97]) / max(1, len(picture[2][::97]))
+
+
+def save_png(picture, file):
+    """With ImageMagick, from a PPM."""
+    ppm = file.with_suffix(".ppm")
+    ppm.write_bytes(b"P6 %d %d 255\n" % picture[:2] + picture[2])
+    subprocess.run(["convert", str(ppm), str(file)], check=True)
+    os.unlink(ppm)

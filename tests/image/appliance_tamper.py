@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What was changed after it was signed does not start: no picture, and the firmware, the loader or the kernel says why."""
+import re
+import shutil
+import subprocess
+import time
+
+from appliance import Appliance, Disk
+from appliance_boot import image_of, is_lit, wait_for_pictures
+from disk_image import BootPartition, place_of, partitions
+
+PATIENCE = 3.0  # So many times as long as an untouched start took, and no picture: it does not start.
+LEAST_S = 120
+
+
+def flip_bit(image, offset, bit=3):
+    with open(image, "r+b") as file:
+        file.seek(offset)
+        byte = file.read(1)[0]
+        file.seek(offset)
+        file.write(bytes([byte ^ 1 << bit]))
+
+
+def root_of(image):
+    return next(label for _, label, _, _ in partitions(image) if label.startswith("root_"))
+
+
+def change_kernel(image, folder, change):
+    """Rewrites the unified kernel image by change(bytes) -> bytes."""
+    esp = BootPartition(image)
+    (name,) = [name for name in esp.names("/EFI/Linux") if name.endswith(".efi")]
+    file = folder / "kernel.efi"
+    esp.read(f"/EFI/Linux/{name}", file)
+    changed = change(file.read_bytes())
+    file.write_bytes(changed)
+    esp.write(file, f"/EFI/Linux/{name}")
+
+
+def without_signature(kernel):
+    """The certificate table of a PE32+ file is its fifth data directory; without it, it is as any unsigned one."""
+    pe = int.from_bytes(kernel[0x3C:0x40], "little")
+    entry = pe + 24 + 112 + 4 * 8
+    at = int.from_bytes(kernel[entry:entry + 4], "little")
+    return kernel[:entry] + bytes(8) + kernel[entry + 8:at]
+
+
+def other_command_line(kernel):
+    assert kernel.count(b"lockdown=integrity") >= 1
+    return kernel.replace(b"lockdown=integrity", b"lockdown=________y")
+
+
+def replaced_root_hash(kernel):
+    found = re.search(rb"roothash=([0-9a-f]{64})", kernel)
+    other = found[1][::-1]
+    return kernel.replace(found[1], other)
+
+
+CASES = {
+    "a bit of root's first block": lambda image, folder: flip_bit(image, place_of(image, root_of(image))[0] + 1024 + 5),
+    "a bit of root's hashes": lambda image, folder: flip_bit(image, place_of(image, root_of(image).replace("root_", "verity_"))[0] + 4096 + 7),
+    "a kernel image without its signature": lambda image, folder: change_kernel(image, folder, without_signature),
+    "another command line": lambda image, folder: change_kernel(image, folder, other_command_line),
+    "another root hash": lambda image, folder: change_kernel(image, folder, replaced_root_hash),
+}
+REASON = re.compile(r"dm-verity.*corrupt\w*|Kernel panic[^\r\n]*|Security Violation|Access [Dd]enied|Bad [Ss]ignature|[Ff]ailed to [^\r\n]{0,80}|[Ee]rror[^\r\n]{0,80}")
+
+
+def run(options, folder):
+    image = image_of(options, options.debug)
+    disk = Disk(folder / "untouched", image)
+    machine = Appliance(disk)
+    try:
+        # The keys are in the firmware from now on.
+        first = wait_for_pictures(machine)
+    finally:
+        machine.power_off()
+    untouched_s = min(first.values())
+    print(f"untouched: a picture after {untouched_s} s, with the keys taken on the way")
+    cases = dict(list(CASES.items())[:2] if options.quick else CASES)
+    figures = {"cases": len(cases), "refused": 0, "untouched_s": untouched_s, "said": {}, "failed": []}
+    for name, tamper in cases.items():
+        case = folder / "case"
+        case.mkdir()
+        changed = case / "image.raw"
+        # Sparse: most of it is holes.
+        subprocess.run(["cp", "--sparse=always", image, changed], check=True)
+        tamper(changed, case)
+        other = Disk(case / "computer", changed)
+        shutil.copy(disk.folder / "vars.fd", other.folder / "vars.fd")
+        machine = Appliance(other)
+        try:
+            end = time.monotonic() + max(LEAST_S, PATIENCE * untouched_s)
+            while time.monotonic() < end and not REASON.search(machine.console()):
+                time.sleep(2)
+            time.sleep(5)
+            picture = machine.heads()[0]
+            said = sorted({found[0].strip() for found in REASON.finditer(machine.console())})[:4]
+        finally:
+            machine.power_off()
+        # The firmware's own menu lights a head as well: what was said decides.
+        refused = bool(said)
+        figures["refused"] += refused
+        figures["said"][name] = said
+        if not refused:
+            figures["failed"].append(f"{name}: nothing was said against it; the first head is {'lit' if is_lit(picture) else 'dark'}")
+        print(f"{name}: {said or 'NOT REFUSED'}", flush=True)
+        shutil.rmtree(case)
+    return figures

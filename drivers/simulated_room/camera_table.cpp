@@ -96,10 +96,10 @@ std::vector<Eigen::Vector3d> pixel_directions(const BrownLens& lens, int threads
   return directions;
 }
 
-CameraTable make_camera_table(const TrueMuseum& museum, const RigidTransform<frame::Room, frame::Camera>& T_room_camera,
+CameraTable make_camera_table(const TrueMuseum& museum, const BrownLens& lens,
+                              const RigidTransform<frame::Room, frame::Camera>& T_room_camera,
                               const std::vector<Eigen::Vector3d>& directions, int threads) {
-  const Pinhole& lens = museum.truth().camera.lens.pinhole();
-  const Grid grid{lens.width_px, lens.height_px};
+  const Grid grid{lens.pinhole().width_px, lens.pinhole().height_px};
   CameraTable table;
   table.places.resize(directions.size());
   std::vector<std::vector<Light>> lights(museum.truth().projectors.size(), std::vector<Light>(directions.size()));

@@ -226,7 +226,7 @@ Result<Image<std::uint16_t, Channels>> SimulatedMuseum::State::photograph(const 
   const TrueCamera& camera = truth.truth().camera;
   const int width = camera.lens.pinhole().width_px;
   const int height = camera.lens.pinhole().height_px;
-  if (!table) table = make_camera_table(truth, truth.camera_pose(true_angle_rad), directions, threads);
+  if (!table) table = make_camera_table(truth, camera.lens, truth.camera_pose(true_angle_rad), directions, threads);
   std::vector<std::vector<float>> light = exposed_light(channels, exposure_s);
   Image<std::uint16_t, Channels> codes(width, height);
   const auto electrons_per_nit = static_cast<float>(camera.electrons_per_nit_s * exposure_s);

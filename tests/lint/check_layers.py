@@ -29,7 +29,7 @@ MAY_INCLUDE = {
 }
 # The truth of a simulated museum. Who calibrates may meet neither these headers, also by way of others, nor the file's
 # name; the appliance and the kiosk hold all that a museum runs.
-TRUTH_HEADERS = {f"drivers/simulated_room/{name}.h" for name in ("truth", "true_museum", "presets", "flaws")}
+TRUTH_HEADERS = {f"drivers/simulated_room/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "simulated_show")}
 TRUTH_FILE = re.compile(r"truth\.(toml|json)")
 BLIND = ("appliance", "kiosk")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"')

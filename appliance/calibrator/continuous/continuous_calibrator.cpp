@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/continuous/continuous_calibrator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "appliance/calibrator/continuous/continuous_state.h"
+#include "common/base/check.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kProjectorTurn_rad = 3e-4;  // What a scan leaves over.
+constexpr double kProjectorShift_m = 1e-3;
+constexpr double kCameraTurn_rad = 5e-4;
+constexpr double kCameraShift_m = 2e-3;
+constexpr double kCaution = 4.0;  // Variance of a measurement, in what the solver promised: patches share errors.
+constexpr int kSurprisesAreABump = 2;
+constexpr int kStubborn = 6;  // Surprises that nobody's move explains: the filter was too sure of itself.
+constexpr int kLeastPatches = 12;
+constexpr double kMostBlown = 0.25;
+constexpr double kDarkest = 0.004;  // Mean light predicted, of the camera's full scale.
+constexpr double kGainShare = 0.2;  // How quickly a camera's gain follows.
+
+}  // namespace
+
+std::string_view name_of(Hold hold) {
+  switch (hold) {
+    case Hold::kNone:
+      return "good";
+    case Hold::kSettling:
+      return "settling";
+    case Hold::kNoPicture:
+      return "no picture";
+    case Hold::kDark:
+      return "dark";
+    case Hold::kPlain:
+      return "plain";
+    case Hold::kFast:
+      return "fast";
+    case Hold::kBlown:
+      return "too bright";
+    case Hold::kInTheWay:
+      return "in the way";
+    case Hold::kNoLight:
+      return "no light";
+    case Hold::kSearching:
+      return "searching";
+  }
+  CHECK(false);
+}
+
+ContinuousCalibrator::State::State(const ShowCalibration& calibration, const ContinuousOptions& wanted)
+    : options(wanted),
+      scanned(calibration),
+      believed(calibration),
+      applied(calibration),
+      reference(calibration),
+      health(calibration.projectors.size()),
+      measured_at(calibration.projectors.size()),
+      surprises(calibration.projectors.size() + calibration.cameras.size(), 0),
+      is_noticed(calibration.projectors.size(), false),
+      areas(calibration.cameras.size()),
+      gains(calibration.cameras.size(), 0.0) {
+  int head_factor = 8;
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
+    cameras.emplace_back(calibration, i, options.width_px);
+    head_factor = std::min(head_factor, cameras.back().head_factor(calibration));
+  }
+  for (const ShowProjector& projector : calibration.projectors) {
+    timelines.emplace_back(projector, head_factor);
+    filters.emplace_back(kProjectorTurn_rad, kProjectorShift_m, options.walk);
+    motion.push_back(pixel_motion(calibration, projector));
+  }
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i)
+    filters.emplace_back(kCameraTurn_rad, kCameraShift_m, options.walk);
+}
+
+void ContinuousCalibrator::State::hold(std::size_t projector, Hold why, std::string reason, TimePoint now,
+                                       ShowReport* report) {
+  ProjectorHealth& one = health[projector];
+  if (one.hold != why) {
+    report->log.push_back(why == Hold::kNone
+                              ? fmt::format("{}: projector '{}' is measured again", clock_text(*begun_at, now),
+                                            believed.projectors[projector].name)
+                              : fmt::format("{}: projector '{}' is left as it is: {}", clock_text(*begun_at, now),
+                                            believed.projectors[projector].name, reason));
+  }
+  one.hold = why;
+  one.reason = std::move(reason);
+}
+
+void ContinuousCalibrator::State::notice(std::size_t projector, ShowReport* report) {
+  if (is_noticed[projector]) return;
+  is_noticed[projector] = true;
+  report->noticed.push_back(projector);
+}
+
+void ContinuousCalibrator::State::look_at(const ShowMoment& moment, ShowReport* report) {
+  looks.clear();
+  Hold why = Hold::kNoPicture;
+  std::string reason = "no camera's picture came";
+  for (const CameraPicture& taken : moment.seen) {
+    if (taken.camera >= cameras.size() || !taken.picture) continue;
+    const ShowCamera& camera = believed.cameras[taken.camera];
+    if (taken.picture->width() != camera.lens.width_px || taken.picture->height() != camera.lens.height_px) {
+      reason = fmt::format("camera '{}' gives pictures of another size than it was calibrated with", camera.name);
+      continue;
+    }
+    Look look;
+    look.camera = taken.camera;
+    bool is_known = true;
+    for (ShowTimeline& timeline : timelines) {
+      auto exposed = timeline.between(taken.opened, taken.closed);
+      is_known = is_known && exposed;
+      if (!exposed) break;
+      look.motion_px = std::max(look.motion_px, exposed->motion_px);
+      look.shone.push_back(std::move(exposed->light));
+    }
+    if (!is_known) {
+      reason = fmt::format("what was shown while camera '{}' exposed is not known; are the clocks right?", camera.name);
+      continue;
+    }
+    if (look.motion_px > options.fastest_px) {
+      why = Hold::kFast;
+      reason = "the picture moves too fast";
+      continue;
+    }
+    look.seen = seen_light(*taken.picture, camera, cameras[taken.camera].factor(), &look.blown);
+    if (look.blown > kMostBlown) {
+      why = Hold::kBlown;
+      reason = fmt::format("camera '{}' is dazzled; shorten its exposure", camera.name);
+      continue;
+    }
+    soften(&look.seen);
+    CameraLook& eye = cameras[taken.camera];
+    eye.set_room(believed);
+    eye.compare(gains[taken.camera], &look);
+    double& gain = gains[taken.camera];
+    const auto fits = std::ranges::count(look.patches, PatchFit::kFits, &PatchShift::fit);
+    if (look.scale.gain > 0.0 && fits >= kLeastPatches)
+      gain = gain > 0.0 ? gain + kGainShare * (look.scale.gain - gain) : look.scale.gain;
+    looks.push_back(std::move(look));
+  }
+  if (!looks.empty()) return;
+  for (std::size_t i = 0; i < projectors(); ++i) hold(i, why, reason, moment.now, report);
+}
+
+void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solution, ShowReport* report) {
+  const std::vector<BodyPrior> known = loose_projectors();
+  std::vector<std::optional<PoseFilter::Measured>> told(bodies());
+  bool has_camera_moved = false;
+  for (BodyIndex body = 0; body < bodies(); ++body) {
+    const BodySolution& one = solution.bodies[body];
+    if (one.rank == 0) continue;
+    PoseFilter::Measured measured = without_prior(one.step, one.information, known[body].information);
+    measured.information /= kCaution * solution.noise * solution.noise;
+    const PoseFilter::Innovation innovation = filters[body].innovation(measured);
+    const bool is_surprise = innovation.squared > innovation_limit(innovation.directions);
+    surprises[body] = is_surprise ? surprises[body] + 1 : 0;
+    has_camera_moved = has_camera_moved || (is_surprise && body >= projectors());
+    if (is_surprise && body < projectors() && is_settled) notice(body, report);
+    if (!is_surprise) told[body] = measured;
+  }
+  // Where projectors are said to be rests on where cameras are.
+  if (has_camera_moved) return;
+  for (BodyIndex body = 0; body < bodies(); ++body) {
+    if (!told[body]) continue;
+    const PoseStep step = filters[body].update(*told[body]);
+    if (body < projectors()) {
+      is_noticed[body] = false;
+      measured_at[body] = now;
+      believed.projectors[body].T_room_projector = stepped(believed.projectors[body].T_room_projector, step);
+    } else {
+      ShowCamera& camera = believed.cameras[body - projectors()];
+      camera.T_room_camera = stepped(camera.T_room_camera, step);
+    }
+  }
+}
+
+void ContinuousCalibrator::State::loosen() {
+  for (BodyIndex i = 0; i < bodies(); ++i) {
+    if (surprises[i] < kStubborn) continue;
+    const bool is_camera = i >= projectors();
+    PoseStep sigma;
+    sigma << Eigen::Vector3d::Constant(is_camera ? kCameraTurn_rad : kProjectorTurn_rad),
+        Eigen::Vector3d::Constant(is_camera ? kCameraShift_m : kProjectorShift_m);
+    filters[i].restart(PoseMatrix(sigma.cwiseAbs2().asDiagonal()));
+    surprises[i] = 0;
+  }
+}
+
+void ContinuousCalibrator::State::settle(TimePoint now) {
+  if (is_settled || now < *begun_at + options.settle) return;
+  is_settled = true;
+  // What was learned so far is the scan's own error, not a change.
+  for (std::size_t i = 0; i < projectors(); ++i) {
+    const PoseStep change =
+        step_between(scanned.projectors[i].T_room_projector, applied.projectors[i].T_room_projector);
+    reference.projectors[i].T_room_projector = stepped(believed.projectors[i].T_room_projector, PoseStep(-change));
+  }
+}
+
+void ContinuousCalibrator::State::correct_drift(TimePoint now, ShowReport* report) {
+  for (std::size_t i = 0; i < projectors(); ++i) {
+    ProjectorHealth& one = health[i];
+    one.sigma_px = motion[i].sigma_px(filters[i].covariance());
+    one.wants_scan = now - measured_at[i] > options.ask_for_scan_after;
+    if (!is_settled) continue;
+    const PoseStep change =
+        step_between(reference.projectors[i].T_room_projector, believed.projectors[i].T_room_projector);
+    const auto wanted = stepped(scanned.projectors[i].T_room_projector, change);
+    const auto was = applied.projectors[i].T_room_projector;
+    one.off_px = motion[i].rms_px(step_between(was, wanted));
+    if (one.hold != Hold::kNone || std::ranges::any_of(surprises, [](int n) { return n > 0; })) continue;
+    if (one.off_px < options.correct_from_px || one.off_px < options.correct_from_sigmas * one.sigma_px) continue;
+    applied.projectors[i].T_room_projector = wanted;
+    report->corrections.push_back({i, was, wanted, one.off_px, one.sigma_px, false});
+    report->log.push_back(fmt::format("{}: projector '{}' drifted: corrected by {:.2f} px, sure to {:.2f} px",
+                                      clock_text(*begun_at, now), believed.projectors[i].name, one.off_px,
+                                      one.sigma_px));
+    one.off_px = 0.0;
+  }
+}
+
+void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
+  std::vector<Tally> sums(projectors());
+  double light = 0.0;
+  double pixels = 0.0;
+  for (const Look& look : looks) {
+    const std::vector<Tally> tallies = tally(look.patches, projectors());
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += tallies[i];
+    for (std::size_t k = 0; k < look.prediction.owner.data().size(); k += 7) {
+      if (look.prediction.owner.data()[k] == kBesideWall) continue;
+      light += gains[look.camera] * static_cast<double>(look.prediction.light.light.data()[k]);
+      pixels += 1.0;
+    }
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const Tally& sum = sums[i];
+    if (sum.compared() < kLeastPatches) {
+      const bool is_dark = pixels == 0.0 || light / pixels < kDarkest;
+      hold(i, is_dark ? Hold::kDark : Hold::kPlain,
+           is_dark ? "the show is dark" : "there is nothing in its picture to go by", now, report);
+    } else if (10 * sum.fits >= 6 * sum.compared() && surprises[i] == 0) {
+      hold(i, is_settled ? Hold::kNone : Hold::kSettling, is_settled ? "" : "it has only begun", now, report);
+    } else if (2 * sum.faint > sum.compared()) {
+      notice(i, report);
+      hold(i, Hold::kNoLight, "its part of the wall is dark; is its lamp off, or its shutter closed?", now, report);
+    } else if (sum.fits >= 3 * kLeastPatches / 4 && surprises[i] == 0) {
+      hold(i, Hold::kInTheWay,
+           fmt::format("something stands in the way of {} of {} places", sum.differs, sum.compared()), now, report);
+    } else {
+      notice(i, report);
+      hold(i, Hold::kSearching, "it moved, or something hides it; nothing explains yet what the cameras see", now,
+           report);
+    }
+  }
+}
+
+ContinuousCalibrator::ContinuousCalibrator(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ContinuousCalibrator::ContinuousCalibrator(ContinuousCalibrator&&) noexcept = default;
+ContinuousCalibrator& ContinuousCalibrator::operator=(ContinuousCalibrator&&) noexcept = default;
+ContinuousCalibrator::~ContinuousCalibrator() = default;
+
+Result<ContinuousCalibrator> ContinuousCalibrator::make(const ShowCalibration& calibration,
+                                                        const ContinuousOptions& options) {
+  TRY(calibration.validate());
+  return ContinuousCalibrator(std::make_unique<State>(calibration, options));
+}
+
+ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
+  State& state = *state_;
+  ShowReport report;
+  if (!state.begun_at) {
+    state.begun_at = moment.now;
+    std::ranges::fill(state.measured_at, moment.now);
+  }
+  for (const ShownPicture& shown : moment.shown) {
+    if (shown.projector < state.timelines.size()) state.timelines[shown.projector].add(shown);
+  }
+  const double passed = state.stepped_at ? std::chrono::duration<double>(moment.now - *state.stepped_at).count() : 0.0;
+  for (PoseFilter& filter : state.filters) filter.predict(passed);
+  state.stepped_at = state.stepped_at ? std::max(*state.stepped_at, moment.now) : moment.now;
+  state.look_at(moment, &report);
+  if (!state.looks.empty()) {
+    const bool is_lost = !state.lost().empty();
+    bool is_recovered = is_lost && state.is_settled && state.recover(moment.now, true, &report);
+    if (!is_recovered) {
+      for (const Look& look : state.looks) state.areas[look.camera].update(look.patches);
+      const auto solution =
+          solve_poses(state.believed, state.trusted_sightings(), state.edges(state.looks), state.loose_projectors());
+      if (solution) state.learn(moment.now, *solution, &report);
+      const bool is_bumped = std::ranges::any_of(state.surprises, [](int n) { return n >= kSurprisesAreABump; });
+      if (is_bumped && state.is_settled) is_recovered = state.recover(moment.now, false, &report);
+      if (!is_recovered) state.loosen();
+    }
+    state.settle(moment.now);
+    state.tell(moment.now, &report);
+  }
+  state.correct_drift(moment.now, &report);
+  report.projectors = state.health;
+  return report;
+}
+
+const ShowCalibration& ContinuousCalibrator::believed() const { return state_->believed; }
+const ShowCalibration& ContinuousCalibrator::applied() const { return state_->applied; }
+std::span<const Look> ContinuousCalibrator::looks() const { return state_->looks; }
+const AreaMap& ContinuousCalibrator::areas(std::size_t camera) const {
+  CHECK(camera < state_->areas.size());
+  return state_->areas[camera];
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Small changes of a pose, as the filter and the solver count them.
+///
+///   step = (turn, shift), both in the body's own frame:   T' = T * [exp(turn), shift]
+///
+/// A chart of SE(3) about T: exact both ways for turns below half a circle. Reentrant.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "common/geometry/rigid_transform.h"
+
+namespace cyclorama {
+
+/// Radians, then metres.
+using PoseStep = Eigen::Matrix<double, 6, 1>;
+using PoseMatrix = Eigen::Matrix<double, 6, 6>;
+
+/// What a bump may do at most; beyond, somebody has rebuilt the room.
+inline constexpr double kMostTurn_rad = 0.12;
+inline constexpr double kMostShift_m = 0.15;
+
+[[nodiscard]] inline Eigen::Quaterniond turned_by(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  if (!(angle > 1e-300)) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle));
+}
+
+template <typename To, typename Body>
+[[nodiscard]] RigidTransform<To, Body> stepped(const RigidTransform<To, Body>& T, const PoseStep& step) {
+  return T * RigidTransform<Body, Body>(turned_by(step.head<3>()), step.tail<3>());
+}
+
+/// The step for which stepped(from, step) is `to`.
+template <typename To, typename Body>
+[[nodiscard]] PoseStep step_between(const RigidTransform<To, Body>& from, const RigidTransform<To, Body>& to) {
+  const RigidTransform<Body, Body> change = from.inverse() * to;
+  const Eigen::AngleAxisd turn(change.rotation());
+  PoseStep step;
+  step.head<3>() = turn.angle() * turn.axis();
+  step.tail<3>() = change.translation();
+  return step;
+}
+
+/// The way from one pose to another, at a part of it in [0, 1]: how a display moves over without a jump.
+template <typename To, typename Body>
+[[nodiscard]] RigidTransform<To, Body> between(const RigidTransform<To, Body>& from, const RigidTransform<To, Body>& to,
+                                               double part) {
+  return stepped(from, part * step_between(from, to));
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/continuous/show_timeline.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+/// A shift makes a difference of slope times distance: summed over the picture, that tells the distance.
+double shift_px(const LightPlane& a, const LightPlane& b) {
+  if (a.light.empty() || a.width() != b.width() || a.height() != b.height()) return 0.0;
+  double differences = 0.0;
+  double slopes = 0.0;
+  for (int y = 0; y + 1 < a.height(); y += 2) {
+    const float* p = a.light.at(0, y);
+    const float* q = b.light.at(0, y);
+    for (int x = 0; x + 1 < a.width(); x += 2) {
+      differences += static_cast<double>(std::abs(p[x] - q[x]));
+      slopes += static_cast<double>(std::hypot(p[x + 1] - p[x], p[x + a.width()] - p[x]));
+    }
+  }
+  return slopes > 1e-9 ? differences / slopes : 0.0;
+}
+
+}  // namespace
+
+void ShowTimeline::add(const ShownPicture& shown) {
+  const auto at = std::ranges::lower_bound(entries_, shown.lit_at, {}, &Entry::lit_at);
+  if (at != entries_.end() && at->lit_at == shown.lit_at) {
+    if (at->picture != shown.picture) *at = Entry{shown.lit_at, shown.picture, {}};
+  } else {
+    entries_.insert(at, Entry{shown.lit_at, shown.picture, {}});
+  }
+  while (entries_.size() > 1 && entries_[1].lit_at + kKept < entries_.back().lit_at) entries_.pop_front();
+}
+
+const LightPlane& ShowTimeline::light_of(Entry* entry) {
+  if (entry->light.light.empty() && entry->picture) entry->light = shone_light(*entry->picture, projector_, factor_);
+  return entry->light;
+}
+
+std::optional<ShowTimeline::Exposed> ShowTimeline::between(TimePoint opened, TimePoint closed) {
+  if (!(closed > opened) || entries_.empty() || entries_.front().lit_at > opened) return std::nullopt;
+  // What came after it began, and the one before that.
+  auto from = std::ranges::upper_bound(entries_, opened, {}, &Entry::lit_at) - 1;
+  const auto end = std::ranges::lower_bound(entries_, closed, {}, &Entry::lit_at);
+  Exposed exposed;
+  if (end - from == 1) {
+    exposed.light = light_of(&*from);
+    return exposed;
+  }
+  const double whole = std::chrono::duration<double>(closed - opened).count();
+  const auto first = from;
+  for (; from != end; ++from) {
+    const TimePoint begun = std::max(from->lit_at, opened);
+    const TimePoint over = from + 1 != end ? std::min((from + 1)->lit_at, closed) : closed;
+    const auto share = static_cast<float>(std::chrono::duration<double>(over - begun).count() / whole);
+    const LightPlane& light = light_of(&*from);
+    if (light.light.empty()) continue;
+    if (exposed.light.light.empty()) exposed.light = {factor_, Image<float, 1>(light.width(), light.height())};
+    for (std::size_t i = 0; i < light.light.data().size(); ++i)
+      exposed.light.light.data()[i] += share * light.light.data()[i];
+  }
+  exposed.motion_px = shift_px(light_of(&*first), light_of(&*(end - 1)));
+  return exposed;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Each prints a table and, last, a line of JSON; the answer is the process's exit status.
+#pragma once
+
+#include "tests/doubles/bumped_show.h"
+
+namespace cyclorama {
+
+int bumps(const ShowContent& content, bool is_quick);
+int quiet(const ShowContent& content, bool is_quick);
+int drift(const ShowContent& content, bool is_quick);
+int occlusion(const ShowContent& content, bool is_quick);
+int constraints(const ShowContent& content, bool is_quick);
+int cost(const ShowContent& content, bool is_quick);
+int features(const ShowContent& content, bool is_quick);
+int filter_extremes(bool is_quick);
+int pictures(const ShowContent& content, const std::string& folder);
+
+/// Percentile of a list, nearest rank; -1 of none.
+[[nodiscard]] double percentile(std::vector<double> values, double part);
+/// A correction is wrong if its projector is farther off with it than before, by more than this.
+inline constexpr double kWrong_px = 0.5;
+
+}  // namespace cyclorama

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick].
+#include <fmt/format.h>
+
+#include <cstring>
+#include <numbers>
+#include <string>
+
+#include "tests/bench/selfcal/selfcal_benches.h"
+
+namespace {
+
+int usage() {
+  fmt::print(
+      stderr,
+      "selfcal_bench bump|quiet|drift|occlusion|constraints|extremes|cost|features|pictures CONTENT [--quick]\n");
+  return 2;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  using namespace cyclorama;
+  if (count < 3) return usage();
+  const std::string command = words[1];
+  const bool is_quick = count > 3 && std::strcmp(words[3], "--quick") == 0;
+  if (command == "extremes") return filter_extremes(is_quick);
+  ShowContent content;
+  if (std::strcmp(words[2], "painted") == 0) {
+    content = painted_content(6144, 3);
+  } else {
+    // A whole turn with square pixels, as `cyclorama-render picture --size 6144x704` makes it.
+    auto read = read_content(words[2], std::numbers::pi * 704 / 6144, -std::numbers::pi * 704 / 6144);
+    if (!read) {
+      fmt::print(stderr, "selfcal_bench: {}\n", read.error().message());
+      return 1;
+    }
+    content = *std::move(read);
+  }
+  if (command == "bump") return bumps(content, is_quick);
+  if (command == "quiet") return quiet(content, is_quick);
+  if (command == "drift") return drift(content, is_quick);
+  if (command == "occlusion") return occlusion(content, is_quick);
+  if (command == "constraints") return constraints(content, is_quick);
+  if (command == "cost") return cost(content, is_quick);
+  if (command == "features") return features(content, is_quick);
+  if (command == "pictures") return pictures(content, count > 3 ? words[3] : ".");
+  return usage();
+}

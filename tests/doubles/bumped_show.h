@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A show in a simulated museum that runs while projectors are bumped: displays that draw a panorama, fixed cameras,
+/// and the continuous calibration between them. For tests and benchmarks; the truth is only used to score.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/continuous/continuous_calibrator.h"
+#include "common/geometry/panorama.h"
+#include "drivers/simulated_room/flaws.h"
+#include "drivers/simulated_room/presets.h"
+#include "drivers/simulated_room/simulated_show.h"
+
+namespace cyclorama {
+
+/// All directions about the eye, as code values.
+struct ShowContent {
+  Panorama shape;
+  RgbImage picture;
+};
+/// Painted by sums of smooth noise and blotches with edges: something like rock. A whole turn.
+[[nodiscard]] ShowContent painted_content(int width_px, std::uint32_t seed);
+/// A rendered PNG of a whole turn. Errors of read_png().
+Result<ShowContent> read_content(const std::string& path, double tan_top, double tan_bottom);
+
+struct BumpedShowOptions {
+  std::string museum = "cylinder126";
+  std::uint32_t seed = 1;
+  int projectors = 3;
+  int projector_width_px = 1920;
+  int projector_height_px = 1080;
+  double camera_megapixels = 2.0;
+  double camera_field_deg = 80.0;
+  int wall_cells = 64;  ///< That throw light at each other.
+  double exposure_s = 0.04;
+  Duration period = std::chrono::milliseconds(250);  ///< From one step to the next.
+  double turn_rad_s = 0.0;                           ///< The visitor's.
+  double calibration_turn_rad = 5e-5;                ///< How wrong each pose is that the calibration tells, at most.
+  double calibration_shift_m = 5e-4;
+  ContinuousOptions calibrator = {};
+  int threads = 1;
+};
+
+/// Thread-bound.
+class BumpedShow {
+ public:
+  static Result<BumpedShow> make(const BumpedShowOptions& options, ShowContent content);
+
+  /// One period: the displays draw for where projectors are believed to be, cameras look, the calibration steps.
+  Result<ShowReport> step();
+
+  void bump(std::size_t projector, const PoseStep& step);
+  void bump_camera(std::size_t camera, const PoseStep& step);
+  SimulatedShow& room() { return *room_; }
+  [[nodiscard]] ContinuousCalibrator& calibrator() { return *calibrator_; }
+  void set_content(ShowContent content) {
+    content_ = std::move(content);
+    is_changed_ = true;
+  }
+  void set_turn(double turn_rad_s) { options_.turn_rad_s = turn_rad_s; }
+  void set_period(Duration period) { options_.period = period; }
+  void set_lamp(std::size_t projector, bool is_on) {
+    is_changed_ = is_changed_ || is_on_[projector] != is_on;
+    is_on_[projector] = is_on;
+  }
+  [[nodiscard]] double now_s() const { return std::chrono::duration<double>(now_ - TimePoint{}).count(); }
+  /// Cpu time of the calibration alone, so far.
+  [[nodiscard]] double calibrator_cpu_s() const { return cpu_s_; }
+
+  /// How far a projector's pixels are from where they are drawn for, by the truth; percentile in [0, 1] of its picture.
+  [[nodiscard]] double error_px(std::size_t projector, double percentile = 0.95) const;
+  /// Where its pixels would be if nobody had bumped it: for scripts of bumps.
+  [[nodiscard]] std::size_t projector_count() const { return is_on_.size(); }
+  /// What a head shows now.
+  [[nodiscard]] const RgbImage& head(std::size_t projector) const { return *heads_[projector]; }
+
+ private:
+  BumpedShow(const BumpedShowOptions& options, ShowContent content, SimulatedShow room,
+             ContinuousCalibrator calibrator);
+  [[nodiscard]] RgbImage draw(std::size_t projector) const;
+
+  BumpedShowOptions options_;
+  ShowContent content_;
+  std::unique_ptr<SimulatedShow> room_;
+  std::unique_ptr<ContinuousCalibrator> calibrator_;
+  std::vector<std::shared_ptr<const RgbImage>> heads_;
+  std::vector<bool> is_on_;
+  std::vector<RigidTransform<frame::Room, frame::Projector>> drawn_for_;
+  double drawn_heading_rad_ = 0.0;
+  bool is_changed_ = true;  ///< What is to be drawn, or what lights the wall.
+  TimePoint now_ = TimePoint{} + std::chrono::seconds(100);
+  double heading_rad_ = 0.0;
+  double cpu_s_ = 0.0;
+};
+
+/// A bump of one of six degrees, or of all, whose pixels move by about so many.
+[[nodiscard]] PoseStep drawn_bump(Draws* draws);
+
+}  // namespace cyclorama

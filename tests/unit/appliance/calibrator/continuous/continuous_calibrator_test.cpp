@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole show in small: projectors of 640x360, cameras of a sixth of a megapixel. The figures at full size are the
+// benchmarks' work.
+#include "appliance/calibrator/continuous/continuous_calibrator.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/doubles/bumped_show.h"
+
+namespace cyclorama {
+namespace {
+
+BumpedShowOptions small_options() {
+  BumpedShowOptions options;
+  options.projector_width_px = 640;
+  options.projector_height_px = 360;
+  options.camera_megapixels = 0.2;
+  options.wall_cells = 24;
+  options.calibrator.width_px = 512;
+  options.calibrator.settle = std::chrono::milliseconds(1250);
+  return options;
+}
+
+BumpedShow small_show(const BumpedShowOptions& options = small_options()) {
+  auto show = BumpedShow::make(options, painted_content(3072, 3));
+  EXPECT_TRUE(show) << show.error().message();
+  return *std::move(show);
+}
+
+/// Some steps; the log, for whoever reads why a test failed.
+std::vector<Correction> run(BumpedShow* show, int steps, std::string* log = nullptr) {
+  std::vector<Correction> corrections;
+  for (int i = 0; i < steps; ++i) {
+    const auto report = show->step();
+    EXPECT_TRUE(report);
+    corrections.insert(corrections.end(), report->corrections.begin(), report->corrections.end());
+    if (log != nullptr) {
+      for (const std::string& line : report->log) *log += line + "\n";
+    }
+  }
+  return corrections;
+}
+
+PoseStep turned(double degrees) {
+  PoseStep step = PoseStep::Zero();
+  step[1] = degrees * 0.01745329;
+  step[0] = 0.3 * step[1];
+  return step;
+}
+
+TEST(ContinuousCalibrator, leaves_a_quiet_show_alone_and_heals_a_bump) {
+  BumpedShow show = small_show();
+  std::string log;
+  EXPECT_TRUE(run(&show, 9, &log).empty()) << log;
+  const double before = show.error_px(1);
+  EXPECT_LT(before, 0.5);
+  show.bump(1, turned(0.5));
+  EXPECT_GT(show.error_px(1), 4.0);
+  const auto corrections = run(&show, 8, &log);
+  ASSERT_FALSE(corrections.empty()) << log;
+  EXPECT_EQ(corrections[0].projector, 1u);
+  EXPECT_LT(show.error_px(1), before + 0.35) << log;
+  EXPECT_LT(show.error_px(0), 0.5);
+  EXPECT_LT(show.error_px(2), 0.5);
+}
+
+TEST(ContinuousCalibrator, finds_a_projector_again_that_patches_cannot_reach) {
+  BumpedShow show = small_show();
+  std::string log;
+  run(&show, 7, &log);
+  show.bump(0, turned(3.0));
+  run(&show, 8, &log);
+  EXPECT_LT(show.error_px(0), 1.0) << log;
+}
+
+TEST(ContinuousCalibrator, a_camera_that_is_bumped_changes_no_picture) {
+  BumpedShow show = small_show();
+  std::string log;
+  run(&show, 7, &log);
+  show.bump_camera(1, turned(0.4));
+  run(&show, 10, &log);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(show.error_px(i), 0.7) << log;
+}
+
+TEST(ContinuousCalibrator, holds_and_says_why) {
+  BumpedShow show = small_show();
+  run(&show, 7);
+  ShowContent dark = painted_content(256, 3);
+  std::ranges::fill(dark.picture.data(), std::uint8_t{2});
+  show.set_content(dark);
+  auto report = show.step();
+  for (int i = 0; i < 2; ++i) report = show.step();
+  EXPECT_TRUE(report->corrections.empty());
+  for (const ProjectorHealth& one : report->projectors) {
+    EXPECT_EQ(one.hold, Hold::kDark) << one.reason;
+    EXPECT_FALSE(one.reason.empty());
+  }
+  show.set_content(painted_content(3072, 3));
+  show.set_lamp(2, false);
+  for (int i = 0; i < 3; ++i) report = show.step();
+  EXPECT_EQ(report->projectors[2].hold, Hold::kNoLight) << report->projectors[2].reason;
+  EXPECT_TRUE(report->corrections.empty());
+}
+
+TEST(ContinuousCalibrator, somebody_before_the_wall_is_not_a_bump) {
+  BumpedShow show = small_show();
+  std::string log;
+  run(&show, 7, &log);
+  for (int i = 0; i < 8; ++i) {
+    show.room().set_visitors({{-1.5 + 0.3 * i, -2.5, 0.3, 1.8, 0.3}, {1.0 - 0.1 * i, -2.0, 0.3, 1.7, 0.2}});
+    EXPECT_TRUE(run(&show, 1, &log).empty()) << log;
+  }
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(show.error_px(i), 0.5) << log;
+}
+
+TEST(ContinuousCalibrator, the_same_show_gives_the_same_corrections) {
+  const auto once = [] {
+    BumpedShow show = small_show();
+    std::string log;
+    run(&show, 7, &log);
+    show.bump(2, turned(-0.3));
+    run(&show, 4, &log);
+    return std::pair(log, show.error_px(2));
+  };
+  EXPECT_EQ(once(), once());
+}
+
+TEST(ContinuousCalibrator, refuses_a_room_without_cameras) {
+  const auto none = ContinuousCalibrator::make({});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code(), ErrorCode::kInvalidArgument);
+}
+
+TEST(ContinuousCalibrator, pictures_without_times_that_fit_change_nothing) {
+  BumpedShow show = small_show();
+  run(&show, 3);
+  const ShowCalibration before = show.calibrator().believed();
+  ShowMoment moment;
+  moment.now = TimePoint{} + std::chrono::seconds(200);
+  moment.seen.push_back({0, moment.now, moment.now, std::make_shared<const GreyImage>(516, 387)});
+  moment.seen.push_back({9, moment.now, moment.now, nullptr});
+  const ShowReport report = show.calibrator().step(moment);
+  EXPECT_TRUE(report.corrections.empty());
+  EXPECT_EQ(report.projectors[0].hold, Hold::kNoPicture);
+  EXPECT_LT(
+      step_between(before.projectors[0].T_room_projector, show.calibrator().believed().projectors[0].T_room_projector)
+          .norm(),
+      1e-15);
+}
+
+}  // namespace
+}  // namespace cyclorama

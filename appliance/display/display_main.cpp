@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <thread>
 
+#include "appliance/display/attract_picture.h"
 #include "appliance/display/display.h"
 #include "appliance/display/display_settings.h"
+#include "appliance/display/measured_head.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -20,7 +22,7 @@ struct Options {
   std::string installation;
   std::string output = "headless";
   std::vector<std::string> heads;
-  bool check = false;
+  bool is_check = false;
   DisplayOptions display;
 };
 
@@ -35,6 +37,8 @@ void add_options(CLI::App* app, Options* options) {
       ->capture_default_str();
   app->add_option("--run-dir", display.output.run_dir,
                   "Publish what each head shows as head-NAME.picture in this folder");
+  app->add_flag("--check", options->is_check,
+                "Read the settings and all files that they name, and end: 0 if it would start");
   app->add_option("--width", display.width_px, "Width in pixels of the picture to ask for")
       ->check(CLI::Range(16, 16384))
       ->capture_default_str();
@@ -61,7 +65,6 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option("--calibration", display.calibration,
                   "A calibration's folder: draw as it measured, and move over when it is replaced. In the place of "
                   "site.toml's");
-  app->add_flag("--check", options->check, "Only read the settings, say what is wrong with them, and end");
   app->add_option("--decode-threads", display.decode_threads, "Threads that decode tiles")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
@@ -81,6 +84,19 @@ class StateLog {
   bool was_healthy_ = true;
 };
 
+/// What is read at the start, read now.
+Status check(const DisplayOptions& display) {
+  Installation room = display.installation;
+  const Projection picture = room.projection(display.width_px, display.height_px);
+  for (std::size_t i = 0; i < room.projectors.size(); ++i) {
+    InstalledProjector& projector = room.projectors[i];
+    if (room.stereo) projector.lens = lens_of_an_eye(projector.lens, room.stereo->packing);
+    if (projector.warp) TRY(measured_head(room, i, picture.shape));
+  }
+  if (!display.attract_picture.empty()) TRY(attract_frame(picture.shape, display.attract_picture));
+  return Done{};
+}
+
 Status run_display(Options options, const StopSignal& stop) {
   TRY_ASSIGN(options.display.installation, read_installation(options.installation));
   OutputChoice& output = options.display.output;
@@ -98,7 +114,7 @@ Status run_display(Options options, const StopSignal& stop) {
     options.display.hours = settings.hours;
     if (options.display.calibration.empty()) options.display.calibration = settings.calibration;
   }
-  if (options.check) return Done{};
+  if (options.is_check) return check(options.display);
   const SteadyClock clock;
   const std::string tour = options.display.tour;
   TRY_ASSIGN(const std::unique_ptr<Display> display, Display::start(std::move(options.display), clock));

@@ -32,7 +32,7 @@ struct Options {
   std::optional<double> field_of_view_deg;
   std::optional<double> decimate;
   bool list_cameras = false;
-  bool check = false;
+  bool is_check = false;
 };
 
 void add_options(CLI::App* app, Options* ret) {
@@ -54,7 +54,8 @@ void add_options(CLI::App* app, Options* ret) {
       ->check(CLI::Range(1.0, 170.0));
   app->add_option("--decimate", ret->decimate, "Seek tags in a picture this many times smaller")
       ->check(CLI::Range(1.0, 8.0));
-  app->add_flag("--check", ret->check, "Only read the settings, say what is wrong with them, and end");
+  app->add_flag("--check", ret->is_check,
+                "Read the settings and all files that they name, and end: 0 if it would start");
   app->add_flag("--list-cameras", ret->list_cameras,
                 "Say which cameras are plugged in, each with the line for tracker.toml, and end");
 }
@@ -105,7 +106,7 @@ Status run(const Options& options, const StopSignal& stop) {
     return Done{};
   }
   TRY_ASSIGN(const TrackerSettings settings, settings_of(options));
-  if (options.check) return Done{};
+  if (options.is_check) return Done{};
   const SteadyClock clock;
   InspectionService inspection("tracker");
   TRY_ASSIGN(const std::unique_ptr<WireServer> server, WireServer::start(settings.listen, {&inspection}));

@@ -32,7 +32,7 @@ struct Options {
   std::optional<double> guard_deg;
   std::optional<std::string> record;
   std::optional<std::string> replay;
-  bool check = false;
+  bool is_check = false;
 };
 
 void add_options(CLI::App& app, Options* options) {
@@ -54,7 +54,7 @@ void add_options(CLI::App& app, Options* options) {
       ->excludes(budget);
   app.add_option("--guard-deg", options->guard_deg, "Degrees rendered beyond each side of the wall, for quick turns")
       ->check(CLI::Range(0.0, 90.0));
-  app.add_flag("--check", options->check, "Only read the settings, say what is wrong with them, and end");
+  app.add_flag("--check", options->is_check, "Only read the settings, say what is wrong with them, and end");
   app.add_option("--record", options->record,
                  "Write the walk, every pose, key and step with its time, to this new file")
       ->type_name("FILE");
@@ -125,7 +125,7 @@ Status replay(const std::string& path) {
 Status run(const Options& options, const StopSignal& stop) {
   if (options.replay) return replay(*options.replay);
   TRY_ASSIGN(TourSettings settings, settings_of(options));
-  if (options.check) return Done{};
+  if (options.is_check) return Done{};
   RecordFile record;
   if (options.record) {
     TRY_ASSIGN(record, RecordFile::open(*options.record));

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// operator.toml, as it comes on a stick. It is never kept: the settings in use have the PIN's hash instead.
+///
+///   pin = "40 17 73"      # Blanks do not count. Absent: the page answers on this computer alone.
+struct OperatorSettings {
+  std::optional<std::string> pin;
+};
+
+/// `name` stands for the file in errors, which never hold the PIN. Errors as Config::read(), and of check_pin().
+Result<OperatorSettings> parse_operator_settings(std::string_view text, std::string name);
+
+}  // namespace cyclorama

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/provision/provision.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "common/base/file.h"
+#include "kiosk/provision/pin.h"
+
+namespace cyclorama {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestText = 256 * 1024;
+constexpr const char* kPinGroup = "cyclorama-operator";
+
+const CopiedFile* find(const std::vector<CopiedFile>& files, std::string_view name) {
+  const auto found =
+      std::find_if(files.begin(), files.end(), [&](const CopiedFile& file) { return file.name == name; });
+  return found == files.end() ? nullptr : &*found;
+}
+
+void forget(const fs::path& folder, const char* name, std::vector<CopiedFile>* files) {
+  std::error_code ignored;
+  fs::remove(folder / name, ignored);
+  std::erase_if(*files, [&](const CopiedFile& file) { return file.name == name; });
+}
+
+/// SHA256SUMS, if the stick has it: every file that it names is whole.
+void compare_checksums(const fs::path& folder, const std::vector<CopiedFile>& files,
+                       std::vector<std::string>* problems) {
+  if (find(files, kChecksumsFile) == nullptr) return;
+  const auto text = read_text_file(folder / kChecksumsFile, kLargestText);
+  const auto wanted = text ? parse_checksums(*text) : Result<std::vector<CopiedFile>>(text.error());
+  if (!wanted) return problems->push_back(fmt::format("{}: {}", kChecksumsFile, wanted.error().message()));
+  for (const CopiedFile& file : *wanted) {
+    const CopiedFile* const copied = find(files, file.name);
+    if (copied == nullptr) {
+      problems->push_back(
+          fmt::format("{} names '{}', which is not there; copy the folder again", kChecksumsFile, file.name));
+    } else if (copied->sha256 != file.sha256) {
+      problems->push_back(
+          fmt::format("'{}' is not the file that {} names; copy the folder again", file.name, kChecksumsFile));
+    }
+  }
+}
+
+/// The hash takes the place of the PIN. The same PIN keeps its hash, so that the same stick changes nothing.
+Status keep_pin(const fs::path& folder, const SettingsStore& store, const std::optional<std::string>& pin,
+                std::vector<CopiedFile>* files) {
+  forget(folder, kOperatorFile, files);
+  if (!pin) return Done{};
+  const auto before = read_text_file(store.settings() / kPinFile, kLargestText);
+  const auto same = before ? is_pin(*pin, *before) : Result<bool>(false);
+  std::string hash;
+  if (same && *same) {
+    hash = *before;
+  } else {
+    TRY_ASSIGN(hash, hashed_pin(*pin));
+    hash += "\n";
+  }
+  TRY(write_file_atomically(folder / kPinFile, std::string_view(hash)));
+  TRY_ASSIGN(std::string sha256, sha256_of(hash));
+  files->push_back({kPinFile, hash.size(), std::move(sha256)});
+  return Done{};
+}
+
+bool are_the_same(std::vector<CopiedFile> a, std::vector<CopiedFile> b) {
+  const auto by_name = [](const CopiedFile& x, const CopiedFile& y) { return x.name < y.name; };
+  std::sort(a.begin(), a.end(), by_name);
+  std::sort(b.begin(), b.end(), by_name);
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const CopiedFile& x, const CopiedFile& y) { return x.name == y.name && x.sha256 == y.sha256; });
+}
+
+/// What is wrong with what people made is a problem; what is wrong here is an error.
+bool is_of_this_computer(const Error& error) { return error.code() == ErrorCode::kSystem; }
+
+Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStore* store, ProvisioningReport* report) {
+  auto copied = copy_folder(order.from, folder, order.limits);
+  if (!copied && is_of_this_computer(copied.error())) return std::move(copied).error();
+  if (!copied) {
+    report->problems.push_back(copied.error().message());
+    return Done{};
+  }
+  for (const std::string& name : copied->left_out) report->remarks.push_back(fmt::format("'{}' was left out", name));
+  if (find(copied->files, kPinFile) != nullptr) {
+    report->problems.push_back(
+        fmt::format("'{}' is this computer's own; write the PIN into {}", kPinFile, kOperatorFile));
+  }
+  compare_checksums(folder, copied->files, &report->problems);
+  SettingsVerdict verdict = check_settings(folder, order.check);
+  report->museum = verdict.museum;
+  report->farm = verdict.farm;
+  report->projectors = verdict.projectors;
+  report->certificate_until = verdict.certificate_until;
+  report->has_pin = verdict.pin.has_value();
+  report->problems.insert(report->problems.end(), verdict.problems.begin(), verdict.problems.end());
+  report->remarks.insert(report->remarks.end(), verdict.remarks.begin(), verdict.remarks.end());
+  if (!report->problems.empty()) return Done{};
+  forget(folder, kChecksumsFile, &copied->files);
+  TRY(keep_pin(folder, *store, verdict.pin, &copied->files));
+  verdict.secrets.push_back({kPinFile, kPinGroup});
+  if (are_the_same(copied->files, store->contents())) {
+    report->verdict = Verdict::kUnchanged;
+  } else {
+    if (!order.only_check) TRY(store->commit(std::move(copied->files), verdict.secrets));
+    report->verdict = Verdict::kInstalled;
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Result<ProvisioningReport> provision(const ProvisionOrder& order, SettingsStore* store) {
+  ProvisioningReport report;
+  report.at = order.at;
+  report.source = order.from.string();
+  TRY_ASSIGN(const fs::path folder, store->begin());
+  const Status done = look_at(order, folder, store, &report);
+  store->abandon();
+  if (!done) return done.error();
+  report.in_use = store->in_use();
+  return report;
+}
+
+Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore* store) {
+  const Status done = store->restore();
+  if (!done) store->abandon();
+  TRY(Status(done));
+  ProvisioningReport report;
+  report.at = at;
+  report.verdict = Verdict::kRestored;
+  report.in_use = store->in_use();
+  const SettingsVerdict verdict = check_settings(store->settings(), {});
+  report.museum = verdict.museum;
+  report.farm = verdict.farm;
+  report.projectors = verdict.projectors;
+  report.certificate_until = verdict.certificate_until;
+  report.has_pin = find(store->contents(), kPinFile) != nullptr;
+  // They are in use all the same.
+  report.remarks = verdict.problems;
+  return report;
+}
+
+}  // namespace cyclorama

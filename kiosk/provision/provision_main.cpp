@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cyclorama-provision: a museum's settings, from a stick into use.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <ctime>
+#include <optional>
+#include <string>
+
+#include "common/base/file.h"
+#include "common/process/log.h"
+#include "common/process/program.h"
+#include "kiosk/provision/provision.h"
+
+namespace cyclorama {
+namespace {
+
+struct Options {
+  std::string state = "/var/lib/cyclorama";
+  std::string from;
+  std::string programs = "/usr/bin";
+  std::optional<std::string> changed;
+  bool if_there = false;
+};
+
+void add_options(CLI::App& app, Options* options) {
+  app.require_subcommand(1);
+  app.add_option("--state", options->state, "Where the settings live: the programs read its folder 'settings'")
+      ->capture_default_str();
+  CLI::App& install = *app.add_subcommand("install", "Check a folder, and take its settings into use if all is well");
+  CLI::App& check =
+      *app.add_subcommand("check", "Check a folder, and say what is wrong with it; changes nothing in use");
+  CLI::App& restore =
+      *app.add_subcommand("restore", "Take the settings of before into use; a second time is back again");
+  app.add_subcommand("status", "What came of the last folder, as JSON");
+  for (CLI::App* const command : {&install, &check}) {
+    command->add_option("FOLDER", options->from, "With site.toml, installation.toml and all that they name")
+        ->required();
+    command
+        ->add_option(
+            "--programs", options->programs,
+            "Where cyclorama-display and cyclorama-tracker are, which check their own settings; empty: not asked")
+        ->capture_default_str();
+  }
+  install.add_flag("--if-there", options->if_there, "A folder that is not there is no error");
+  for (CLI::App* const command : {&install, &restore}) {
+    command->add_option("--changed", options->changed, "Make this file when other settings are in use than before");
+  }
+}
+
+void say(const ProvisioningReport& report) {
+  for (const std::string& remark : report.remarks) log(LogLevel::kWarning, remark);
+  for (const std::string& problem : report.problems) log(LogLevel::kError, problem);
+}
+
+Status publish(const Options& options, const ProvisioningReport& report) {
+  const bool is_new = report.verdict == Verdict::kInstalled || report.verdict == Verdict::kRestored;
+  if (is_new && options.changed) TRY(write_file_atomically(*options.changed, report.in_use + "\n"));
+  return write_file_atomically(std::filesystem::path(options.state) / kProvisioningReportFile, report_json(report));
+}
+
+Status run(const Options& options, const CLI::App& app) {
+  if (app.got_subcommand("status")) {
+    constexpr std::size_t kLargest = 256 * 1024;
+    TRY_ASSIGN(const std::string json,
+               read_text_file(std::filesystem::path(options.state) / kProvisioningReportFile, kLargest));
+    TRY(parse_report(json));
+    std::fputs(json.c_str(), stdout);
+    return Done{};
+  }
+  std::error_code unknown;
+  if (options.if_there && !std::filesystem::exists(options.from, unknown) && !unknown) return Done{};
+  TRY_ASSIGN(SettingsStore store, SettingsStore::open(options.state));
+  const std::string at = time_text(std::time(nullptr));
+  if (app.got_subcommand("restore")) {
+    TRY_ASSIGN(const ProvisioningReport report, restore_settings(at, &store));
+    say(report);
+    log(LogLevel::kNotice, fmt::format("the settings of before are in use again, as {}", report.in_use));
+    return publish(options, report);
+  }
+  ProvisionOrder order;
+  order.from = options.from;
+  order.check.programs = options.programs;
+  order.only_check = app.got_subcommand("check");
+  order.at = at;
+  auto report = provision(order, &store);
+  if (!report) {
+    // The page tells it too: nobody reads the journal.
+    ProvisioningReport failed;
+    failed.at = at;
+    failed.source = options.from;
+    failed.in_use = store.in_use();
+    failed.problems = {report.error().message()};
+    if (!order.only_check) static_cast<void>(publish(options, failed));
+    return std::move(report).error();
+  }
+  say(*report);
+  if (!order.only_check) TRY(publish(options, *report));
+  switch (report->verdict) {
+    case Verdict::kInstalled:
+      log(LogLevel::kNotice, order.only_check ? "these settings are good, and others than those in use"
+                                              : fmt::format("the settings are in use, as {}", report->in_use));
+      return Done{};
+    case Verdict::kUnchanged:
+      log(LogLevel::kNotice, fmt::format("these settings are in use already, as {}", report->in_use));
+      return Done{};
+    default:
+      return Error(ErrorCode::kBadData,
+                   fmt::format("the settings in '{}' are refused for {} reason{}; {}", options.from,
+                               report->problems.size(), report->problems.size() == 1 ? "" : "s",
+                               report->in_use.empty() ? "there are none in use" : "those of before stay in use"));
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  cyclorama::Program program("cyclorama-provision",
+                             "Takes a museum's settings from a stick into use: all of them, checked, or none.");
+  cyclorama::Options options;
+  cyclorama::add_options(program.options(), &options);
+  return program.run(argc, argv,
+                     [&](const cyclorama::StopSignal&) { return cyclorama::run(options, program.options()); });
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/provision/provisioning_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLargestReport = 256 * 1024;
+constexpr std::size_t kMostSentences = 100;
+constexpr std::size_t kLongestSentence = 2000;
+constexpr std::array<std::pair<Verdict, std::string_view>, 4> kVerdicts{{{Verdict::kInstalled, "installed"},
+                                                                         {Verdict::kUnchanged, "unchanged"},
+                                                                         {Verdict::kRefused, "refused"},
+                                                                         {Verdict::kRestored, "restored"}}};
+
+/// False where `key` is no text, or too long.
+bool read_text(const Json& json, const char* key, std::string* ret) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_string()) return false;
+  *ret = found->get<std::string>();
+  return ret->size() <= kLongestSentence && printable(*ret, kLongestSentence) == *ret;
+}
+
+bool read_texts(const Json& json, const char* key, std::vector<std::string>* ret) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_array() || found->size() > kMostSentences) return false;
+  return std::all_of(found->begin(), found->end(), [&](const Json& one) {
+    if (!one.is_string()) return false;
+    ret->push_back(one.get<std::string>());
+    return ret->back().size() <= kLongestSentence && printable(ret->back(), kLongestSentence) == ret->back();
+  });
+}
+
+std::vector<std::string> bounded(const std::vector<std::string>& sentences) {
+  std::vector<std::string> some;
+  for (const std::string& sentence : sentences) {
+    // An ellipsis has three bytes.
+    if (some.size() < kMostSentences) some.push_back(printable(sentence, kLongestSentence - 3));
+  }
+  return some;
+}
+
+}  // namespace
+
+std::string_view to_text(Verdict verdict) {
+  for (const auto& [known, text] : kVerdicts) {
+    if (known == verdict) return text;
+  }
+  return "?";
+}
+
+std::string report_json(const ProvisioningReport& report) {
+  const Json json{{"at", report.at},
+                  {"source", printable(report.source, 500)},
+                  {"verdict", to_text(report.verdict)},
+                  {"in_use", report.in_use},
+                  {"museum", printable(report.museum, 200)},
+                  {"farm", bounded(report.farm)},
+                  {"projectors", report.projectors},
+                  {"certificate_until", report.certificate_until},
+                  {"has_pin", report.has_pin},
+                  {"problems", bounded(report.problems)},
+                  {"remarks", bounded(report.remarks)}};
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<ProvisioningReport> parse_report(std::string_view text) {
+  const Error bad(ErrorCode::kBadData, "is no report of cyclorama-provision; plug the stick in again");
+  if (text.size() > kLargestReport) return bad;
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) return bad;
+  ProvisioningReport report;
+  std::string verdict;
+  const auto projectors = json.find("projectors");
+  const auto pin = json.find("has_pin");
+  if (!read_text(json, "at", &report.at) || !read_text(json, "source", &report.source) ||
+      !read_text(json, "verdict", &verdict) || !read_text(json, "in_use", &report.in_use) ||
+      !read_text(json, "museum", &report.museum) || !read_text(json, "certificate_until", &report.certificate_until) ||
+      !read_texts(json, "farm", &report.farm) || !read_texts(json, "problems", &report.problems) ||
+      !read_texts(json, "remarks", &report.remarks) || projectors == json.end() || !projectors->is_number_unsigned() ||
+      projectors->get<std::uint64_t>() > 1000 || pin == json.end() || !pin->is_boolean()) {
+    return bad;
+  }
+  report.projectors = projectors->get<int>();
+  report.has_pin = pin->get<bool>();
+  const auto known =
+      std::find_if(kVerdicts.begin(), kVerdicts.end(), [&](const auto& v) { return v.second == verdict; });
+  if (known == kVerdicts.end()) return bad;
+  report.verdict = known->first;
+  return report;
+}
+
+std::string time_text(std::time_t time) {
+  std::tm parts{};
+  if (::gmtime_r(&time, &parts) == nullptr) return "";
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday,
+                     parts.tm_hour, parts.tm_min, parts.tm_sec);
+}
+
+}  // namespace cyclorama

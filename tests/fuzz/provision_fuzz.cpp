@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "kiosk/provision/folder_copy.h"
+#include "kiosk/provision/operator_settings.h"
+#include "kiosk/provision/pin.h"
+#include "kiosk/provision/provisioning_report.h"
+
+/// What a stick brings besides settings, and what is read back from the disk: refused, or the same after a round trip.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
+  if (data[0] % 3 == 0) {
+    const auto files = parse_checksums(text);
+    if (!files) return 0;
+    for (const CopiedFile& file : *files) {
+      if (file.name.find("..") == 0 || file.name.front() == '/') std::abort();
+    }
+    const auto again = parse_checksums(checksums_text(*files));
+    if (!again || again->size() != files->size()) std::abort();
+  } else if (data[0] % 3 == 1) {
+    const auto settings = parse_operator_settings(text, "operator.toml");
+    if (settings && settings->pin && !check_pin(*settings->pin)) std::abort();
+  } else {
+    const auto report = parse_report(text);
+    if (!report) return 0;
+    const auto again = parse_report(report_json(*report));
+    if (!again) std::abort();
+  }
+  return 0;
+}

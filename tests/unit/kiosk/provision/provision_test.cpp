@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/provision/provision.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "kiosk/provision/pin.h"
+#include "tests/doubles/museum_stick.h"
+
+namespace cyclorama {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+TEST(Provision, takes_a_good_stick_into_use_and_tells_what_is_in_it) {
+  const MuseumStick museum;
+  const ProvisioningReport report = museum.install();
+  EXPECT_EQ(report.verdict, Verdict::kInstalled);
+  EXPECT_THAT(report.problems, IsEmpty());
+  EXPECT_THAT(report.remarks, IsEmpty());
+  EXPECT_EQ(report.museum, "hall-3");
+  EXPECT_THAT(report.farm, ElementsAre("[2001:db8::1]:7401"));
+  EXPECT_EQ(report.projectors, 3);
+  EXPECT_EQ(report.in_use, "000001");
+  EXPECT_EQ(report.certificate_until.size(), 10u);
+  EXPECT_TRUE(report.has_pin);
+  EXPECT_EQ(museum.in_use("site.toml"), MuseumStick::site());
+  EXPECT_THAT(museum.in_use("tls/key.pem"), HasSubstr("PRIVATE KEY"));
+}
+
+TEST(Provision, keeps_the_pin_as_a_hash_alone_and_the_key_for_nobody_else) {
+  const MuseumStick museum;
+  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  EXPECT_FALSE(fs::exists(museum.root() / "settings" / "operator.toml"));
+  const auto right = is_pin(kStickPin, museum.in_use("operator-pin"));
+  const auto wrong = is_pin("401774", museum.in_use("operator-pin"));
+  ASSERT_TRUE(right && wrong);
+  EXPECT_TRUE(*right);
+  EXPECT_FALSE(*wrong);
+  for (const auto& entry : fs::recursive_directory_iterator(museum.root())) {
+    if (!entry.is_regular_file()) continue;
+    const auto text = read_text_file(entry.path(), 1 << 20);
+    ASSERT_TRUE(text);
+    EXPECT_THAT(*text, Not(HasSubstr(kStickPin))) << entry.path();
+  }
+  for (const char* const secret : {"tls/key.pem", "operator-pin"}) {
+    struct stat info {};
+    ASSERT_EQ(::stat((museum.root() / "settings" / secret).c_str(), &info), 0);
+    EXPECT_EQ(info.st_mode & 0007, 0u) << secret << " is for all to read";
+  }
+}
+
+TEST(Provision, lets_every_service_read_the_rest_whatever_the_umask) {
+  const MuseumStick museum;
+  fs::remove_all(museum.root());
+  const mode_t before = ::umask(0077);
+  EXPECT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ::umask(before);
+  for (const char* const folder : {".", "generations", "settings", "settings/tls"}) {
+    struct stat info {};
+    ASSERT_EQ(::stat((museum.root() / folder).c_str(), &info), 0);
+    EXPECT_EQ(info.st_mode & 0777, 0755u) << folder;
+  }
+  struct stat info {};
+  ASSERT_EQ(::stat((museum.root() / "settings/site.toml").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0644u);
+}
+
+TEST(Provision, changes_nothing_for_the_same_stick_again) {
+  const MuseumStick museum;
+  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  const ProvisioningReport again = museum.install();
+  EXPECT_EQ(again.verdict, Verdict::kUnchanged);
+  EXPECT_EQ(again.in_use, "000001");
+  museum.write("operator.toml", "pin = \"771340\"\n");
+  EXPECT_EQ(museum.install().verdict, Verdict::kInstalled) << "another PIN is another set";
+}
+
+TEST(Provision, brings_the_settings_of_before_back_and_forth) {
+  const MuseumStick museum;
+  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  museum.write("site.toml", MuseumStick::site("hall-4"));
+  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  for (const char* const expected : {"hall-3", "hall-4", "hall-3"}) {
+    auto store = SettingsStore::open(museum.root());
+    ASSERT_TRUE(store);
+    const auto report = restore_settings("2026-11-22T16:04:05Z", &*store);
+    ASSERT_TRUE(report) << report.error().message();
+    EXPECT_EQ(report->verdict, Verdict::kRestored);
+    EXPECT_EQ(report->museum, expected);
+    EXPECT_TRUE(report->has_pin);
+    EXPECT_THAT(museum.in_use("site.toml"), HasSubstr(expected));
+  }
+  struct stat info {};
+  ASSERT_EQ(::stat((museum.root() / "settings" / "tls/key.pem").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0007, 0u) << "a secret stays one";
+}
+
+TEST(Provision, has_nothing_to_bring_back_after_the_first_stick) {
+  const MuseumStick museum;
+  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  auto store = SettingsStore::open(museum.root());
+  ASSERT_TRUE(store);
+  const auto report = restore_settings("", &*store);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(store->in_use(), "000001");
+}
+
+/// Each way to spoil a stick, and what the report must say of it.
+struct Spoilt {
+  const char* name;
+  void (*spoil)(const MuseumStick&);
+  const char* says;
+};
+class BadStick : public testing::TestWithParam<Spoilt> {};
+
+TEST_P(BadStick, is_refused_with_a_reason_and_the_settings_before_stay) {
+  const MuseumStick museum;
+  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  museum.write("site.toml", MuseumStick::site("hall-4"));
+  GetParam().spoil(museum);
+  const ProvisioningReport report = museum.install();
+  EXPECT_EQ(report.verdict, Verdict::kRefused);
+  EXPECT_THAT(report.problems, Contains(HasSubstr(GetParam().says))) << report_json(report);
+  EXPECT_THAT(report.problems, Not(Contains(HasSubstr("staging")))) << "where it lay for now is nothing to the reader";
+  EXPECT_EQ(report.in_use, "000001");
+  EXPECT_EQ(museum.in_use("site.toml"), MuseumStick::site());
+  EXPECT_FALSE(fs::exists(museum.root() / "staging"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ways, BadStick,
+    testing::Values(
+        Spoilt{"site_missing", [](const MuseumStick& m) { m.remove("site.toml"); }, "site.toml is missing"},
+        Spoilt{"site_misspelt", [](const MuseumStick& m) { m.write("site.toml", "[farm]\nhead = [\"[::1]:1\"]\n"); },
+               "site.toml:2"},
+        Spoilt{"site_cut", [](const MuseumStick& m) { m.write("site.toml", "[farm]\nheads = [\"[20"); }, "site.toml:2"},
+        Spoilt{"hours_wrong", [](const MuseumStick& m) { m.write("site.toml", "[hours]\nopen = [\"Sum 25:00\"]\n"); },
+               "site.toml:2"},
+        Spoilt{"address_wrong", [](const MuseumStick& m) { m.write("site.toml", "[farm]\nheads = [\"farm\"]\n"); },
+               "heads"},
+        Spoilt{"installation_missing", [](const MuseumStick& m) { m.remove("installation.toml"); },
+               "installation.toml is missing"},
+        Spoilt{"installation_cut",
+               [](const MuseumStick& m) {
+                 fs::resize_file(m.stick() / "installation.toml", fs::file_size(m.stick() / "installation.toml") / 2);
+               },
+               "installation.toml:"},
+        Spoilt{"key_missing", [](const MuseumStick& m) { m.remove("tls/key.pem"); },
+               "'tls/key.pem', which is not there"},
+        Spoilt{"key_of_another",
+               [](const MuseumStick& m) {
+                 output_of("openssl genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out '" +
+                           (m.stick() / "tls/key.pem").string() + "'");
+               },
+               "'tls/key.pem' is not the key of 'tls/certificate.crt'"},
+        Spoilt{"certificate_cut", [](const MuseumStick& m) { fs::resize_file(m.stick() / "tls/certificate.crt", 200); },
+               "'tls/certificate.crt' is not a certificate"},
+        Spoilt{"certificate_elsewhere",
+               [](const MuseumStick& m) {
+                 m.write("site.toml",
+                         "[farm]\nauthority = \"/etc/passwd\"\ncertificate = \"../x\"\nkey = \"tls/key.pem\"\n");
+               },
+               "which is not in the folder"},
+        Spoilt{"picture_missing", [](const MuseumStick& m) { m.remove("evening.png"); },
+               "'evening.png', which is not there"},
+        Spoilt{"picture_cut", [](const MuseumStick& m) { fs::resize_file(m.stick() / "evening.png", 50); },
+               "evening.png"},
+        Spoilt{"wand_wrong", [](const MuseumStick& m) { m.write("wand.toml", "name = \"x\"\n"); }, "wand.toml"},
+        Spoilt{"wand_missing",
+               [](const MuseumStick& m) { m.write("tracker.toml", "[wand]\nfiles = [\"mine.toml\"]\n"); },
+               "'mine.toml'"},
+        Spoilt{"pin_short", [](const MuseumStick& m) { m.write("operator.toml", "pin = \"1234\"\n"); },
+               "operator.toml:1"},
+        Spoilt{"pin_first_tried", [](const MuseumStick& m) { m.write("operator.toml", "pin = \"123456\"\n"); },
+               "anybody tries first"},
+        Spoilt{"a_link", [](const MuseumStick& m) { fs::create_symlink("/etc/shadow", m.stick() / "secret.toml"); },
+               "is a link"},
+        Spoilt{"a_link_to_a_folder", [](const MuseumStick& m) { fs::create_directory_symlink("/", m.stick() / "all"); },
+               "is a link"},
+        Spoilt{"a_pipe", [](const MuseumStick& m) { ::mkfifo((m.stick() / "pipe").c_str(), 0600); },
+               "neither a file nor a folder"},
+        Spoilt{"a_strange_name", [](const MuseumStick& m) { m.write("my settings.toml", "x"); }, "not plain"},
+        Spoilt{"a_deep_folder",
+               [](const MuseumStick& m) { fs::create_directories(m.stick() / "tls" / "more" / "deep"); },
+               "one level is enough"},
+        Spoilt{"checksum_differs",
+               [](const MuseumStick& m) { m.write("SHA256SUMS", std::string(64, '0') + "  evening.png\n"); },
+               "'evening.png' is not the file"},
+        Spoilt{"checksum_of_nothing",
+               [](const MuseumStick& m) { m.write("SHA256SUMS", std::string(64, '0') + "  other.png\n"); },
+               "'other.png', which is not there"},
+        Spoilt{"a_hash_of_ones_own", [](const MuseumStick& m) { m.write("operator-pin", "scrypt:1:1:1:00:00"); },
+               "this computer's own"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Provision, tells_every_mistake_at_once) {
+  const MuseumStick museum;
+  museum.remove("tls/key.pem");
+  museum.write("wand.toml", "nonsense");
+  museum.write("operator.toml", "pin = 7\n");
+  const ProvisioningReport report = museum.install();
+  EXPECT_EQ(report.problems.size(), 3u) << report_json(report);
+  EXPECT_EQ(report.in_use, "");
+}
+
+TEST(Provision, refuses_too_much) {
+  const MuseumStick museum;
+  museum.write("large.obj", std::string(5000, 'x'));
+  EXPECT_THAT(museum.install({}, {200, 4000, 100'000}).problems, Contains(HasSubstr("large.obj")));
+  EXPECT_THAT(museum.install({}, {200, 10'000, 6000}).problems, Contains(HasSubstr("too much")));
+  EXPECT_THAT(museum.install({}, {3, 1 << 20, 1 << 20}).problems, Contains(HasSubstr("one file too many")));
+}
+
+TEST(Provision, leaves_out_what_computers_put_on_sticks_and_says_so) {
+  const MuseumStick museum;
+  museum.write("._site.toml", "junk");
+  museum.write("desktop.ini", "junk");
+  const ProvisioningReport report = museum.install();
+  EXPECT_EQ(report.verdict, Verdict::kInstalled);
+  EXPECT_THAT(report.remarks, ElementsAre("'._site.toml' was left out", "'desktop.ini' was left out"));
+  EXPECT_EQ(museum.in_use("desktop.ini"), "");
+}
+
+TEST(Provision, says_what_is_not_as_one_may_have_meant_it) {
+  const MuseumStick museum;
+  museum.write("site.toml", "[farm]\nheads = [\"[2001:db8::1]:7401\"]\n");
+  museum.remove("tracker.toml");
+  museum.remove("operator.toml");
+  const ProvisioningReport report = museum.install();
+  EXPECT_EQ(report.verdict, Verdict::kInstalled);
+  EXPECT_THAT(report.remarks,
+              ElementsAre(HasSubstr("not encrypted"), HasSubstr("no camera follows"), HasSubstr("no PIN")));
+}
+
+TEST(Provision, asks_the_programs_about_their_own_tables) {
+  const MuseumStick museum;
+  const fs::path programs = museum.root() / "bin";
+  fs::create_directories(programs);
+  const auto program = [&](const char* name, const char* script) {
+    EXPECT_TRUE(write_file_atomically(programs / name, std::string_view(script)));
+    fs::permissions(programs / name, fs::perms::owner_all);
+  };
+  program("cyclorama-display", "#!/bin/sh\n[ \"$1\" = --check ] && grep -q hall-3 \"$3\"\n");
+  program("cyclorama-tracker",
+          "#!/bin/sh\necho '<4>a warning'\necho \"<3>cyclorama-tracker: $3:2: no such camera\"; exit 1\n");
+  auto store = SettingsStore::open(museum.root());
+  ASSERT_TRUE(store);
+  const auto report = provision({museum.stick(), {programs}, {}, false, ""}, &*store);
+  ASSERT_TRUE(report);
+  EXPECT_THAT(report->problems,
+              ElementsAre("cyclorama-tracker refuses them: cyclorama-tracker: tracker.toml:2: no such camera"));
+}
+
+TEST(Provision, only_checks_when_asked_to) {
+  const MuseumStick museum;
+  auto store = SettingsStore::open(museum.root());
+  ASSERT_TRUE(store);
+  const auto report = provision({museum.stick(), {}, {}, true, ""}, &*store);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->verdict, Verdict::kInstalled);
+  EXPECT_EQ(report->in_use, "");
+  EXPECT_EQ(store->in_use(), "");
+}
+
+TEST(ProvisioningReport, comes_back_from_json_and_refuses_all_else) {
+  const MuseumStick museum;
+  museum.write("wand.toml", "x = \"\xff\"\n");
+  const ProvisioningReport report = museum.install();
+  const auto back = parse_report(report_json(report));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(*back, report);
+  for (const char* const bad : {"", "{}", "[]", "{\"verdict\": \"installed\"}"}) EXPECT_FALSE(parse_report(bad)) << bad;
+}
+
+TEST(Pin, is_refused_when_anybody_would_try_it_first) {
+  for (const char* const pin : {"", "12345", "111111", "123456", "987654", "ab\ncdef", "\xc3\xa4\xc3\xa4\xc3\xa4"})
+    EXPECT_FALSE(check_pin(pin)) << pin;
+  for (const char* const pin : {"401773", "112233", "correct horse"}) EXPECT_TRUE(check_pin(pin)) << pin;
+}
+
+TEST(Pin, has_another_hash_each_time) {
+  const auto one = hashed_pin(kStickPin);
+  const auto two = hashed_pin(kStickPin);
+  ASSERT_TRUE(one && two);
+  EXPECT_NE(*one, *two);
+  for (const char* const bad :
+       {"", "scrypt", "scrypt:40:8:1:00112233445566778899:00", "scrypt:15:8:1::", "x:1:1:1:00:00"})
+    EXPECT_FALSE(is_pin(kStickPin, bad)) << bad;
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 #include <httplib.h>
+#include <openssl/bio.h>
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
 #include <sys/socket.h>
 
 #include <nlohmann/json.hpp>
@@ -76,6 +79,33 @@ void serve_mistakes(httplib::Server& server) {
   });
 }
 
+using Bio = std::unique_ptr<BIO, decltype([](BIO* bio) { BIO_free(bio); })>;
+using Certificate = std::unique_ptr<X509, decltype([](X509* certificate) { X509_free(certificate); })>;
+using Key = std::unique_ptr<EVP_PKEY, decltype([](EVP_PKEY* key) { EVP_PKEY_free(key); })>;
+
+Bio bio_of(const std::string& text) { return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size()))); }
+
+bool use(const HttpTls& tls, SSL_CTX* context) {
+  const Certificate certificate(PEM_read_bio_X509(bio_of(tls.certificate_pem).get(), nullptr, nullptr, nullptr));
+  const auto no_pass_phrase = [](char*, int, int, void*) { return -1; };
+  const Key key(PEM_read_bio_PrivateKey(bio_of(tls.key_pem).get(), nullptr, no_pass_phrase, nullptr));
+  return certificate && key && SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION) == 1 &&
+         SSL_CTX_use_certificate(context, certificate.get()) == 1 && SSL_CTX_use_PrivateKey(context, key.get()) == 1 &&
+         SSL_CTX_check_private_key(context) == 1;
+}
+
+Result<std::unique_ptr<httplib::Server>> make_server(const std::optional<HttpTls>& tls) {
+  if (!tls) return std::make_unique<httplib::Server>();
+  std::unique_ptr<httplib::Server> server =
+      std::make_unique<httplib::SSLServer>([&](SSL_CTX& context) { return use(*tls, &context); });
+  if (!server->is_valid()) {
+    return Error(ErrorCode::kBadData,
+                 "the page's certificate and key do not belong together; remove both, new ones are "
+                 "made at the next start");
+  }
+  return server;
+}
+
 }  // namespace
 
 std::string error_json(const Error& error) {
@@ -97,12 +127,14 @@ void serve_page(httplib::Server& server, std::span<const PageFile> files) {
   }
 }
 
-HttpServer::HttpServer() : server_(std::make_unique<httplib::Server>()) {}
+HttpServer::HttpServer(std::unique_ptr<httplib::Server> server) : server_(std::move(server)) {}
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(const std::string& address, const HttpLimits& limits,
-                                                      const std::function<void(httplib::Server&)>& routes) {
+                                                      const std::function<void(httplib::Server&)>& routes,
+                                                      const std::optional<HttpTls>& tls) {
   TRY_ASSIGN(const Address place, parse_address(address));
-  auto page = std::unique_ptr<HttpServer>(new HttpServer());
+  TRY_ASSIGN(std::unique_ptr<httplib::Server> made, make_server(tls));
+  auto page = std::unique_ptr<HttpServer>(new HttpServer(std::move(made)));
   httplib::Server& server = *page->server_;
   set_limits(server, limits);
   routes(server);

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,13 @@ struct HttpLimits {
   std::size_t most_body_bytes = 4096;
 };
 
+/// What a server shows of itself: the texts of PEM files. TLS 1.3, which every browser since 2020 speaks, and nothing
+/// older.
+struct HttpTls {
+  std::string certificate_pem;
+  std::string key_pem;
+};
+
 inline constexpr const char* kJsonType = "application/json";
 [[nodiscard]] std::string error_json(const Error& error);
 /// 400, 404, 429, 502 or 504, by the error's code.
@@ -40,8 +48,10 @@ class HttpServer {
  public:
   /// Port 0 takes a free one. `routes` adds the handlers, which are called on the pool's threads.
   /// kInvalidArgument  as parse_address().     kBusy  the port is taken, or the address is not of this machine.
+  /// kBadData  `tls` is no certificate with its key.
   static Result<std::unique_ptr<HttpServer>> start(const std::string& address, const HttpLimits& limits,
-                                                   const std::function<void(httplib::Server&)>& routes);
+                                                   const std::function<void(httplib::Server&)>& routes,
+                                                   const std::optional<HttpTls>& tls = std::nullopt);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
@@ -51,7 +61,7 @@ class HttpServer {
   void stop();
 
  private:
-  HttpServer();
+  explicit HttpServer(std::unique_ptr<httplib::Server> server);
   std::unique_ptr<httplib::Server> server_;
   int port_ = 0;
   std::thread listener_;

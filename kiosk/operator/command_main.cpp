@@ -14,6 +14,7 @@
 #include "common/process/program.h"
 #include "common/process/progress.h"
 #include "kiosk/operator/calibrate_command.h"
+#include "kiosk/operator/doctor_command.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/status_table.h"
 #include "kiosk/operator/summary.h"
@@ -33,6 +34,8 @@ struct Options {
   std::optional<double> started_s;
   WandCommand wand;
   CalibrateCommand calibrate;
+  DoctorCommand doctor;
+  int exit_code = kExitOk;  // Of a command that did what it was asked.
 };
 
 constexpr int kColumns = 6;  // Of wall-over-time.png.
@@ -69,6 +72,7 @@ void add_options(CLI::App& app, Options* options) {
                     "tells how long the first picture took");
   options->wand.add_to(&app);
   options->calibrate.add_to(&app);
+  add_watches(*options->doctor.add_to(&app), options);
 }
 
 Status show_status(const Options& options, const std::vector<ProcessLink>& links) {
@@ -155,11 +159,14 @@ Status record(const Options& options, std::vector<ProcessLink> links, const Stop
                                                     problems.size() == 1 ? "" : "s", options.out));
 }
 
-Status run(const Options& options, const CLI::App& app, const StopSignal& stop) {
+Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (app.got_subcommand("wand")) return options.wand.run();
   if (app.got_subcommand("calibrate")) return options.calibrate.run(stop);
+  const bool is_doctor = app.got_subcommand("doctor");
+  if (is_doctor && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));
+  if (is_doctor) return options.doctor.run(links, &options.exit_code);
   if (app.got_subcommand("status")) return show_status(options, links);
   if (app.got_subcommand("picture")) return save_picture(options, links, stop);
   return record(options, std::move(links), stop);
@@ -174,6 +181,7 @@ int main(int argc, char** argv) {
                              "measured, and prints wands.");
   cyclorama::Options options;
   cyclorama::add_options(program.options(), &options);
-  return program.run(
+  const int code = program.run(
       argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, program.options(), stop); });
+  return code == cyclorama::kExitOk ? options.exit_code : code;
 }

@@ -2,6 +2,8 @@
 /// cyclorama-operator: the page that shows the whole visit.
 #include <fmt/format.h>
 
+#include <ctime>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,26 +11,87 @@
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
+#include "kiosk/operator/page_certificate.h"
 #include "kiosk/operator/page_server.h"
 
 namespace cyclorama {
 namespace {
 
 struct Options {
-  std::string listen = "[::1]:8080";
+  std::string listen = "[::1]:8443";
   std::vector<std::string> watches;
   std::optional<std::string> endpoints;
+  bool has_no_pin = false;
+  std::optional<std::string> museum;
+  std::optional<std::string> keep;
+  std::optional<std::string> calibrator;
+  std::optional<std::string> wishes;
 };
+
+void add_options(CLI::App& app, Options* options) {
+  app.add_option("--listen", options->listen, "Address of the page")->capture_default_str();
+  app.add_option("--watch", options->watches,
+                 "NAME=ADDRESS of a process: tour, display, tracker, head, simulated-room; repeat it")
+      ->allow_extra_args(false);
+  app.add_option("--endpoints", options->endpoints, "A file of [[watch]] tables, each with name and address");
+  app.add_option("--museum", options->museum,
+                 "The museum's state folder, as cyclorama-provision keeps it: settings, PIN, what the updater says");
+  app.add_option("--keep", options->keep, "Where the page keeps its certificate, made at the first start");
+  CLI::Option* const no_pin =
+      app.add_flag("--no-pin", options->has_no_pin, "Without PIN and encryption, by HTTP, for this computer alone");
+  no_pin->excludes("--keep");
+  app.add_option("--calibrator", options->calibrator, "HOST:PORT of the calibrator");
+  app.add_option("--wishes", options->wishes,
+                 "Folder for what people ask of the system: a file 'update' or 'factory-reset', for systemd to see");
+}
+
+/// What a page with a PIN needs, or nothing for one without.
+struct Door {
+  std::optional<PageCertificate> certificate;
+  std::optional<HttpTls> tls;
+  std::unique_ptr<Sessions> sessions;
+};
+
+Result<Door> make_door(const Options& options, const Clock& clock) {
+  Door door;
+  if (options.has_no_pin) return door;
+  if (!options.museum || !options.keep) {
+    return Error(
+        ErrorCode::kInvalidArgument,
+        "the page asks for a PIN: say where it is with --museum FOLDER, and where the page's certificate may be "
+        "kept with --keep FOLDER; or --no-pin for this computer alone");
+  }
+  TRY_ASSIGN(door.certificate, page_certificate(*options.keep, std::time(nullptr)));
+  door.tls = HttpTls{door.certificate->certificate_pem, door.certificate->key_pem};
+  door.sessions = std::make_unique<Sessions>(clock, MuseumState{*options.museum}.pin_file());
+  return door;
+}
 
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));
+  const SteadyClock clock;
+  TRY_ASSIGN(const Door door, make_door(options, clock));
+  std::unique_ptr<CalibrationDesk> calibration;
+  if (options.calibrator) {
+    TRY_ASSIGN(calibration, CalibrationDesk::make(*options.calibrator));
+  }
   Watch watch(std::move(links));
-  TRY_ASSIGN(const std::unique_ptr<PageServer> page, PageServer::start(options.listen, &watch));
+  MuseumDesk museum;
+  museum.watch = &watch;
+  museum.calibration = calibration.get();
+  museum.support.museum.root = options.museum.value_or("");
+  museum.wishes = options.wishes.value_or("");
+  if (door.certificate) museum.fingerprint = door.certificate->fingerprint;
+  PageExtras extras;
+  if (options.museum) extras.museum = &museum;
+  extras.sessions = door.sessions.get();
+  extras.tls = door.tls ? &*door.tls : nullptr;
+  TRY_ASSIGN(const std::unique_ptr<PageServer> page, PageServer::start(options.listen, &watch, extras));
   log(LogLevel::kNotice, fmt::format("the operator page listens on {} (port {})", options.listen, page->port()));
-  if (!options.listen.starts_with("[::1]") && !options.listen.starts_with("127.") &&
-      !options.listen.starts_with("localhost:")) {
-    log(LogLevel::kWarning, "the page asks for no password: whoever reaches this address can steer the visit");
+  if (door.certificate) {
+    log(LogLevel::kInfo, fmt::format("its certificate is good until {}; SHA-256 {}", door.certificate->until,
+                                     door.certificate->fingerprint));
   }
   Notify notify;
   notify.ready();
@@ -46,12 +109,6 @@ int main(int argc, char** argv) {
                              "Serves a page that shows the visit live: pictures, numbers, the state "
                              "of every part, and steering by keys.");
   cyclorama::Options options;
-  program.options().add_option("--listen", options.listen, "Address of the page")->capture_default_str();
-  program.options()
-      .add_option("--watch", options.watches,
-                  "NAME=ADDRESS of a process: tour, display, tracker, head, simulated-room; repeat it")
-      ->allow_extra_args(false);
-  program.options().add_option("--endpoints", options.endpoints,
-                               "A file of [[watch]] tables, each with name and address");
+  cyclorama::add_options(program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
 }

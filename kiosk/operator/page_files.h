@@ -10,4 +10,7 @@ namespace cyclorama {
 /// The files of kiosk/operator/page/.
 [[nodiscard]] std::span<const PageFile> page_files();
 
+/// Those which may be seen before the PIN was entered: "/login.html" and what it needs.
+[[nodiscard]] std::span<const PageFile> login_files();
+
 }  // namespace cyclorama

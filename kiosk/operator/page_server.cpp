@@ -3,9 +3,11 @@
 
 #include <httplib.h>
 
+#include "common/base/address.h"
 #include "common/base/text.h"
 #include "kiosk/operator/metrics.h"
 #include "kiosk/operator/page_files.h"
+#include "kiosk/operator/page_gate.h"
 #include "kiosk/operator/status_json.h"
 
 namespace cyclorama {
@@ -28,11 +30,6 @@ void serve_state(httplib::Server& server, Watch* watch) {
 
 void serve_steering(httplib::Server& server, Watch* watch) {
   server.Post("/steer", [watch](const httplib::Request& request, httplib::Response& response) {
-    if (!request.get_header_value("Content-Type").starts_with(kJsonType)) {
-      response.status = 415;
-      response.set_content(error_json(Error(ErrorCode::kBadData, "send application/json")), kJsonType);
-      return;
-    }
     const auto wish = parse_steer(request.body);
     if (!wish) return answer_error(wish.error(), response);
     if (const Status sent = watch->steer(*wish); !sent) return answer_error(sent.error(), response);
@@ -42,12 +39,25 @@ void serve_steering(httplib::Server& server, Watch* watch) {
 
 }  // namespace
 
-Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address, Watch* watch) {
-  TRY_ASSIGN(auto server, HttpServer::start(address, HttpLimits{}, [watch](httplib::Server& routes) {
-               serve_page(routes, page_files());
-               serve_state(routes, watch);
-               serve_steering(routes, watch);
-             }));
+Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address, Watch* watch,
+                                                      const PageExtras& extras) {
+  TRY(parse_address(address));
+  if (extras.sessions == nullptr && !is_loopback(address)) {
+    return Error(ErrorCode::kInvalidArgument,
+                 "without a PIN the page may only listen on this computer itself, such as [::1]:8080");
+  }
+  if (extras.sessions != nullptr && extras.tls == nullptr) {
+    return Error(ErrorCode::kInvalidArgument, "a PIN may not cross a network in the clear; it needs TLS");
+  }
+  const auto routes = [&](httplib::Server& server) {
+    guard(server, extras.sessions, login_files());
+    serve_page(server, page_files());
+    serve_state(server, watch);
+    serve_steering(server, watch);
+    if (extras.museum != nullptr) serve_museum(server, extras.museum);
+  };
+  TRY_ASSIGN(auto server, HttpServer::start(address, HttpLimits{}, routes,
+                                            extras.tls == nullptr ? std::nullopt : std::optional(*extras.tls)));
   return std::unique_ptr<PageServer>(new PageServer(std::move(server)));
 }
 

@@ -6,8 +6,10 @@
 ///   GET  /picture/PROCESS/NAME.jpg   the newest picture; NAME may hold '/' (encoded or not). 404: not there (yet)
 ///   GET  /metrics                    metrics.h
 ///   POST /steer                      {"forward", "right", "turn"} as application/json; 204
+///   and what museum_routes.h lists.
 ///
-/// Errors are {"error": sentence} with 400, 404, 413, 415, 502 (the process is away) or 504 (it hangs).
+/// Errors are {"error": sentence} with 400, 401 (no PIN was entered: page_gate.h), 403, 404, 413, 415, 421, 429, 502
+/// (the process is away) or 504 (it hangs).
 #pragma once
 
 #include <memory>
@@ -15,17 +17,27 @@
 
 #include "common/base/result.h"
 #include "common/http/http_server.h"
+#include "kiosk/operator/museum_routes.h"
+#include "kiosk/operator/sessions.h"
 #include "kiosk/operator/watch.h"
 
 namespace cyclorama {
 
-/// Only a request that says application/json steers, which a foreign page in the same browser cannot send. Threads and
-/// limits: HttpServer's. Thread-bound.
+/// What a page has besides the watched processes; all of it is borrowed, and each may be null.
+struct PageExtras {
+  MuseumDesk* museum = nullptr;
+  Sessions* sessions = nullptr;  ///< Null: no PIN, for this computer alone.
+  const HttpTls* tls = nullptr;
+};
+
+/// Threads and limits: HttpServer's. Thread-bound.
 class PageServer {
  public:
   /// `watch` is borrowed. `address` as for WireServer: "[::1]:8080", port 0 takes a free one.
-  /// Errors as HttpServer::start().
-  static Result<std::unique_ptr<PageServer>> start(const std::string& address, Watch* watch);
+  /// Errors as HttpServer::start(); kInvalidArgument  without a PIN the address must be this computer's own (loopback),
+  /// and a PIN needs TLS.
+  static Result<std::unique_ptr<PageServer>> start(const std::string& address, Watch* watch,
+                                                   const PageExtras& extras = {});
 
   [[nodiscard]] int port() const { return server_->port(); }
   /// Idempotent.

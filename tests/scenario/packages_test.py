@@ -20,7 +20,7 @@ import time
 
 SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand", "calibrator"], "tools": []}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
-            "museum": ["cyclorama", "cyclorama-calibrator", "cyclorama-display", "cyclorama-hand", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
+            "museum": ["cyclorama", "cyclorama-calibrator", "cyclorama-display", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-provision", "cyclorama-tidy", "cyclorama-tour", "cyclorama-tracker"],
             "tools": ["cyclorama-balance", "cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
 problems = []
 

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/calibration_desk.h"
+
+#include <fmt/format.h>
+#include <grpcpp/client_context.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/base/text.h"
+#include "common/wire/channel.h"
+
+namespace cyclorama {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr auto kRestoreDeadline = std::chrono::seconds(30);
+constexpr std::size_t kLargestPicture = 4 << 20;
+constexpr int kMostRemarks = 100;
+
+}  // namespace
+
+Result<std::unique_ptr<CalibrationDesk>> CalibrationDesk::make(const std::string& address) {
+  TRY_ASSIGN(auto channel, make_channel(address));
+  return std::unique_ptr<CalibrationDesk>(new CalibrationDesk(std::move(channel)));
+}
+
+CalibrationDesk::CalibrationDesk(std::shared_ptr<grpc::Channel> channel)
+    : calibrator_(wire::Calibrator::NewStub(channel)) {}
+
+CalibrationDesk::~CalibrationDesk() {
+  cancel();
+  if (thread_.joinable()) thread_.join();
+}
+
+Status CalibrationDesk::start(const wire::CalibrateOrder& order) {
+  const std::lock_guard ordering(ordering_);
+  auto context = std::make_shared<grpc::ClientContext>();
+  {
+    const std::lock_guard lock(mutex_);
+    if (running_) return Error(ErrorCode::kBusy, "a calibration runs already; wait for it or cancel it");
+    running_ = context;
+    state_ = "running";
+    error_.clear();
+    is_cancelled_ = false;
+    newest_.Clear();
+    newest_.set_step("dials the calibrator");
+    jpeg_.clear();
+  }
+  if (thread_.joinable()) thread_.join();  // It has ended: nothing ran.
+  thread_ = std::thread([this, order, context] { run(order, context); });
+  return Done{};
+}
+
+void CalibrationDesk::run(const wire::CalibrateOrder& order, const std::shared_ptr<grpc::ClientContext>& context) {
+  const auto reader = calibrator_->Calibrate(context.get(), order);
+  wire::CalibrateProgress progress;
+  bool is_done = false;
+  while (reader->Read(&progress)) {
+    const std::lock_guard lock(mutex_);
+    if (!progress.jpeg().empty() && progress.jpeg().size() <= kLargestPicture) jpeg_ = progress.jpeg();
+    progress.clear_jpeg();
+    is_done = is_done || progress.has_done();
+    newest_ = progress;
+  }
+  const grpc::Status status = finish_after_read(*context, [&] { return reader->Finish(); });
+  const std::lock_guard lock(mutex_);
+  running_ = nullptr;
+  if (is_done && status.ok()) {
+    state_ = "done";
+  } else if (is_cancelled_) {
+    state_ = "cancelled";
+  } else {
+    state_ = "failed";
+    error_ = status.ok() ? "The calibrator ended without a result; start the calibration again."
+                         : printable(from_grpc(status, "calibrating").message(), 1000);
+  }
+}
+
+void CalibrationDesk::cancel() {
+  const std::lock_guard lock(mutex_);
+  if (!running_) return;
+  is_cancelled_ = true;
+  running_->TryCancel();
+}
+
+Result<std::string> CalibrationDesk::restore() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (running_) return Error(ErrorCode::kBusy, "a calibration runs; cancel it first");
+  }
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kRestoreDeadline);
+  wire::RestoreAnswer answer;
+  const grpc::Status status = calibrator_->Restore(&context, wire::RestoreOrder(), &answer);
+  if (!status.ok()) return from_grpc(status, "bringing the calibration of before back");
+  return printable(answer.date(), 100);
+}
+
+std::string CalibrationDesk::json() const {
+  const std::lock_guard lock(mutex_);
+  const double fraction = std::isfinite(newest_.fraction()) ? std::clamp(newest_.fraction(), 0.0, 1.0) : 0.0;
+  Json json{{"state", state_},
+            {"step", printable(newest_.step(), 300)},
+            {"fraction", fraction},
+            {"error", error_},
+            {"date", printable(newest_.done().date(), 100)},
+            {"remarks", Json::array()},
+            {"registration_p95_px", nullptr},
+            {"has_picture", !jpeg_.empty()}};
+  if (newest_.has_done()) {
+    const double error_px = newest_.done().registration_p95_px();
+    if (std::isfinite(error_px)) json["registration_p95_px"] = error_px;
+    for (const std::string& remark : newest_.done().remarks()) {
+      if (json["remarks"].size() < kMostRemarks) json["remarks"].push_back(printable(remark, 500));
+    }
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string CalibrationDesk::picture() const {
+  const std::lock_guard lock(mutex_);
+  return jpeg_;
+}
+
+Result<CalibrationWish> parse_calibration_wish(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, false);
+  const auto bad = [](std::string_view what) { return Error(ErrorCode::kBadData, std::string(what)); };
+  if (!json.is_object()) return bad("not a JSON object; send {\"do\": \"start\"}");
+  CalibrationWish wish;
+  std::string kind;
+  for (const auto& [key, value] : json.items()) {
+    if (key == "do" && value.is_string()) {
+      kind = value.get<std::string>();
+    } else if (key == "quick" && value.is_boolean()) {
+      wish.order.set_quick(value.get<bool>());
+    } else if (key == "resume" && value.is_boolean()) {
+      wish.order.set_resume(value.get<bool>());
+    } else if (key == "projector" && value.is_string()) {
+      wish.order.set_projector(printable(value.get<std::string>(), 100));
+    } else {
+      return bad(
+          fmt::format("'{}' is none of do, quick, projector, resume, or has another kind of value", printable(key)));
+    }
+  }
+  if (kind == "start") {
+    if (wish.order.quick() && wish.order.projector().empty())
+      return bad("a quick calibration needs a projector's name");
+    return wish;
+  }
+  wish.kind = kind == "cancel" ? CalibrationWish::Kind::kCancel : CalibrationWish::Kind::kRestore;
+  if (kind != "cancel" && kind != "restore") return bad("'do' must be start, cancel or restore");
+  if (json.size() != 1) return bad(fmt::format("'{}' takes nothing else", kind));
+  return wish;
+}
+
+}  // namespace cyclorama

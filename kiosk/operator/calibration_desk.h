@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "common/base/clock.h"
+#include "common/base/result.h"
+#include "common/wire/calibration.grpc.pb.h"
+
+namespace cyclorama {
+
+/// Orders calibrations of the calibrator, one at a time, and remembers how the last one went, so that a page may be
+/// closed and opened again meanwhile. Thread-safe. Threads: one while a calibration runs.
+///
+///   idle ──start──▶ running ──done──▶ done      done, failed, cancelled ──start──▶ running
+///                     ├──error──▶ failed
+///                     └──cancel──▶ cancelled
+class CalibrationDesk {
+ public:
+  /// kInvalidArgument  the address is none. Does not dial yet.
+  static Result<std::unique_ptr<CalibrationDesk>> make(const std::string& address);
+  /// Cancels what runs, and waits for it.
+  ~CalibrationDesk();
+  CalibrationDesk(const CalibrationDesk&) = delete;
+  CalibrationDesk& operator=(const CalibrationDesk&) = delete;
+
+  /// kBusy  one runs already.
+  Status start(const wire::CalibrateOrder& order);
+  /// Idempotent; the state becomes "cancelled" when the calibrator has heard it.
+  void cancel();
+  /// The calibration of before; its date. kBusy  one runs.     kNotFound  there is none.     kUnavailable, kTimedOut
+  Result<std::string> restore();
+
+  /// {"state", "step", "fraction", "error", "date", "remarks": [], "registration_p95_px", "has_picture"}
+  [[nodiscard]] std::string json() const;
+  /// The camera's newest picture, as JPEG; empty: none.
+  [[nodiscard]] std::string picture() const;
+
+ private:
+  explicit CalibrationDesk(std::shared_ptr<grpc::Channel> channel);
+  void run(const wire::CalibrateOrder& order, const std::shared_ptr<grpc::ClientContext>& context);
+
+  const std::unique_ptr<wire::Calibrator::Stub> calibrator_;
+  std::mutex ordering_;  ///< Guards the thread.
+  std::thread thread_;
+  mutable std::mutex mutex_;  ///< Guards the following.
+  std::string state_ = "idle";
+  std::string error_;
+  bool is_cancelled_ = false;
+  wire::CalibrateProgress newest_;
+  std::string jpeg_;
+  std::shared_ptr<grpc::ClientContext> running_;  ///< Null: nothing runs.
+};
+
+/// {"do": "start", "quick": false, "projector": "", "resume": false}, {"do": "cancel"} or {"do": "restore"}.
+struct CalibrationWish {
+  enum class Kind { kStart, kCancel, kRestore };
+  Kind kind = Kind::kStart;
+  wire::CalibrateOrder order;
+};
+/// kBadData  not such JSON: the message names what.
+Result<CalibrationWish> parse_calibration_wish(std::string_view json);
+
+}  // namespace cyclorama

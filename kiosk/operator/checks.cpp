@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kLeastInStep_percent = 99.0;
+constexpr double kWorstInStep_percent = 90.0;
+constexpr double kSlowFarm_ms = 500.0;
+constexpr double kLeastCamera_hz = 5.0;
+constexpr double kLeastFree = 0.10;
+constexpr double kWorstFree = 0.03;
+constexpr double kWarm_c = 85.0;  // Where no zone says when it is critical.
+constexpr double kHot_c = 95.0;
+constexpr double kBelowCritical_c = 10.0;
+constexpr double kLeastMemory = 0.05;
+constexpr int kCertificateWarning_days = 30;
+constexpr std::string_view kLit = "lit: ";
+
+struct Part {
+  std::string_view name;
+  std::string_view title;
+  Level unwell;  ///< How bad it is when it is not well.
+  std::string_view remedy;
+};
+constexpr std::array<Part, 7> kParts{{
+    {"tour", "Tour", Level::kFault, "Run the network test: it tells whether the farm or the network is away."},
+    {"display", "Display", Level::kFault,
+     "See that the projectors have power and their cables are in; else start this computer again."},
+    {"tracker", "Tracker", Level::kWarning, "See that the camera is plugged in, sees the visitor, and has light."},
+    {"calibrator", "Calibrator", Level::kWarning, "A calibration can be begun again; the wall shows the last one's."},
+    {"head", "Farm", Level::kFault, "Tell those who run the farm."},
+    {"hand", "Hand controls", Level::kWarning, "Plug the controller in again."},
+    {"simulated-room", "Simulated room", Level::kWarning, "A real wall does not need it."},
+}};
+
+const Part* part_of(std::string_view name) {
+  const auto known = std::find_if(kParts.begin(), kParts.end(), [&](const Part& part) { return part.name == name; });
+  return known == kParts.end() ? nullptr : &*known;
+}
+
+const Observation* find(const Findings& findings, std::string_view name) {
+  for (const Observation& process : findings.processes) {
+    if (process.endpoint.name == name && !process.away && process.status) return &process;
+  }
+  return nullptr;
+}
+
+class List {
+ public:
+  explicit List(const Findings& findings) : findings_(findings) {}
+
+  std::vector<Check> all() {
+    for (const Observation& process : findings_.processes) part(process);
+    heads();
+    in_step();
+    camera();
+    farm();
+    provisioning();
+    certificate();
+    clock();
+    disk();
+    memory();
+    temperature();
+    update();
+    return std::move(checks_);
+  }
+
+ private:
+  void add(std::string id, std::string title, Level level, std::string sentence, std::string remedy) {
+    if (level == Level::kOk) remedy.clear();
+    checks_.push_back({std::move(id), std::move(title), level, std::move(sentence), std::move(remedy)});
+  }
+
+  void part(const Observation& process) {
+    const std::string& name = process.endpoint.name;
+    const Part* const known = part_of(name);
+    const std::string title = known == nullptr ? name : std::string(known->title);
+    const std::string id = "part-" + name;
+    if (!process.asked) return add(id, title, Level::kOk, "It has not been asked yet.", "");
+    if (process.away) {
+      return add(id, title, Level::kFault, process.sentence,
+                 "Wait a minute: it starts again by itself. If it stays away, start this computer again; if that does "
+                 "not help, download the support bundle and send it to us.");
+    }
+    if (process.is_well()) return add(id, title, Level::kOk, process.sentence, "");
+    add(id, title, known == nullptr ? Level::kWarning : known->unwell, process.sentence,
+        known == nullptr ? "Start this computer again." : std::string(known->remedy));
+  }
+
+  void heads() {
+    const Observation* const display = find(findings_, "display");
+    if (display == nullptr) return;
+    int count = 0;
+    std::string dark;
+    for (const wire::Gauge& gauge : display->status->gauges()) {
+      if (!gauge.name().starts_with(kLit)) continue;
+      ++count;
+      if (gauge.value() == 0.0)
+        dark += (dark.empty() ? "'" : ", '") + printable(gauge.name().substr(kLit.size())) + "'";
+    }
+    if (count == 0) return;
+    const bool sleeps = gauge_of(*display->status, "awake").value_or(1.0) == 0.0;
+    if (sleeps) return add("heads", "Projectors", Level::kOk, "They are off: the museum is closed.", "");
+    if (dark.empty()) return add("heads", "Projectors", Level::kOk, fmt::format("All {} get a picture.", count), "");
+    add("heads", "Projectors", Level::kFault, fmt::format("No picture goes to {}.", dark),
+        "Switch that projector on, and see that its cable is in at both ends.");
+  }
+
+  void in_step() {
+    for (const char* const name : {"tour", "display"}) {
+      const Observation* const process = find(findings_, name);
+      const auto share = process == nullptr ? std::nullopt : gauge_of(*process->status, "in_step_percent");
+      if (!share) continue;
+      const Level level = *share < kWorstInStep_percent   ? Level::kFault
+                          : *share < kLeastInStep_percent ? Level::kWarning
+                                                          : Level::kOk;
+      return add("in-step", "Displays in step", level,
+                 fmt::format("They show the same frame in {:.2f} of 100 refreshes.", *share),
+                 "See that the displays' computers are on one cable network, not on wireless, and that each asks the "
+                 "tour's computer for the time.");
+    }
+  }
+
+  void camera() {
+    const Observation* const tracker = find(findings_, "tracker");
+    const auto rate = tracker == nullptr ? std::nullopt : gauge_of(*tracker->status, "frames_per_second");
+    if (!rate) return;
+    const Level level = *rate < kLeastCamera_hz ? Level::kWarning : Level::kOk;
+    add("camera", "Camera", level, fmt::format("It sends {:.1f} pictures a second.", *rate),
+        "Plug it in again, in the socket that was chosen for it; look at its picture on this page.");
+  }
+
+  void farm() {
+    const Observation* const tour = find(findings_, "tour");
+    if (tour == nullptr) return;
+    for (const wire::Stage& stage : tour->status->stages()) {
+      if (stage.name() != "farm_round_trip" || stage.count() == 0) continue;
+      const Level level = stage.p95_ms() > kSlowFarm_ms ? Level::kWarning : Level::kOk;
+      add("farm", "Way to the farm and back", level,
+          fmt::format("A picture takes {:.0f} ms, and 95 of 100 take less than {:.0f} ms.", stage.p50_ms(),
+                      stage.p95_ms()),
+          "Run the network test. If the network is quick, the farm has too much to do: tell those who run it.");
+    }
+  }
+
+  void provisioning() {
+    if (!findings_.is_museum) return;
+    const auto& report = findings_.provisioning;
+    constexpr const char* kRemedy =
+        "Correct what is named on the stick, in its folder 'cyclorama', and plug it in again.";
+    if (!report) {
+      return add("settings", "Settings", Level::kWarning, "No stick with settings was ever plugged in.",
+                 "Plug in a stick with a folder 'cyclorama' that has site.toml and installation.toml.");
+    }
+    if (report->verdict != Verdict::kRefused) {
+      return add("settings", "Settings", Level::kOk, fmt::format("Those of {} are in use.", report->at), "");
+    }
+    std::string why;
+    for (const std::string& problem : report->problems) why += " " + problem + ".";
+    add("settings", "Settings", report->in_use.empty() ? Level::kFault : Level::kWarning,
+        fmt::format("The stick of {} was refused, and {}.{}", report->at,
+                    report->in_use.empty() ? "there are no settings in use" : "the settings before it stay in use",
+                    printable(why, 2000)),
+        kRemedy);
+  }
+
+  void certificate() {
+    if (!findings_.provisioning || findings_.provisioning->certificate_until.empty()) return;
+    const std::string& until = findings_.provisioning->certificate_until;
+    std::tm day{};
+    if (::strptime(until.c_str(), "%Y-%m-%d", &day) == nullptr) return;
+    const double left_s = std::difftime(::timegm(&day), std::chrono::system_clock::to_time_t(findings_.now));
+    const int left = static_cast<int>(left_s / 86400.0);
+    const Level level = left_s < 0.0 ? Level::kFault : left < kCertificateWarning_days ? Level::kWarning : Level::kOk;
+    add("certificate", "Certificate for the farm", level,
+        left_s < 0.0 ? fmt::format("It ran out on {}.", until)
+                     : fmt::format("It is good until {}, {} days.", until, left),
+        "Ask those who run the farm for a new bundle, put it on a stick with the other settings, and plug it in.");
+  }
+
+  void clock() {
+    std::tm parts{};
+    const std::time_t now = std::chrono::system_clock::to_time_t(findings_.now);
+    if (::gmtime_r(&now, &parts) != nullptr && parts.tm_year + 1900 < 2026) {
+      return add("clock", "Clock", Level::kFault, fmt::format("It stands in the year {}.", parts.tm_year + 1900),
+                 "Connect the network, so that it is set; if it is wrong after each night, the battery on the board is "
+                 "empty.");
+    }
+    if (!findings_.machine.is_clock_set) return;
+    const bool is_set = *findings_.machine.is_clock_set;
+    add("clock", "Clock", is_set ? Level::kOk : Level::kWarning,
+        is_set ? "A time server sets it." : "No time server has set it since the start; it goes on by itself.",
+        "See that the network is connected and lets time (NTP) through. The opening hours go by this clock.");
+  }
+
+  void disk() {
+    const MachineFacts& machine = findings_.machine;
+    if (machine.is_read_only.value_or(false)) {
+      return add("disk", "Disk", Level::kFault, "It cannot be written any more.",
+                 "Start this computer again. If that is so again, the disk is worn out and must be replaced.");
+    }
+    if (!machine.disk_free_bytes || !machine.disk_bytes || *machine.disk_bytes == 0) return;
+    const double share = static_cast<double>(*machine.disk_free_bytes) / static_cast<double>(*machine.disk_bytes);
+    const Level level = share < kWorstFree ? Level::kFault : share < kLeastFree ? Level::kWarning : Level::kOk;
+    add("disk", "Disk", level,
+        fmt::format("{:.1f} GB of {:.1f} GB are free.", 1e-9 * static_cast<double>(*machine.disk_free_bytes),
+                    1e-9 * static_cast<double>(*machine.disk_bytes)),
+        "The show goes on, but new settings, calibrations and updates may be refused. Download the support bundle and "
+        "send it to us.");
+  }
+
+  void memory() {
+    if (!findings_.machine.memory_free_share) return;
+    const double share = *findings_.machine.memory_free_share;
+    add("memory", "Memory", share < kLeastMemory ? Level::kWarning : Level::kOk,
+        fmt::format("{:.0f} of 100 parts are free.", 100.0 * share), "Start this computer again at a quiet moment.");
+  }
+
+  void temperature() {
+    const auto& warmest = findings_.machine.warmest_c;
+    if (!warmest) return;
+    const double hot = findings_.machine.critical_c.value_or(kHot_c + 5.0) - 5.0;
+    const double warm = findings_.machine.critical_c ? *findings_.machine.critical_c - kBelowCritical_c : kWarm_c;
+    const Level level = *warmest >= hot ? Level::kFault : *warmest >= warm ? Level::kWarning : Level::kOk;
+    add("temperature", "Temperature", level, fmt::format("The warmest part has {:.0f} °C.", *warmest),
+        "Clean the computer's vents, and let air to it; it slows down or switches itself off when it is too warm.");
+  }
+
+  void update() {
+    const auto& update = findings_.update;
+    if (!update) return;
+    using State = UpdateStatus::State;
+    const bool is_bad = update->state == State::kFailed || update->state == State::kRolledBack;
+    std::string sentence = fmt::format("Version {} runs.", update->version);
+    if (update->state == State::kReady)
+      sentence += fmt::format(" Version {} begins with the next start.", update->available);
+    if (update->state == State::kLoading) sentence += fmt::format(" Version {} is being fetched.", update->available);
+    if (update->state == State::kRolledBack) {
+      sentence += fmt::format(" Version {} did not start well, so this one was taken back.", update->available);
+    }
+    if (!update->sentence.empty()) sentence += " " + update->sentence;
+    add("update", "Software", is_bad ? Level::kWarning : Level::kOk, sentence,
+        update->state == State::kRolledBack
+            ? "Nothing needs to be done here. Download the support bundle and send it to us, so that the next one is "
+              "better."
+            : "It is tried again by itself. Run the network test, or plug in a stick with the update.");
+  }
+
+  const Findings& findings_;
+  std::vector<Check> checks_;
+};
+
+}  // namespace
+
+std::string_view to_text(Level level) {
+  return level == Level::kFault ? "fault" : level == Level::kWarning ? "warning" : "ok";
+}
+
+std::vector<Check> checks_of(const Findings& findings) { return List(findings).all(); }
+
+Level worst_of(const std::vector<Check>& checks) {
+  Level worst = Level::kOk;
+  for (const Check& check : checks) worst = std::max(worst, check.level);
+  return worst;
+}
+
+std::string checks_table(const std::vector<Check>& checks) {
+  std::vector<Check> sorted = checks;
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Check& a, const Check& b) { return a.level > b.level; });
+  std::size_t widest = 0;
+  for (const Check& check : sorted) widest = std::max(widest, check.title.size());
+  std::string table;
+  for (const Check& check : sorted) {
+    table += fmt::format("{:<8} {:<{}}  {}\n", to_text(check.level), check.title, widest, check.sentence);
+    if (!check.remedy.empty()) table += fmt::format("{:<8} {:<{}}  -> {}\n", "", "", widest, check.remedy);
+  }
+  return table;
+}
+
+std::string checks_json(const std::vector<Check>& checks) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Check& check : checks) {
+    json.push_back({{"id", check.id},
+                    {"title", check.title},
+                    {"level", to_text(check.level)},
+                    {"sentence", check.sentence},
+                    {"remedy", check.remedy}});
+  }
+  return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace cyclorama

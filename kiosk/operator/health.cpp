@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/health.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "common/base/text.h"
+#include "common/image/image_file.h"
+#include "common/image/jpeg.h"
+#include "kiosk/operator/picture_check.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::string_view kLit = "lit: ";
+constexpr std::string_view kHeadPicture = "projector/";
+constexpr std::size_t kLongestSentence = 300;
+
+bool is_display(const Observation& process) { return process.status && !fact_of(*process.status, "heads").empty(); }
+
+std::vector<std::string> heads_of(const Observation& display) {
+  std::vector<std::string> heads;
+  for (const wire::Gauge& gauge : display.status->gauges()) {
+    if (gauge.name().starts_with(kLit)) heads.push_back(gauge.name().substr(kLit.size()));
+  }
+  return heads;
+}
+
+/// Closed, and well: it would light its heads if it were open.
+bool sleeps(const Observation& display) {
+  return display.status->healthy() && gauge_of(*display.status, "awake").value_or(1.0) == 0.0;
+}
+
+void judge_display(const Observation& display, const HealthLook& look, std::vector<std::string>* missing) {
+  if (sleeps(display)) return;
+  for (const std::string& head : heads_of(display)) {
+    const std::string who = fmt::format("{}: head '{}'", display.endpoint.name, printable(head));
+    if (gauge_of(*display.status, std::string(kLit) + head).value_or(0.0) == 0.0) {
+      missing->push_back(fmt::format("{} is dark. {}", who, printable(display.sentence, kLongestSentence)));
+      continue;
+    }
+    const auto picture = look.is_blank.find({display.endpoint.name, std::string(kHeadPicture) + head});
+    if (picture == look.is_blank.end()) {
+      missing->push_back(fmt::format("{} has given no picture yet", who));
+    } else if (picture->second) {
+      missing->push_back(fmt::format("{} is lit, but its picture is blank", who));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> still_missing(const HealthLook& look, const HealthRules& rules) {
+  std::vector<std::string> missing;
+  std::size_t heads = 0;
+  for (const Observation& process : look.processes) {
+    const std::string& name = process.endpoint.name;
+    if (!process.asked || process.away) {
+      missing.push_back(fmt::format("{} is away. {}", name, printable(process.sentence, kLongestSentence)));
+      continue;
+    }
+    const bool must_be_well = std::find(rules.well.begin(), rules.well.end(), name) != rules.well.end();
+    if (must_be_well && !process.is_well()) {
+      missing.push_back(fmt::format("{} is not well: {}", name, printable(process.sentence, kLongestSentence)));
+    }
+    if (!is_display(process)) continue;
+    heads += heads_of(process).size();
+    judge_display(process, look, &missing);
+  }
+  for (const std::string& name : rules.well) {
+    const bool known = std::any_of(look.processes.begin(), look.processes.end(),
+                                   [&](const Observation& process) { return process.endpoint.name == name; });
+    if (!known)
+      missing.push_back(fmt::format("{} must be well, but nobody watches it; add --watch {}=ADDRESS", name, name));
+  }
+  if (heads < static_cast<std::size_t>(std::max(rules.heads, 0))) {
+    missing.push_back(fmt::format("the displays have {} heads of {}", heads, rules.heads));
+  }
+  return missing;
+}
+
+void HealthCount::take(const HealthLook& look) {
+  missing_ = still_missing(look, rules_);
+  for (const Observation& process : look.processes) {
+    if (process.away || !process.status) continue;
+    const auto [known, is_new] = uptimes_s_.try_emplace(process.endpoint.name, process.status->uptime_s());
+    if (!is_new && process.status->uptime_s() < known->second) {
+      missing_.push_back(fmt::format("{} was started again meanwhile", process.endpoint.name));
+    }
+    known->second = process.status->uptime_s();
+  }
+  in_a_row_ = missing_.empty() ? in_a_row_ + 1 : 0;
+}
+
+HealthLook look_at(const std::vector<ProcessLink>& links) {
+  HealthLook look;
+  for (const ProcessLink& link : links) {
+    look.processes.push_back(observe(link, {}));
+    const Observation& process = look.processes.back();
+    if (process.away || !is_display(process) || sleeps(process)) continue;
+    for (const std::string& head : heads_of(process)) {
+      const std::string name = std::string(kHeadPicture) + head;
+      const auto answer = link.picture(name);  // One that nobody asked for is made once somebody has.
+      if (!answer) continue;
+      const auto picture = JpegDecoder().decode(std::as_bytes(std::span(answer->jpeg())), kPhotoLimitPx);
+      if (picture) look.is_blank[{process.endpoint.name, name}] = is_blank(*picture);
+    }
+  }
+  return look;
+}
+
+std::string health_json(const HealthCount& count, double seconds) {
+  const nlohmann::ordered_json json{
+      {"well", count.is_well()}, {"seconds", seconds}, {"version", CYCLORAMA_VERSION}, {"missing", count.missing()}};
+  return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cyclorama-health: asked once after every start, before the boot loader is told that this version works.
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/file.h"
+#include "common/process/log.h"
+#include "common/process/program.h"
+#include "kiosk/operator/health.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr auto kBetweenLooks = std::chrono::seconds(1);
+
+struct Options {
+  std::vector<std::string> watches;
+  std::optional<std::string> endpoints;
+  std::optional<std::string> report;
+  double deadline_s = 180.0;
+  HealthRules rules;
+};
+
+void add_options(CLI::App& app, Options* options) {
+  app.add_option("--watch", options->watches, "NAME=ADDRESS of a process that must answer; repeat it")
+      ->allow_extra_args(false);
+  app.add_option("--endpoints", options->endpoints, "A file of [[watch]] tables, each with name and address");
+  app.add_option("--well", options->rules.well, "NAME of a process that must also be well, not only answer; repeat it")
+      ->allow_extra_args(false);
+  app.add_option("--heads", options->rules.heads, "So many heads must show a picture, of all displays together")
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str();
+  app.add_option("--looks", options->rules.looks, "So many looks in a row, a second apart, must find nothing")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--deadline", options->deadline_s, "Seconds after which it is given up")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->capture_default_str();
+  app.add_option("--report", options->report, "Write the verdict to this file, for the operator page");
+}
+
+Status run(const Options& options, const StopSignal& stop) {
+  TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
+  TRY_ASSIGN(const std::vector<ProcessLink> links, make_links(endpoints));
+  const SteadyClock clock;
+  const TimePoint begin = clock.now();
+  const TimePoint deadline =
+      begin + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.deadline_s));
+  HealthCount count(options.rules);
+  TimePoint now = begin;
+  do {
+    count.take(look_at(links));
+    now = clock.now();
+  } while (!count.is_well() && now < deadline && !stop.wait_until(std::min(now + kBetweenLooks, deadline)));
+  const double seconds = to_seconds(now - begin);
+  if (options.report) {
+    const Status written = write_file_atomically(*options.report, health_json(count, seconds));
+    // A full disk does not make this version worse.
+    if (!written) log(LogLevel::kWarning, written.error().message() + ", ignoring");
+  }
+  if (count.is_well()) {
+    log(LogLevel::kNotice, fmt::format("every part works, after {:.0f} s", seconds));
+    return Done{};
+  }
+  for (const std::string& missing : count.missing()) log(LogLevel::kWarning, missing);
+  return Error(ErrorCode::kTimedOut,
+               fmt::format("not well within {:.0f} s: {} thing{} missing", options.deadline_s, count.missing().size(),
+                           count.missing().size() == 1 ? " is" : "s are"));
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  cyclorama::Program program("cyclorama-health",
+                             "Waits until every part of a museum works and every head shows a picture; fails when that "
+                             "takes too long. A start that fails so is given up for the version before.");
+  cyclorama::Options options;
+  cyclorama::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/machine_facts.h"
+
+#include <sys/statvfs.h>
+#include <sys/timex.h>
+
+#include <string>
+#include <system_error>
+
+#include "common/base/file.h"
+#include "common/base/text.h"
+
+namespace cyclorama {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestFact = 64 * 1024;
+constexpr double kColdest_c = -60.0;  // Sensors that are not wired say absurd things.
+constexpr double kHottest_c = 150.0;
+
+std::optional<std::string> line_of(const fs::path& path) {
+  // The size of a file in /proc or /sys is not its content's.
+  std::FILE* const file = std::fopen(path.c_str(), "re");
+  if (file == nullptr) return std::nullopt;
+  std::string text(kLargestFact, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file));
+  std::fclose(file);
+  return text;
+}
+
+std::optional<double> degrees_of(const fs::path& path) {
+  const auto text = line_of(path);
+  if (!text) return std::nullopt;
+  const auto millidegrees = parse_integer(std::string_view(*text).substr(0, text->find_first_of("\r\n")));
+  if (!millidegrees) return std::nullopt;
+  const double degrees = 1e-3 * static_cast<double>(*millidegrees);
+  return degrees > kColdest_c && degrees < kHottest_c ? std::optional(degrees) : std::nullopt;
+}
+
+std::optional<double> critical_of(const fs::path& zone) {
+  for (int i = 0; i < 12; ++i) {
+    const std::string point = "trip_point_" + std::to_string(i);
+    const auto kind = line_of(zone / (point + "_type"));
+    if (!kind) return std::nullopt;
+    if (kind->starts_with("critical")) return degrees_of(zone / (point + "_temp"));
+  }
+  return std::nullopt;
+}
+
+void read_temperature(const fs::path& root, MachineFacts* ret) {
+  std::error_code failed;
+  for (fs::directory_iterator entry(root / "sys/class/thermal", failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    if (!entry->path().filename().string().starts_with("thermal_zone")) continue;
+    const auto degrees = degrees_of(entry->path() / "temp");
+    if (!degrees || (ret->warmest_c && *ret->warmest_c >= *degrees)) continue;
+    ret->warmest_c = degrees;
+    ret->critical_c = critical_of(entry->path());
+  }
+}
+
+void read_clock(const fs::path& root, MachineFacts* ret) {
+  std::error_code failed;
+  if (fs::exists(root / "run/systemd/timesync/synchronized", failed)) {
+    ret->is_clock_set = true;
+    return;
+  }
+  if (root != "/") {
+    ret->is_clock_set = false;
+    return;
+  }
+  timex state{};
+  const int answer = ::adjtimex(&state);  // Sets nothing; a sandbox may refuse it all the same.
+  if (answer >= 0) ret->is_clock_set = (state.status & STA_UNSYNC) == 0;
+}
+
+void read_memory(const fs::path& root, MachineFacts* ret) {
+  const auto text = line_of(root / "proc/meminfo");
+  if (!text) return;
+  const auto kilobytes = [&](const std::string& key) -> std::optional<double> {
+    const std::size_t at = text->find(key + ":");
+    if (at == std::string::npos) return std::nullopt;
+    const std::size_t first = text->find_first_of("0123456789", at);
+    const std::size_t last = first == std::string::npos ? first : text->find_first_not_of("0123456789", first);
+    if (last == std::string::npos) return std::nullopt;
+    return parse_double(std::string_view(*text).substr(first, last - first));
+  };
+  const auto total = kilobytes("MemTotal");
+  const auto available = kilobytes("MemAvailable");
+  if (total && available && *total > 0.0) ret->memory_free_share = *available / *total;
+}
+
+}  // namespace
+
+MachineFacts read_machine_facts(const fs::path& state, const fs::path& root) {
+  MachineFacts facts;
+  struct statvfs disk {};
+  if (::statvfs(state.c_str(), &disk) == 0) {
+    facts.disk_free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+    facts.disk_bytes = std::uint64_t{disk.f_blocks} * disk.f_frsize;
+    facts.is_read_only = (disk.f_flag & ST_RDONLY) != 0;
+  }
+  read_temperature(root, &facts);
+  read_clock(root, &facts);
+  read_memory(root, &facts);
+  return facts;
+}
+
+}  // namespace cyclorama

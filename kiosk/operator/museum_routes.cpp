@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/museum_routes.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/file.h"
+#include "common/base/text.h"
+#include "common/http/http_server.h"
+#include "kiosk/operator/network_test.h"
+#include "kiosk/operator/status_json.h"
+#include "kiosk/provision/provisioning_report.h"
+
+namespace cyclorama {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// One at a time: they cost something.
+class Turn {
+ public:
+  explicit Turn(std::atomic<bool>* taken) : taken_(*taken), is_ours_(!taken_.exchange(true)) {}
+  ~Turn() {
+    if (is_ours_) taken_ = false;
+  }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+  [[nodiscard]] bool is_ours() const { return is_ours_; }
+
+ private:
+  std::atomic<bool>& taken_;
+  const bool is_ours_;
+};
+
+std::string dumped(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace); }
+
+Json schedule_json(const MuseumState& museum, std::chrono::system_clock::time_point now) {
+  const Schedule schedule = schedule_of(museum, now);
+  return {{"open", schedule.is_open}, {"lines", schedule.lines}, {"problem", schedule.problem}};
+}
+
+std::string museum_json(const MuseumDesk& desk) {
+  const MuseumState& museum = desk.support.museum;
+  const Findings findings = findings_of(desk.watch->observations(), museum);
+  const std::vector<Check> checks = checks_of(findings);
+  Json json{{"level", to_text(worst_of(checks))},
+            {"checks", Json::parse(checks_json(checks))},
+            {"schedule", nullptr},
+            {"provisioning", nullptr},
+            {"update", nullptr},
+            {"calibration", nullptr},
+            {"page",
+             {{"version", CYCLORAMA_VERSION},
+              {"fingerprint", desk.fingerprint},
+              {"time", time_text(std::chrono::system_clock::to_time_t(findings.now))},
+              {"wishes", !desk.wishes.empty()},
+              {"has_pin", !desk.fingerprint.empty()}}}};
+  if (findings.is_museum) json["schedule"] = schedule_json(museum, findings.now);
+  if (findings.provisioning) json["provisioning"] = Json::parse(report_json(*findings.provisioning));
+  if (findings.update) {
+    json["update"] = {{"state", to_text(findings.update->state)},
+                      {"version", findings.update->version},
+                      {"available", findings.update->available},
+                      {"at", findings.update->at}};
+  }
+  if (desk.calibration != nullptr) json["calibration"] = Json::parse(desk.calibration->json());
+  return dumped(json);
+}
+
+void serve_calibration(httplib::Server& server, MuseumDesk* desk) {
+  server.Get("/calibration.jpg", [desk](const httplib::Request&, httplib::Response& response) {
+    const std::string jpeg = desk->calibration == nullptr ? "" : desk->calibration->picture();
+    if (jpeg.empty()) return answer_error(Error(ErrorCode::kNotFound, "there is no picture yet"), response);
+    response.set_content(jpeg, "image/jpeg");
+  });
+  server.Post("/calibration", [desk](const httplib::Request& request, httplib::Response& response) {
+    const auto wish = parse_calibration_wish(request.body);
+    if (!wish) return answer_error(wish.error(), response);
+    if (desk->calibration == nullptr) {
+      return answer_error(
+          Error(ErrorCode::kNotFound, "no calibrator is named; start the page with --calibrator ADDRESS"), response);
+    }
+    response.status = 204;
+    switch (wish->kind) {
+      case CalibrationWish::Kind::kStart:
+        if (const Status started = desk->calibration->start(wish->order); !started)
+          answer_error(started.error(), response);
+        return;
+      case CalibrationWish::Kind::kCancel:
+        return desk->calibration->cancel();
+      case CalibrationWish::Kind::kRestore:
+        const auto date = desk->calibration->restore();
+        if (!date) return answer_error(date.error(), response);
+        response.status = 200;
+        response.set_content(dumped({{"date", *date}}), kJsonType);
+    }
+  });
+}
+
+void serve_support(httplib::Server& server, MuseumDesk* desk) {
+  server.Post("/network-test", [desk](const httplib::Request&, httplib::Response& response) {
+    const Turn turn(&desk->is_testing);
+    if (!turn.is_ours()) return answer_error(Error(ErrorCode::kBusy, "a network test runs already"), response);
+    const MuseumState& museum = desk->support.museum;
+    const auto checks = test_network(farm_of(museum), read_machine_facts(museum.root));
+    response.set_content(dumped({{"checks", Json::parse(checks_json(checks))}}), kJsonType);
+  });
+  server.Get("/support-bundle.zip", [desk](const httplib::Request&, httplib::Response& response) {
+    const Turn turn(&desk->is_bundling);
+    if (!turn.is_ours()) return answer_error(Error(ErrorCode::kBusy, "a bundle is being made already"), response);
+    const auto bundle = support_bundle(desk->support, status_json(desk->watch->observations()), museum_json(*desk));
+    if (!bundle) return answer_error(bundle.error(), response);
+    response.set_header("Content-Disposition", "attachment; filename=\"cyclorama-support.zip\"");
+    response.set_content(*bundle, "application/zip");
+  });
+}
+
+void serve_wishes(httplib::Server& server, MuseumDesk* desk) {
+  server.Post("/wish", [desk](const httplib::Request& request, httplib::Response& response) {
+    const Json json = Json::parse(request.body, nullptr, false);
+    const std::string wish =
+        json.is_object() && json.contains("wish") && json["wish"].is_string() ? json["wish"].get<std::string>() : "";
+    if (wish != "update" && wish != "factory-reset") {
+      return answer_error(Error(ErrorCode::kBadData, "'wish' must be update or factory-reset"), response);
+    }
+    if (desk->wishes.empty()) {
+      return answer_error(Error(ErrorCode::kNotFound, "this computer's software is not kept by the museum image"),
+                          response);
+    }
+    const Status made = write_file_atomically(desk->wishes / wish, std::string_view("\n"));
+    if (!made) return answer_error(made.error(), response);
+    response.status = 204;
+  });
+}
+
+}  // namespace
+
+void serve_museum(httplib::Server& server, MuseumDesk* desk) {
+  server.Get("/museum", [desk](const httplib::Request&, httplib::Response& response) {
+    response.set_content(museum_json(*desk), kJsonType);
+  });
+  serve_calibration(server, desk);
+  serve_support(server, desk);
+  serve_wishes(server, desk);
+}
+
+}  // namespace cyclorama

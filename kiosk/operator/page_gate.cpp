@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/page_gate.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/http/http_server.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::string_view kCookie = "__Host-cyclorama=";
+
+void refuse(int status, const std::string& why, httplib::Response& response) {
+  response.status = status;
+  response.set_content(error_json(Error(ErrorCode::kBadData, why)), kJsonType);
+}
+
+/// The session's token; empty: none came.
+std::string token_in(const httplib::Request& request) {
+  const std::string cookies = request.get_header_value("Cookie");
+  for (std::size_t at = 0; at < cookies.size();) {
+    const std::size_t end = std::min(cookies.find(';', at), cookies.size());
+    std::string_view one = std::string_view(cookies).substr(at, end - at);
+    while (one.starts_with(' ')) one.remove_prefix(1);
+    if (one.starts_with(kCookie)) return std::string(one.substr(kCookie.size()));
+    at = end + 1;
+  }
+  return "";
+}
+
+bool is_loopback_host(const std::string& host) {
+  for (const std::string_view name : {"localhost", "127.0.0.1", "[::1]", "::1"}) {
+    if (host == name || (host.starts_with(name) && host[name.size()] == ':')) return true;
+  }
+  return false;
+}
+
+/// Another page in the same browser may post, but cannot hide where it comes from, nor say that it sends JSON.
+bool is_from_this_page(const httplib::Request& request) {
+  const std::string site = request.get_header_value("Sec-Fetch-Site");
+  if (!site.empty() && site != "same-origin" && site != "none") return false;
+  const std::string origin = request.get_header_value("Origin");
+  if (origin.empty()) return true;
+  const std::string host = request.get_header_value("Host");
+  return origin == "https://" + host || origin == "http://" + host;
+}
+
+bool is_json(const httplib::Request& request) {
+  return request.get_header_value("Content-Type").starts_with(kJsonType);
+}
+
+/// True when the request may go on.
+bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<const PageFile> login,
+               httplib::Response& response) {
+  const bool changes = request.method != "GET" && request.method != "HEAD";
+  if (changes && !is_json(request)) {
+    refuse(415, "send application/json", response);
+    return false;
+  }
+  if (changes && !is_from_this_page(request)) {
+    refuse(403, "only the operator page itself may ask for that", response);
+    return false;
+  }
+  if (sessions == nullptr) {
+    if (is_loopback_host(request.get_header_value("Host"))) return true;
+    refuse(421, "without a PIN this page answers only to localhost", response);
+    return false;
+  }
+  const bool is_open_to_all = (request.method == "POST" && request.path == "/login") ||
+                              (!changes && std::any_of(login.begin(), login.end(), [&](const PageFile& file) {
+                                return file.path == request.path;
+                              }));
+  if (is_open_to_all || sessions->is_open(token_in(request))) return true;
+  if (request.method == "GET" && request.path == "/") {
+    response.set_redirect("/login.html", 303);
+  } else {
+    refuse(401, "enter the PIN", response);
+  }
+  return false;
+}
+
+void serve_login(httplib::Server& server, Sessions* sessions) {
+  server.Post("/login", [sessions](const httplib::Request& request, httplib::Response& response) {
+    const nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
+    const auto pin = json.is_object() ? json.find("pin") : json.end();
+    if (!json.is_object() || pin == json.end() || !pin->is_string()) {
+      return refuse(400, "send {\"pin\": \"...\"}", response);
+    }
+    const auto token = sessions->open(pin->get_ref<const std::string&>(), request.remote_addr);
+    if (!token) {
+      if (token.error().code() == ErrorCode::kInvalidArgument) return refuse(403, token.error().message(), response);
+      return answer_error(token.error(), response);
+    }
+    response.set_header("Set-Cookie", fmt::format("{}{}; Path=/; Secure; HttpOnly; SameSite=Strict", kCookie, *token));
+    response.status = 204;
+  });
+  server.Post("/logout", [sessions](const httplib::Request& request, httplib::Response& response) {
+    sessions->close(token_in(request));
+    response.set_header("Set-Cookie", fmt::format("{}; Path=/; Secure; HttpOnly; SameSite=Strict; Max-Age=0", kCookie));
+    response.status = 204;
+  });
+}
+
+}  // namespace
+
+void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login) {
+  server.set_pre_routing_handler([sessions, login](const httplib::Request& request, httplib::Response& response) {
+    return lets_pass(request, sessions, login, response) ? httplib::Server::HandlerResponse::Unhandled
+                                                         : httplib::Server::HandlerResponse::Handled;
+  });
+  if (sessions == nullptr) return;
+  serve_page(server, login);
+  serve_login(server, sessions);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The door of the operator page.
+///
+///   with a PIN (HTTPS):    POST /login {"pin"} ──▶ a cookie __Host-cyclorama (Secure, HttpOnly, SameSite=Strict)
+///                          everything but the login page asks for it; POST /logout ends it
+///   without (loopback):    everybody on this computer comes in, by a loopback name alone, so that no foreign name that
+///                          leads here (DNS rebinding) does
+///
+/// Either way a request that changes something must be JSON, and from this very page if its browser says from where.
+#pragma once
+
+#include <span>
+
+#include "common/http/page_file.h"
+#include "kiosk/operator/sessions.h"
+
+namespace httplib {
+class Server;
+}
+
+namespace cyclorama {
+
+/// To be called before the other routes are added. `sessions` is borrowed; null: without a PIN. `login` are the files
+/// that may be seen before the PIN: "/login.html" must be among them.
+void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login);
+
+}  // namespace cyclorama

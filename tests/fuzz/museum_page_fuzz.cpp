@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "kiosk/operator/calibration_desk.h"
+#include "kiosk/operator/redaction.h"
+#include "kiosk/operator/sessions.h"
+#include "kiosk/operator/update_status.h"
+
+/// What browsers, the updater and peers may send; and a secret that comes out of no text, wherever it stands.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
+  if (data[0] % 4 == 0) {
+    static_cast<void>(parse_calibration_wish(text));
+  } else if (data[0] % 4 == 1) {
+    const auto status = parse_update_status(text);
+    if (status && status->version.empty()) std::abort();
+  } else if (data[0] % 4 == 2) {
+    if (network_of(std::string(text)).size() > text.size() + 40) std::abort();
+  } else {
+    constexpr std::string_view kSecret = "Zq81-secret-zq";
+    Redaction redaction;
+    redaction.add_secret(kSecret);
+    const std::size_t half = text.size() / 2;
+    const std::string hidden =
+        std::string(text.substr(0, half)) + std::string(kSecret) + std::string(text.substr(half));
+    if (redaction.cleaned(hidden).find(kSecret) != std::string::npos) std::abort();
+  }
+  return 0;
+}

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/calibration_desk.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/doubles/stepped_calibrator.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+struct Desk {
+  SteppedCalibrator calibrator;
+  std::unique_ptr<CalibrationDesk> desk;
+
+  Desk() {
+    calibrator.jpeg = "a picture";
+    auto made = CalibrationDesk::make(calibrator.address());
+    CHECK(made);
+    desk = *std::move(made);
+  }
+  [[nodiscard]] nlohmann::json now() const { return nlohmann::json::parse(desk->json()); }
+  /// The first answer with another state than "running".
+  [[nodiscard]] nlohmann::json end() const {
+    const TimePoint deadline = SteadyClock().now() + 20s;
+    while (now()["state"] == "running" && SteadyClock().now() < deadline) std::this_thread::yield();
+    return now();
+  }
+};
+
+TEST(CalibrationDesk, tells_how_a_calibration_went) {
+  Desk desk;
+  EXPECT_EQ(desk.now()["state"], "idle");
+  ASSERT_TRUE(desk.desk->start({}));
+  const auto end = desk.end();
+  EXPECT_EQ(end["state"], "done");
+  EXPECT_EQ(end["fraction"], 1.0);
+  EXPECT_EQ(end["date"], "2026-11-22");
+  EXPECT_EQ(end["remarks"].size(), 1u);
+  EXPECT_EQ(desk.desk->picture(), "a picture");
+  EXPECT_TRUE(desk.desk->start({})) << "and again";
+}
+
+TEST(CalibrationDesk, cancels_and_runs_one_at_a_time) {
+  Desk desk;
+  desk.calibrator.is_held = true;
+  ASSERT_TRUE(desk.desk->start({}));
+  const Status second = desk.desk->start({});
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code(), ErrorCode::kBusy);
+  EXPECT_FALSE(desk.desk->restore()) << "not while one runs";
+  desk.desk->cancel();
+  EXPECT_EQ(desk.end()["state"], "cancelled");
+  desk.desk->cancel();
+  desk.calibrator.is_held = false;
+  ASSERT_TRUE(desk.desk->start({}));
+  EXPECT_EQ(desk.end()["state"], "done");
+}
+
+TEST(CalibrationDesk, says_why_one_failed) {
+  Desk desk;
+  desk.calibrator.is_broken = true;
+  ASSERT_TRUE(desk.desk->start({}));
+  const auto end = desk.end();
+  EXPECT_EQ(end["state"], "failed");
+  EXPECT_THAT(end["error"].get<std::string>(), HasSubstr("projector 'left' is dark; switch it on"));
+}
+
+TEST(CalibrationDesk, says_that_nobody_calibrates_here) {
+  auto desk = CalibrationDesk::make("[::1]:1");
+  ASSERT_TRUE(desk);
+  ASSERT_TRUE((*desk)->start({}));
+  const TimePoint deadline = SteadyClock().now() + 20s;
+  while (nlohmann::json::parse((*desk)->json())["state"] == "running" && SteadyClock().now() < deadline)
+    std::this_thread::yield();
+  EXPECT_EQ(nlohmann::json::parse((*desk)->json())["state"], "failed");
+  EXPECT_FALSE((*desk)->restore());
+}
+
+TEST(CalibrationDesk, brings_the_one_of_before_back) {
+  Desk desk;
+  const auto date = desk.desk->restore();
+  ASSERT_TRUE(date);
+  EXPECT_EQ(*date, "2026-10-01");
+  desk.calibrator.has_before = false;
+  const auto none = desk.desk->restore();
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code(), ErrorCode::kNotFound);
+}
+
+TEST(CalibrationDesk, ends_at_once_with_a_calibration_that_runs) {
+  Desk desk;
+  desk.calibrator.is_held = true;
+  ASSERT_TRUE(desk.desk->start({}));
+  const TimePoint deadline = SteadyClock().now() + 20s;
+  while (desk.desk->picture().empty() && SteadyClock().now() < deadline) std::this_thread::yield();
+  desk.desk.reset();
+  while (!desk.calibrator.was_cancelled && SteadyClock().now() < deadline) std::this_thread::yield();
+  EXPECT_TRUE(desk.calibrator.was_cancelled);
+}
+
+TEST(CalibrationWish, is_read_strictly) {
+  const auto start = parse_calibration_wish(R"({"do": "start", "quick": true, "projector": "left", "resume": false})");
+  ASSERT_TRUE(start);
+  EXPECT_TRUE(start->order.quick());
+  EXPECT_EQ(start->order.projector(), "left");
+  EXPECT_EQ(parse_calibration_wish(R"({"do": "cancel"})")->kind, CalibrationWish::Kind::kCancel);
+  for (const char* const bad :
+       {"", "[]", "{}", R"({"do": 1})", R"({"do": "stop"})", R"({"do": "start", "quick": true})",
+        R"({"do": "start", "fast": true})", R"({"do": "restore", "quick": true})"}) {
+    EXPECT_FALSE(parse_calibration_wish(bad)) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

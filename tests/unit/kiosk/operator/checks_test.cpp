@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/checks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <ctime>
+
+#include "common/base/file.h"
+#include "kiosk/operator/network_test.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+Observation process(const std::string& name, bool is_healthy, const std::string& sentence) {
+  Observation process;
+  process.endpoint.name = name;
+  process.asked = true;
+  process.away = false;
+  process.sentence = sentence;
+  process.status.emplace();
+  process.status->set_healthy(is_healthy);
+  return process;
+}
+
+void set_gauge(Observation* process, const std::string& name, double value) {
+  wire::Gauge* const gauge = process->status->add_gauges();
+  gauge->set_name(name);
+  gauge->set_value(value);
+}
+
+/// All is well, until a test spoils it.
+Findings well() {
+  Findings findings;
+  findings.processes = {process("tour", true, "Visiting."), process("display", true, "Shows the tour."),
+                        process("tracker", true, "Follows.")};
+  set_gauge(&findings.processes[0], "in_step_percent", 99.9);
+  wire::Stage* const stage = findings.processes[0].status->add_stages();
+  stage->set_name("farm_round_trip");
+  stage->set_count(10);
+  stage->set_p50_ms(60);
+  stage->set_p95_ms(90);
+  for (const char* const head : {"lit: left", "lit: right"}) set_gauge(&findings.processes[1], head, 1.0);
+  set_gauge(&findings.processes[1], "awake", 1.0);
+  set_gauge(&findings.processes[2], "frames_per_second", 30.0);
+  findings.machine = {50'000'000'000, 100'000'000'000, false, 55.0, 100.0, true, 0.5};
+  findings.is_museum = true;
+  findings.provisioning.emplace();
+  findings.provisioning->verdict = Verdict::kInstalled;
+  findings.provisioning->in_use = "000001";
+  findings.provisioning->certificate_until = "2028-01-01";
+  findings.update = UpdateStatus{UpdateStatus::State::kCurrent, "0.1.0", "", "", ""};
+  std::tm day{};
+  ::strptime("2026-11-22", "%Y-%m-%d", &day);
+  findings.now = std::chrono::system_clock::from_time_t(::timegm(&day));
+  return findings;
+}
+
+Check find(const Findings& findings, std::string_view id) {
+  for (const Check& check : checks_of(findings)) {
+    if (check.id == id) return check;
+  }
+  return {"", "not in the list", Level::kOk, "", ""};
+}
+
+TEST(Checks, find_nothing_where_all_is_well) {
+  for (const Check& check : checks_of(well())) {
+    EXPECT_EQ(check.level, Level::kOk) << check.id << ": " << check.sentence;
+    EXPECT_THAT(check.remedy, IsEmpty()) << check.id;
+    EXPECT_THAT(check.sentence, Not(IsEmpty())) << check.id;
+  }
+  EXPECT_GE(checks_of(well()).size(), 12u);
+}
+
+/// One thing that is not well: what it must be called, and that there is a remedy.
+struct Trouble {
+  const char* id;
+  Level level;
+  void (*make)(Findings*);
+};
+class Troubles : public testing::TestWithParam<Trouble> {};
+
+TEST_P(Troubles, are_found_alone_and_with_a_remedy) {
+  Findings findings = well();
+  GetParam().make(&findings);
+  const Check check = find(findings, GetParam().id);
+  EXPECT_EQ(check.level, GetParam().level) << check.sentence;
+  EXPECT_THAT(check.remedy, Not(IsEmpty()));
+  const auto checks = checks_of(findings);
+  EXPECT_EQ(worst_of(checks), GetParam().level);
+  EXPECT_EQ(std::count_if(checks.begin(), checks.end(), [](const Check& c) { return c.level != Level::kOk; }), 1);
+  const std::string table = checks_table(checks);
+  EXPECT_EQ(table.find(to_text(GetParam().level)), 0u) << "the worst first";
+  EXPECT_THAT(table, HasSubstr("-> " + check.remedy));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, Troubles,
+    testing::Values(
+        Trouble{"part-tour", Level::kFault, [](Findings* f) { f->processes[0].status->set_healthy(false); }},
+        Trouble{"part-tracker", Level::kWarning, [](Findings* f) { f->processes[2].status->set_healthy(false); }},
+        Trouble{"part-nobody", Level::kFault,
+                [](Findings* f) {
+                  f->processes.push_back(process("nobody", false, "It cannot be reached."));
+                  f->processes.back().away = true;
+                }},
+        Trouble{"heads", Level::kFault, [](Findings* f) { f->processes[1].status->mutable_gauges(0)->set_value(0.0); }},
+        Trouble{"in-step", Level::kWarning,
+                [](Findings* f) { f->processes[0].status->mutable_gauges(0)->set_value(98.0); }},
+        Trouble{"in-step", Level::kFault,
+                [](Findings* f) { f->processes[0].status->mutable_gauges(0)->set_value(50.0); }},
+        Trouble{"camera", Level::kWarning,
+                [](Findings* f) { f->processes[2].status->mutable_gauges(0)->set_value(1.0); }},
+        Trouble{"farm", Level::kWarning,
+                [](Findings* f) { f->processes[0].status->mutable_stages(0)->set_p95_ms(900); }},
+        Trouble{"settings", Level::kWarning, [](Findings* f) { f->provisioning->verdict = Verdict::kRefused; }},
+        Trouble{"settings", Level::kFault,
+                [](Findings* f) {
+                  f->provisioning->verdict = Verdict::kRefused;
+                  f->provisioning->in_use = "";
+                }},
+        Trouble{"settings", Level::kWarning, [](Findings* f) { f->provisioning.reset(); }},
+        Trouble{"certificate", Level::kWarning, [](Findings* f) { f->provisioning->certificate_until = "2026-12-01"; }},
+        Trouble{"certificate", Level::kFault, [](Findings* f) { f->provisioning->certificate_until = "2026-11-01"; }},
+        Trouble{"clock", Level::kWarning, [](Findings* f) { f->machine.is_clock_set = false; }},
+        Trouble{"clock", Level::kFault, [](Findings* f) { f->now = std::chrono::system_clock::from_time_t(0); }},
+        Trouble{"disk", Level::kWarning, [](Findings* f) { f->machine.disk_free_bytes = 5'000'000'000; }},
+        Trouble{"disk", Level::kFault, [](Findings* f) { f->machine.disk_free_bytes = 1'000; }},
+        Trouble{"disk", Level::kFault, [](Findings* f) { f->machine.is_read_only = true; }},
+        Trouble{"memory", Level::kWarning, [](Findings* f) { f->machine.memory_free_share = 0.01; }},
+        Trouble{"temperature", Level::kWarning, [](Findings* f) { f->machine.warmest_c = 91.0; }},
+        Trouble{"temperature", Level::kFault, [](Findings* f) { f->machine.warmest_c = 99.0; }},
+        Trouble{"update", Level::kWarning, [](Findings* f) { f->update->state = UpdateStatus::State::kFailed; }},
+        Trouble{"update", Level::kWarning, [](Findings* f) { f->update->state = UpdateStatus::State::kRolledBack; }}));
+
+TEST(Checks, take_dark_projectors_of_a_closed_museum_for_well) {
+  Findings findings = well();
+  for (int i = 0; i < 3; ++i) findings.processes[1].status->mutable_gauges(i)->set_value(0.0);
+  EXPECT_EQ(find(findings, "heads").level, Level::kOk);
+}
+
+TEST(Checks, say_nothing_of_what_is_not_known) {
+  Findings findings = well();
+  findings.machine = {};
+  findings.update.reset();
+  for (const char* const id : {"disk", "memory", "temperature", "clock", "update"}) {
+    EXPECT_EQ(find(findings, id).title, "not in the list") << id;
+  }
+}
+
+TEST(MachineFacts, are_read_from_the_kernel_s_files) {
+  std::string name = (std::filesystem::temp_directory_path() / "machine-XXXXXX").string();
+  ASSERT_NE(::mkdtemp(name.data()), nullptr);
+  const std::filesystem::path root = name;
+  const auto write = [&](const std::string& path, const std::string& text) {
+    std::filesystem::create_directories((root / path).parent_path());
+    EXPECT_TRUE(write_file_atomically(root / path, std::string_view(text)));
+  };
+  for (const auto& [zone, degrees] : {std::pair("0", "41000\n"), {"1", "63500\n"}, {"2", "-273000\n"}, {"3", "junk"}}) {
+    write(std::string("sys/class/thermal/thermal_zone") + zone + "/temp", degrees);
+  }
+  write("sys/class/thermal/thermal_zone1/trip_point_0_type", "passive\n");
+  write("sys/class/thermal/thermal_zone1/trip_point_1_type", "critical\n");
+  write("sys/class/thermal/thermal_zone1/trip_point_1_temp", "105000\n");
+  write("proc/meminfo", "MemTotal:  1000 kB\nMemFree: 10 kB\nMemAvailable:  250 kB\n");
+  write("run/systemd/timesync/synchronized", "");
+  const MachineFacts facts = read_machine_facts(root, root);
+  EXPECT_EQ(facts.warmest_c, 63.5);
+  EXPECT_EQ(facts.critical_c, 105.0);
+  EXPECT_EQ(facts.memory_free_share, 0.25);
+  EXPECT_EQ(facts.is_clock_set, true);
+  EXPECT_GT(*facts.disk_bytes, *facts.disk_free_bytes);
+  std::filesystem::remove_all(root);
+  EXPECT_FALSE(read_machine_facts(root, root).warmest_c) << "nothing is known of nothing";
+}
+
+TEST(UpdateStatus, is_read_from_what_the_updater_writes) {
+  const auto status = parse_update_status(
+      R"({"state": "ready", "version": "0.1.0", "available": "0.2.0", "at": "2026-11-22T03:10:00Z", "later": 1})");
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->state, UpdateStatus::State::kReady);
+  EXPECT_EQ(status->available, "0.2.0");
+  for (const char* const bad : {"", "[]", "{}", R"({"state": "odd", "version": "1"})", R"({"state": "ready"})",
+                                R"({"state": 1, "version": "1"})"}) {
+    EXPECT_FALSE(parse_update_status(bad)) << bad;
+  }
+}
+
+TEST(NetworkTest, says_where_the_way_ends) {
+  using std::chrono::milliseconds;
+  const auto checks =
+      test_network({"[::1]:1", "farm", "no-such-host.invalid:7401", "unix:/run/x"}, {}, milliseconds(500));
+  ASSERT_EQ(checks.size(), 4u);
+  EXPECT_THAT(checks[1].remedy, HasSubstr("its program does not run"));
+  EXPECT_THAT(checks[2].remedy, HasSubstr("site.toml"));
+  EXPECT_THAT(checks[3].sentence, HasSubstr("name cannot be found"));
+  EXPECT_THAT(test_network({}, {}).back().sentence, HasSubstr("No farm is named"));
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The page as a museum has it: HTTPS, a PIN, and what it may be asked for.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <sys/stat.h>
+#include <zip.h>
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "kiosk/operator/page_certificate.h"
+#include "kiosk/operator/page_server.h"
+#include "tests/doubles/fake_process.h"
+#include "tests/doubles/museum_stick.h"
+#include "tests/doubles/stepped_calibrator.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using Json = nlohmann::json;
+
+/// All names and contents of an archive.
+std::map<std::string, std::string> unzipped(const std::string& bytes) {
+  std::map<std::string, std::string> members;
+  zip_source_t* const source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, nullptr);
+  zip_t* const archive = zip_open_from_source(source, ZIP_RDONLY, nullptr);
+  if (archive == nullptr) return members;
+  for (zip_int64_t i = 0; i < zip_get_num_entries(archive, 0); ++i) {
+    zip_stat_t info;
+    zip_stat_index(archive, static_cast<zip_uint64_t>(i), 0, &info);
+    std::string text(info.size, '\0');
+    zip_file_t* const file = zip_fopen_index(archive, static_cast<zip_uint64_t>(i), 0);
+    zip_fread(file, text.data(), text.size());
+    zip_fclose(file);
+    members[info.name] = text;
+  }
+  zip_discard(archive);
+  return members;
+}
+
+struct Page {
+  MuseumStick stick;
+  FakeProcess tour{"tour"};
+  SteppedCalibrator calibrator;
+  SteadyClock clock;
+  fs::path keep;
+  std::optional<PageCertificate> certificate;
+  HttpTls tls;
+  std::unique_ptr<Sessions> sessions;
+  std::unique_ptr<CalibrationDesk> desk;
+  std::unique_ptr<Watch> watch;
+  MuseumDesk museum;
+  std::unique_ptr<PageServer> server;
+  std::optional<httplib::SSLClient> client;
+  httplib::Headers cookie;
+
+  Page() {
+    CHECK(stick.install().verdict == Verdict::kInstalled);
+    EXPECT_TRUE(write_file_atomically(stick.root() / "provisioning.json", report_json(stick.install())));
+    keep = stick.root() / "keep";
+    fs::create_directories(keep / "wishes");
+    auto made = page_certificate(keep, std::time(nullptr));
+    CHECK(made);
+    certificate = *std::move(made);
+    tls = {certificate->certificate_pem, certificate->key_pem};
+    sessions = std::make_unique<Sessions>(clock, MuseumState{stick.root()}.pin_file());
+    desk = *CalibrationDesk::make(calibrator.address());
+    watch = std::make_unique<Watch>(*make_links({{"tour", tour.address()}}));
+    museum.watch = watch.get();
+    museum.calibration = desk.get();
+    museum.support.museum.root = stick.root();
+    museum.support.journal = {"sh", "-c", "cat '" + (stick.root() / "journal").string() + "'"};
+    museum.wishes = keep / "wishes";
+    museum.fingerprint = certificate->fingerprint;
+    auto started = PageServer::start("[::1]:0", watch.get(), {&museum, sessions.get(), &tls});
+    CHECK(started);
+    server = *std::move(started);
+    client.emplace("::1", server->port());
+    client->enable_server_certificate_verification(false);
+  }
+  void enter() {
+    const auto answer = client->Post("/login", R"({"pin": "401773"})", "application/json");
+    ASSERT_TRUE(answer) << httplib::to_string(answer.error());
+    ASSERT_EQ(answer->status, 204) << answer->body;
+    const std::string set = answer->get_header_value("Set-Cookie");
+    EXPECT_THAT(set,
+                AllOf(HasSubstr("Secure"), HasSubstr("HttpOnly"), HasSubstr("SameSite=Strict"), HasSubstr("Path=/")));
+    cookie = {{"Cookie", set.substr(0, set.find(';'))}};
+  }
+  int get(const char* path) { return client->Get(path, cookie)->status; }
+  int post(const char* path, const char* body) { return client->Post(path, cookie, body, "application/json")->status; }
+};
+
+TEST(MuseumPage, shows_nothing_before_the_pin) {
+  Page page;
+  for (const char* const path : {"/status", "/museum", "/metrics", "/page.js", "/care.js", "/picture/tour/x.jpg",
+                                 "/support-bundle.zip", "/calibration.jpg", "/nothing"}) {
+    const auto answer = page.client->Get(path);
+    ASSERT_TRUE(answer) << httplib::to_string(answer.error());
+    EXPECT_EQ(answer->status, 401) << path;
+  }
+  EXPECT_EQ(page.client->Get("/")->status, 303);
+  EXPECT_EQ(page.client->Get("/")->get_header_value("Location"), "/login.html");
+  for (const char* const path : {"/login.html", "/login.js", "/login.css"}) EXPECT_EQ(page.get(path), 200) << path;
+  for (const char* const path : {"/steer", "/calibration", "/network-test", "/wish", "/logout"})
+    EXPECT_EQ(page.client->Post(path, "{}", "application/json")->status, 401) << path;
+  EXPECT_TRUE(page.tour.steered().empty());
+}
+
+TEST(MuseumPage, opens_with_the_pin_and_closes_again) {
+  Page page;
+  page.enter();
+  for (const char* const path : {"/", "/status", "/museum", "/metrics"}) EXPECT_EQ(page.get(path), 200) << path;
+  EXPECT_EQ(page.post("/steer", R"({"forward": 1})"), 204);
+  EXPECT_EQ(page.post("/logout", "{}"), 204);
+  EXPECT_EQ(page.get("/status"), 401);
+}
+
+TEST(MuseumPage, makes_who_guesses_wait) {
+  Page page;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(page.post("/login", R"({"pin": "000001"})"), 403);
+  const auto answer = page.client->Post("/login", R"({"pin": "401773"})", "application/json");
+  EXPECT_EQ(answer->status, 429);
+  EXPECT_THAT(answer->body, HasSubstr("try again in"));
+  for (const char* const bad : {"", "{}", "[]", R"({"pin": 401773})"}) EXPECT_EQ(page.post("/login", bad), 400) << bad;
+}
+
+TEST(MuseumPage, is_not_asked_by_other_pages) {
+  Page page;
+  page.enter();
+  const std::string host = "[::1]:" + std::to_string(page.server->port());
+  const auto from = [&](const char* name, const std::string& value) {
+    httplib::Headers headers = page.cookie;
+    headers.emplace("Host", host);
+    headers.emplace(name, value);
+    return page.client->Post("/steer", headers, R"({"forward": 1})", "application/json")->status;
+  };
+  EXPECT_EQ(from("Origin", "https://" + host), 204);
+  EXPECT_EQ(from("Origin", "https://evil.example"), 403);
+  EXPECT_EQ(from("Origin", "null"), 403);
+  EXPECT_EQ(from("Sec-Fetch-Site", "cross-site"), 403);
+  EXPECT_EQ(from("Sec-Fetch-Site", "same-origin"), 204);
+  EXPECT_EQ(page.client->Post("/steer", page.cookie, R"({"forward": 1})", "text/plain")->status, 415);
+}
+
+TEST(MuseumPage, needs_tls_for_a_pin_and_loopback_without_one) {
+  Page page;
+  const auto bare = PageServer::start("[::1]:0", page.watch.get(), {&page.museum, page.sessions.get(), nullptr});
+  ASSERT_FALSE(bare);
+  EXPECT_EQ(bare.error().code(), ErrorCode::kInvalidArgument);
+  const auto open = PageServer::start("[::]:0", page.watch.get(), {});
+  ASSERT_FALSE(open);
+  EXPECT_EQ(open.error().code(), ErrorCode::kInvalidArgument);
+  const auto local = PageServer::start("[::1]:0", page.watch.get(), {});
+  ASSERT_TRUE(local);
+  httplib::Client client("::1", (*local)->port());
+  EXPECT_EQ(client.Get("/status")->status, 200);
+  EXPECT_EQ(client.Get("/status", {{"Host", "evil.example"}})->status, 421) << "a name that was made to lead here";
+}
+
+TEST(MuseumPage, tells_what_there_is_to_tell_of_the_museum) {
+  Page page;
+  page.enter();
+  const Json museum = Json::parse(page.client->Get("/museum", page.cookie)->body);
+  EXPECT_EQ(museum["schedule"]["lines"][0], "Tue-Sun 10:00-18:00");
+  EXPECT_EQ(museum["provisioning"]["museum"], "hall-3");
+  EXPECT_EQ(museum["calibration"]["state"], "idle");
+  EXPECT_EQ(museum["page"]["fingerprint"], page.certificate->fingerprint);
+  EXPECT_TRUE(museum["update"].is_null());
+  EXPECT_TRUE(write_file_atomically(page.stick.root() / "update.json",
+                                    std::string_view(R"({"state": "rolled-back", "version": "1", "available": "2"})")));
+  const Json later = Json::parse(page.client->Get("/museum", page.cookie)->body);
+  EXPECT_EQ(later["update"]["state"], "rolled-back");
+  EXPECT_THAT(later["checks"].dump(), HasSubstr("Version 2 did not start well"));
+}
+
+TEST(MuseumPage, calibrates_tests_the_network_and_passes_wishes_on) {
+  Page page;
+  page.enter();
+  EXPECT_EQ(page.post("/calibration", R"({"do": "start"})"), 204);
+  const TimePoint deadline = SteadyClock().now() + 20s;
+  const auto state = [&] {
+    return Json::parse(page.client->Get("/museum", page.cookie)->body)["calibration"]["state"];
+  };
+  while (state() == "running" && SteadyClock().now() < deadline) std::this_thread::yield();
+  EXPECT_EQ(state(), "done");
+  EXPECT_EQ(page.post("/calibration", R"({"do": "restore"})"), 200);
+  EXPECT_EQ(page.post("/calibration", R"({"do": "dance"})"), 400);
+  page.stick.write("site.toml", "[farm]\nheads = [\"[::1]:1\", \"" + page.tour.address() + "\"]\n");
+  ASSERT_EQ(page.stick.install().verdict, Verdict::kInstalled);
+  const Json network = Json::parse(page.client->Post("/network-test", page.cookie, "{}", "application/json")->body);
+  const std::string text = network.dump();
+  EXPECT_THAT(text, HasSubstr("its program does not run"));
+  EXPECT_THAT(text, HasSubstr("It answers over IPv6"));
+  EXPECT_EQ(page.post("/wish", R"({"wish": "update"})"), 204);
+  EXPECT_TRUE(fs::exists(page.keep / "wishes" / "update"));
+  EXPECT_EQ(page.post("/wish", R"({"wish": "../update"})"), 400);
+}
+
+TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
+  Page page;
+  page.stick.write("beamer-password", "open-sesame-9\n");
+  // Where secrets may have gone by mistake.
+  const auto key = read_text_file(museum_certificates().key, 1 << 20);
+  ASSERT_TRUE(key);
+  const std::string inner_line = key->substr(key->find('\n') + 1, 40);
+  page.stick.write("notes.toml", "# " + inner_line + "\npin = \"401773\"\npjlink_password = 'open-sesame-9'\n" + *key);
+  ASSERT_EQ(page.stick.install().verdict, Verdict::kInstalled);
+  const std::string hash = page.stick.in_use("operator-pin");
+  EXPECT_TRUE(write_file_atomically(
+      page.stick.root() / "journal",
+      "Nov 22 12:00:00 museum cyclorama-tour[1]: reading " + *key + "\nNov 22 tour: said open-sesame-9 to it\n" + hash +
+          "\n" + std::string(5'000'000, 'x') + "\nNov 22 museum: the last line " + inner_line + "\n"));
+  page.enter();
+  const auto answer = page.client->Get("/support-bundle.zip", page.cookie);
+  ASSERT_EQ(answer->status, 200);
+  const auto members = unzipped(answer->body);
+  for (const char* const name : {"status.json", "checks.json", "versions.txt", "journal.txt", "settings/site.toml",
+                                 "settings/installation.toml", "state/provisioning.json"}) {
+    EXPECT_EQ(members.count(name), 1u) << name;
+  }
+  EXPECT_THAT(members.at("settings/site.toml"), HasSubstr("key = \"tls/key.pem\"")) << "where it is, is no secret";
+  EXPECT_THAT(members.at("journal.txt"), HasSubstr("the last line"));
+  EXPECT_LT(members.at("journal.txt").size(), 4'300'000u);
+  EXPECT_TRUE(Json::accept(members.at("checks.json"))) << members.at("checks.json").substr(0, 400);
+  std::vector<std::string> secrets{"401773", "open-sesame-9", hash.substr(0, hash.size() - 1), inner_line};
+  for (std::size_t at = key->find('\n') + 1; at + 16 < key->find("-----END"); at += 16)
+    secrets.push_back(key->substr(at, 16));
+  for (const auto& [name, text] : members) {
+    EXPECT_THAT(name, Not(HasSubstr("key"))) << name;
+    EXPECT_THAT(text, Not(HasSubstr("PRIVATE KEY"))) << name;
+    for (const std::string& secret : secrets)
+      EXPECT_EQ(text.find(secret), std::string::npos) << name << " tells " << secret;
+  }
+}
+
+TEST(PageCertificate, is_made_once_kept_private_and_renewed_in_time) {
+  const MuseumStick disk;
+  const std::time_t now = std::time(nullptr);
+  const auto first = page_certificate(disk.root(), now);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->fingerprint.size(), 95u);
+  const auto again = page_certificate(disk.root(), now);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->fingerprint, first->fingerprint);
+  struct stat info {};
+  ASSERT_EQ(::stat((disk.root() / "page.key").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0600u);
+  const auto later = page_certificate(disk.root(), now + 780L * 86400);
+  ASSERT_TRUE(later);
+  EXPECT_NE(later->fingerprint, first->fingerprint);
+  EXPECT_EQ(later->key_pem, first->key_pem);
+  fs::resize_file(disk.root() / "page.crt", 100);
+  EXPECT_TRUE(page_certificate(disk.root(), now)) << "a damaged one is made anew";
+  EXPECT_FALSE(page_certificate(disk.root() / "nowhere", now));
+}
+
+}  // namespace
+}  // namespace cyclorama

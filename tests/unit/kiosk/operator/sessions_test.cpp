@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/sessions.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/file.h"
+#include "kiosk/provision/pin.h"
+#include "tests/doubles/manual_clock.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr const char* kHere = "192.0.2.7";
+
+struct Door {
+  ManualClock clock;
+  std::filesystem::path folder;
+  std::unique_ptr<Sessions> sessions;
+
+  explicit Door(SessionRules rules = {}) {
+    std::string name = (std::filesystem::temp_directory_path() / "door-XXXXXX").string();
+    CHECK(::mkdtemp(name.data()) != nullptr);
+    folder = name;
+    set_pin("401773");
+    sessions = std::make_unique<Sessions>(clock, folder / "pin", rules);
+  }
+  ~Door() { std::filesystem::remove_all(folder); }
+  Door(const Door&) = delete;
+  Door& operator=(const Door&) = delete;
+  void set_pin(const char* pin) const {
+    const auto hash = hashed_pin(pin);
+    CHECK(hash);
+    CHECK(write_file_atomically(folder / "pin", std::string_view(*hash)));
+  }
+  [[nodiscard]] ErrorCode refused(const std::string& pin, const std::string& from = kHere) const {
+    const auto token = sessions->open(pin, from);
+    return token ? ErrorCode::kSystem : token.error().code();
+  }
+};
+
+TEST(Sessions, let_in_who_knows_the_pin_for_a_while) {
+  Door door;
+  const auto token = door.sessions->open("40 17 73", kHere);
+  ASSERT_TRUE(token);
+  EXPECT_EQ(token->size(), 64u);
+  EXPECT_TRUE(door.sessions->is_open(*token));
+  EXPECT_FALSE(door.sessions->is_open(""));
+  EXPECT_FALSE(door.sessions->is_open(token->substr(1)));
+  const auto other = door.sessions->open("401773", kHere);
+  ASSERT_TRUE(other);
+  EXPECT_NE(*other, *token);
+  door.sessions->close(*token);
+  EXPECT_FALSE(door.sessions->is_open(*token));
+  EXPECT_TRUE(door.sessions->is_open(*other));
+}
+
+TEST(Sessions, end_after_half_an_hour_of_rest_or_half_a_day) {
+  Door door;
+  const auto idle = door.sessions->open("401773", kHere);
+  ASSERT_TRUE(idle);
+  door.clock.advance(31min);
+  EXPECT_FALSE(door.sessions->is_open(*idle));
+  const auto busy = door.sessions->open("401773", kHere);
+  ASSERT_TRUE(busy);
+  for (int i = 0; i < 35; ++i) {
+    door.clock.advance(20min);
+    EXPECT_TRUE(door.sessions->is_open(*busy)) << i;
+  }
+  door.clock.advance(25min);
+  EXPECT_FALSE(door.sessions->is_open(*busy));
+}
+
+TEST(Sessions, let_who_guesses_wait_longer_and_longer_even_with_the_right_pin) {
+  Door door;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(door.refused("000001"), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(door.refused("401773"), ErrorCode::kBusy) << "within the wait no PIN is looked at";
+  EXPECT_EQ(door.refused("401773", "2001:db8::1"), ErrorCode::kSystem) << "others come in";
+  Duration wait = 2s;
+  for (int i = 0; i < 4; ++i) {
+    door.clock.advance(wait - 1ms);
+    EXPECT_EQ(door.refused("000002"), ErrorCode::kBusy) << i;
+    door.clock.advance(1ms);
+    EXPECT_EQ(door.refused("000002"), ErrorCode::kInvalidArgument) << i;
+    wait *= 2;
+  }
+  door.clock.advance(wait);
+  EXPECT_TRUE(door.sessions->open("401773", kHere)) << "the right one at last";
+  EXPECT_EQ(door.refused("000003"), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(door.refused("000003"), ErrorCode::kInvalidArgument) << "and the count begins anew";
+}
+
+TEST(Sessions, take_all_addresses_of_one_network_for_one) {
+  Door door;
+  for (int i = 1; i <= 3; ++i) {
+    EXPECT_EQ(door.refused("000001", "2001:db8:0:7::" + std::to_string(i)), ErrorCode::kInvalidArgument);
+  }
+  EXPECT_EQ(door.refused("401773", "2001:db8:0:7::abcd"), ErrorCode::kBusy);
+  EXPECT_EQ(network_of("2001:db8:0:7:1:2:3:4"), "2001:db8:0:7");
+  EXPECT_EQ(network_of("::ffff:192.0.2.7"), kHere);
+  EXPECT_EQ(network_of(kHere), kHere);
+}
+
+TEST(Sessions, bound_the_guesses_of_all_networks_together) {
+  SessionRules rules;
+  rules.tries_at_once = 5.0;
+  Door door(rules);
+  int looked_at = 0;
+  for (int i = 0; i < 20; ++i) {
+    looked_at += door.refused("000001", "192.0.2." + std::to_string(i)) == ErrorCode::kInvalidArgument ? 1 : 0;
+  }
+  EXPECT_LE(looked_at, 6);
+  EXPECT_GE(looked_at, 5);
+  door.clock.advance(1min);
+  EXPECT_TRUE(door.sessions->open("401773", "198.51.100.1"));
+}
+
+TEST(Sessions, ask_for_another_pin_as_soon_as_it_is_provisioned) {
+  Door door;
+  door.set_pin("771340");
+  EXPECT_EQ(door.refused("401773"), ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(door.sessions->open("771340", kHere));
+  std::filesystem::remove(door.folder / "pin");
+  const auto none = door.sessions->open("771340", kHere);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code(), ErrorCode::kNotFound);
+  EXPECT_THAT(none.error().message(), HasSubstr("operator.toml"));
+  EXPECT_TRUE(write_file_atomically(door.folder / "pin", std::string_view("junk")));
+  EXPECT_EQ(door.refused("771340"), ErrorCode::kBadData);
+}
+
+TEST(Sessions, are_not_more_than_there_may_be) {
+  SessionRules rules;
+  rules.most = 2;
+  Door door(rules);
+  const auto first = door.sessions->open("401773", kHere);
+  door.clock.advance(1s);
+  const auto second = door.sessions->open("401773", kHere);
+  door.clock.advance(1s);
+  ASSERT_TRUE(first && second && door.sessions->is_open(*first));
+  door.clock.advance(1s);
+  ASSERT_TRUE(door.sessions->open("401773", kHere));
+  EXPECT_TRUE(door.sessions->is_open(*first)) << "used last";
+  EXPECT_FALSE(door.sessions->is_open(*second));
+}
+
+}  // namespace
+}  // namespace cyclorama

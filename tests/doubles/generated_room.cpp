@@ -9,8 +9,8 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kCameraWidth_px = 1920;
-constexpr int kCameraHeight_px = 1200;
+constexpr double kUsualWidth_px = 1920.0;
+constexpr double kUsualMegapixels = 2.304;
 
 double gauss(std::mt19937* random) {
   std::normal_distribution<double> normal;
@@ -140,8 +140,14 @@ GeneratedRoom::GeneratedRoom(const RoomPlan& plan) : plan_(plan) {
   before_ = wall_of(plan, &random);
   pitch_ = uniform(&random, -0.03, 0.03);
   roll_ = uniform(&random, -0.03, 0.03);
-  camera_lens_ = {1400.0 * uniform(&random, 0.98, 1.02), 0.5 * kCameraWidth_px + uniform(&random, -10.0, 10.0),
-                  0.5 * kCameraHeight_px + uniform(&random, -10.0, 10.0), -0.09, 0.02};
+  const double scale = std::sqrt(plan.camera_megapixels / kUsualMegapixels);
+  camera_width_px_ = static_cast<int>(std::lround(kUsualWidth_px * scale));
+  camera_height_px_ = static_cast<int>(std::lround(kUsualWidth_px * 0.625 * scale));
+  camera_lens_.focal_px = 1400.0 * scale * uniform(&random, 0.98, 1.02);
+  camera_lens_.centre_u_px = 0.5 * camera_width_px_ + scale * uniform(&random, -10.0, 10.0);
+  camera_lens_.centre_v_px = 0.5 * camera_height_px_ + scale * uniform(&random, -10.0, 10.0);
+  camera_lens_.k1 = -0.09;
+  camera_lens_.k2 = 0.02;
   const int steps =
       static_cast<int>(std::ceil(std::max(0.5 * plan.plate_step_rad, 0.5 * plan.arc_rad - 0.3) / plan.plate_step_rad));
   for (int i = -steps; i <= steps; ++i) {
@@ -281,7 +287,7 @@ GeneratedRoom::Device GeneratedRoom::camera_at(double angle_rad) const {
 Measurements GeneratedRoom::measurements() const {
   std::mt19937 random(plan_.seed * 104729U + 13U);
   Measurements measured;
-  measured.camera = MeasuredLens::from_focal(kCameraWidth_px, kCameraHeight_px, camera_lens_.focal_px);
+  measured.camera = MeasuredLens::from_focal(camera_width_px_, camera_height_px_, camera_lens_.focal_px);
   // What a good chessboard calibration leaves.
   const double sigmas[] = {0.7, 0.7, 0.7, 5e-4, 5e-4, 1e-6, 1e-5, 1e-5};
   const double truth[] = {camera_lens_.focal_px,
@@ -328,13 +334,21 @@ Measurements GeneratedRoom::measurements() const {
           const Eigen::Vector3d seen = cameras[d].axes.transpose() * (*point - cameras[d].place);
           if (!(seen.z() > 0.05) || seen.head<2>().norm() > 1.2 * seen.z()) continue;
           const Eigen::Vector2d camera_px = through(cameras[d].lens, seen);
-          if (!(camera_px.x() >= 0.0 && camera_px.x() < kCameraWidth_px && camera_px.y() >= 0.0 &&
-                camera_px.y() < kCameraHeight_px)) {
+          if (!(camera_px.x() >= 0.0 && camera_px.x() < camera_width_px_ && camera_px.y() >= 0.0 &&
+                camera_px.y() < camera_height_px_)) {
             continue;
           }
           Eigen::Vector2d told = pixel + plan_.noise_px * Eigen::Vector2d(gauss(&random), gauss(&random));
           if (uniform(&random, 0.0, 1.0) < plan_.outliers) {
             told = {uniform(&random, 0.0, kWidth_px), uniform(&random, 0.0, kHeight_px)};
+          }
+          // In each direction somewhere else; a code that is wrong in its coarse bits is wrong by many pixels.
+          if (plan_.person_rad > 0.0) {
+            const double at = told_angles_[d] + 0.4 * std::sin(3.0 * static_cast<double>(d) + 1.0);
+            const double aside = std::atan2(point->x(), -point->z()) - at;
+            if (std::abs(aside) < 0.5 * plan_.person_rad && uniform(&random, 0.0, 1.0) < 0.5) {
+              told += Eigen::Vector2d(uniform(&random, -200.0, 200.0), uniform(&random, -200.0, 200.0));
+            }
           }
           measured.directions[d].correspondences.push_back(
               {static_cast<float>(camera_px.x()), static_cast<float>(camera_px.y()), static_cast<float>(told.x()),

@@ -39,6 +39,8 @@ struct RoomPlan {
   double camera_lens_error = 1.0;                      ///< In sigmas of what the solver is told of the camera's lens.
   int stride_px = 8;                                   ///< Of the projector's pixels that are measured, about.
   double projector_k1 = -0.02;
+  double camera_megapixels = 2.304;  ///< 1920 x 1200; the lens sees the same field.
+  double person_rad = 0.0;   ///< So wide somebody walks through each direction: half of what was there is wrong.
   double aim_off_rad = 0.0;  ///< Projectors look so far aside of what they light: grazing light.
 };
 
@@ -87,6 +89,8 @@ class GeneratedRoom {
   std::vector<double> told_angles_;
   std::vector<double> angles_;
   Lens camera_lens_;
+  int camera_width_px_ = 0;
+  int camera_height_px_ = 0;
   double pitch_ = 0.0;
   double roll_ = 0.0;
 };

@@ -23,6 +23,13 @@ std::string_view name_of(LensRung rung) {
   CHECK(false);
 }
 
+std::optional<LensRung> lens_rung(std::string_view name) {
+  for (const LensRung rung : kLensRungs) {
+    if (name_of(rung) == name) return rung;
+  }
+  return std::nullopt;
+}
+
 int freedom_of(LensRung rung) {
   return kBrownValues - static_cast<int>(fixed_values(rung).size()) - (has_square_pixels(rung) ? 1 : 0);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -21,7 +22,12 @@ enum class LensRung {
 inline constexpr std::array kLensRungs = {LensRung::kPinhole,   LensRung::kRadial1, LensRung::kRadial2,
                                           LensRung::kDecentred, LensRung::kFull,    LensRung::kFullOblong};
 
+/// A richer model must predict left-out views of a board better by this share, or the smaller one stays.
+inline constexpr double kWorthARung = 0.04;
+
 [[nodiscard]] std::string_view name_of(LensRung rung);
+/// Nothing for any other text.
+[[nodiscard]] std::optional<LensRung> lens_rung(std::string_view name);
 /// How many numbers the rung leaves free.
 [[nodiscard]] int freedom_of(LensRung rung);
 /// Whether both focal lengths are one number.

@@ -27,9 +27,6 @@ struct ProcamLadder {
   ProcamCalibration calibration;  ///< With it, of all views.
 };
 
-/// A richer model must predict left-out views better by this share, or the smaller one stays.
-inline constexpr double kWorthARung = 0.04;
-
 /// Climbs twice, with a flat board and with a bent one: from the least lenses, always to that model one or two rungs
 /// richer in one lens which predicts left-out views best, as long as that is worth it. Of all that were tried, the
 /// least that predicts about as well as the best is taken.

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 
 namespace cyclorama {
@@ -16,6 +17,22 @@ constexpr double kWallFloor_px = 0.05;  // Of a sample's sigma: what lens models
 // errors of some hundred places scatter by some percent.
 constexpr double kStillRight = 1.1;
 constexpr double kWorthSaying_px = 0.5;  // Held-out error of a map.
+// Tracks that were left out are predicted as well as without the hint, or it is wrong; they scatter by some percent.
+constexpr double kHintAgrees = 1.02;
+constexpr int kRefitSteps = 20;
+constexpr double kKnownFloor_px = 0.1;  // Of a place on a map of before: its cells are flat.
+
+using Samples = std::vector<std::vector<MapSample>>;  // By projector.
+
+Samples samples_of(const Measurements& measurements, const CellMeans& means, const TurnPlate& plate) {
+  Samples samples(measurements.projectors.size());
+  const PlateSights sights(plate);
+  for (const CellMean& cell : means.cells) {
+    const auto d = sights.at(static_cast<std::size_t>(cell.direction), cell.camera_px);
+    if (d) samples[static_cast<std::size_t>(cell.projector)].push_back({cell.projector_px, *d, cell.sigma_px});
+  }
+  return samples;
+}
 
 const CalibratedProjector* projector_of(const Calibration* calibration, const std::string& name) {
   if (calibration == nullptr) return nullptr;
@@ -26,8 +43,7 @@ const CalibratedProjector* projector_of(const Calibration* calibration, const st
 
 /// What turns directions of the calibration before onto the new ones: the plate's heading and tilt are told anew each
 /// time. Without what is farther off than most, since a projector may have been moved.
-Eigen::Matrix3d turn_of(const Calibration& before, const Measurements& measurements,
-                        const std::vector<std::vector<MapSample>>& samples) {
+Eigen::Matrix3d turn_of(const Calibration& before, const Measurements& measurements, const Samples& samples) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
   for (std::size_t p = 0; p < samples.size(); ++p) {
@@ -62,7 +78,7 @@ MeasuredMap turned(const MeasuredMap& map, const Eigen::Matrix3d& turn) {
 }
 
 /// Few, spread evenly over each projector's picture.
-std::vector<SurfaceSample> wall_samples(const std::vector<std::vector<MapSample>>& samples, std::size_t count) {
+std::vector<SurfaceSample> wall_samples(const Samples& samples, std::size_t count) {
   std::vector<SurfaceSample> chosen;
   const std::size_t each = std::max<std::size_t>(1, count / std::max<std::size_t>(1, samples.size()));
   for (std::size_t p = 0; p < samples.size(); ++p) {
@@ -78,62 +94,148 @@ std::vector<SurfaceSample> wall_samples(const std::vector<std::vector<MapSample>
   return chosen;
 }
 
+/// The maps of before as one more witness of where the camera was.
+std::optional<KnownSight> known_sight(const MeasuredMap& map, const Eigen::Matrix3d& turn,
+                                      const Eigen::Vector2d& pixel) {
+  const auto at = map.direction_at(pixel);
+  const auto beside = map.direction_at(pixel + Eigen::Vector2d(1.0, 0.0));
+  if (!at || !beside) return std::nullopt;
+  const double sigma_rad = std::hypot(map.sigma_at(pixel), kKnownFloor_px) * (*beside - *at).norm();
+  if (!(sigma_rad > 1e-9) || !std::isfinite(sigma_rad)) return std::nullopt;
+  return KnownSight{turn * *at, sigma_rad};
+}
+
+/// One calibration on its way; each step takes what the one before it left.
+class Calibrating {
+ public:
+  Calibrating(const Measurements& measurements, const CellMeans& means, const CalibrateOptions& options)
+      : measurements_(measurements), means_(means), options_(options) {}
+
+  Result<Calibration> run(std::string date) {
+    calibration_.date = std::move(date);
+    TRY_ASSIGN(const TurnPlateSolver solver, TurnPlateSolver::create(measurements_, means_, options_.plate));
+    TRY_ASSIGN(calibration_.plate, solver.solve());
+    samples_ = samples_of(measurements_, means_, calibration_.plate);
+    if (options_.previous != nullptr) ask_the_maps_of_before(solver);
+    if (options_.with_wall) find_wall(solver);
+    if (options_.previous != nullptr) turn_ = turn_of(*options_.previous, measurements_, samples_);
+    std::vector<std::future<Result<MeasuredMap>>> maps;
+    for (std::size_t p = 0; p < samples_.size(); ++p) {
+      maps.push_back(std::async(std::launch::async, [this, p] {
+        const MeasuredProjector& format = measurements_.projectors[p];
+        return fit_measured_map(format.width_px, format.height_px, samples_[p], options_.map);
+      }));
+    }
+    for (std::size_t p = 0; p < samples_.size(); ++p) TRY(add_projector(p, maps[p].get()));
+    if (means_.refused * 20 > means_.used) {
+      remark(fmt::format("{} of {} decoded pixels disagree with their neighbours; darken the room", means_.refused,
+                         means_.used + means_.refused));
+    }
+    return std::move(calibration_);
+  }
+
+ private:
+  void remark(std::string words) { calibration_.remarks.push_back(std::move(words)); }
+
+  /// Where the camera was is seen by parallax alone, and noise hides that: then all directions are off together, and
+  /// maps that are right would seem wrong. So if the calibration before knew it better, its maps help to find it;
+  /// what moved since then is an outlier among them.
+  void ask_the_maps_of_before(const TurnPlateSolver& solver) {
+    const Calibration& before = *options_.previous;
+    if (!(before.plate.offset_sigma_m.norm() <= calibration_.plate.offset_sigma_m.norm())) return;
+    const Eigen::Matrix3d turn = turn_of(before, measurements_, samples_);
+    PlateHints hints;
+    hints.known = [this, &before, turn](std::size_t p, const Eigen::Vector2d& pixel) -> std::optional<KnownSight> {
+      const CalibratedProjector* projector = projector_of(&before, measurements_.projectors[p].name);
+      if (projector == nullptr) return std::nullopt;
+      return known_sight(projector->map, turn, pixel);
+    };
+    auto plate = solver.solve(hints);
+    if (!plate || !(plate->heldout_rms_px <= kHintAgrees * calibration_.plate.heldout_rms_px)) {
+      remark(
+          fmt::format("the maps of {} do not go with what the directions see now ({:.3f} px instead of {:.3f}); look "
+                      "whether the plate stands where it stood",
+                      before.date, plate ? plate->heldout_rms_px : 0.0, calibration_.plate.heldout_rms_px));
+      return;
+    }
+    // No better than what it was told by.
+    const Eigen::Vector2d both = plate->offset_sigma_m.array().square() + before.plate.offset_sigma_m.array().square();
+    plate->offset_sigma_m = both.cwiseSqrt();
+    take(*std::move(plate));
+    hints_.known = hints.known;
+  }
+
+  /// A wall tells nearness where harmonics cannot follow it (a corner), and with that where the camera was.
+  void find_wall(const TurnPlateSolver& solver) {
+    auto wall = choose_model(measurements_.projectors, wall_samples(samples_, options_.wall_samples),
+                             measurements_.wall_distance_m, options_.model);
+    if (!wall) {
+      remark("the wall's shape was not found, so pictures are right at the sweet spot alone: " +
+             wall.error().message());
+      return;
+    }
+    PlateHints hints = hints_;
+    hints.wall = &wall->fit.surface;
+    auto plate = solver.solve(hints);
+    if (plate && plate->wall && plate->heldout_rms_px <= kHintAgrees * calibration_.plate.heldout_rms_px) {
+      if (hints_.known) plate->offset_sigma_m = calibration_.plate.offset_sigma_m;
+      take(*std::move(plate));
+      auto fit = fit_surface(measurements_.projectors, wall_samples(samples_, options_.wall_samples), wall->fit,
+                             {wall->lens, true, kRefitSteps});
+      if (fit) wall->fit = *std::move(fit);
+    }
+    calibration_.wall = *std::move(wall);
+  }
+
+  void take(TurnPlate plate) {
+    calibration_.plate = std::move(plate);
+    samples_ = samples_of(measurements_, means_, calibration_.plate);
+  }
+
+  Status add_projector(std::size_t p, Result<MeasuredMap> map) {
+    const MeasuredProjector& format = measurements_.projectors[p];
+    if (!map) return std::move(map).error().while_doing(fmt::format("mapping projector '{}'", format.name));
+    CalibratedProjector projector{format.name, *std::move(map), false};
+    const CalibratedProjector* before = projector_of(options_.previous, format.name);
+    if (before != nullptr && before->map.width_px == format.width_px && before->map.height_px == format.height_px) {
+      const MeasuredMap old = turned(before->map, turn_);
+      const auto error = map_error_px(old, samples_[p]);
+      const double own = projector.map.heldout_rms_px;
+      projector.is_previous = error && *error < kStillRight * own;
+      if (projector.is_previous) projector.map = old;
+      if (error) {
+        remark(
+            fmt::format("projector '{}' {} map of {}: it predicts the new measurements to {:.3f} px, the new one what "
+                        "it left out to {:.3f}",
+                        format.name, projector.is_previous ? "keeps its" : "needed another than its",
+                        options_.previous->date, *error, own));
+      }
+    }
+    if (projector.map.heldout_rms_px > kWorthSaying_px) {
+      remark(
+          fmt::format("projector '{}': places that were left out are predicted to {:.2f} px only; measure again in "
+                      "the dark, with more pictures, and with nobody before the wall",
+                      format.name, projector.map.heldout_rms_px));
+    }
+    calibration_.projectors.push_back(std::move(projector));
+    return Done{};
+  }
+
+  const Measurements& measurements_;
+  const CellMeans& means_;
+  const CalibrateOptions& options_;
+  Calibration calibration_;
+  Samples samples_;
+  PlateHints hints_;
+  Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< Of the calibration before.
+};
+
 }  // namespace
 
 Result<Calibration> calibrate(const Measurements& measurements, std::string date, const CalibrateOptions& options) {
   TRY(measurements.validate());
   const CellMeans means = average_cells(measurements, fitting_cell_px(measurements));
-  Calibration calibration;
-  calibration.date = std::move(date);
-  TRY_ASSIGN(calibration.plate, solve_turn_plate(measurements, means, options.plate));
-  std::vector<std::vector<MapSample>> samples(measurements.projectors.size());
-  for (const CellMean& cell : means.cells) {
-    const auto d = calibration.plate.sight_of(static_cast<std::size_t>(cell.direction), cell.camera_px);
-    if (d) samples[static_cast<std::size_t>(cell.projector)].push_back({cell.projector_px, *d, cell.sigma_px});
-  }
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if (options.previous != nullptr) turn = turn_of(*options.previous, measurements, samples);
-  for (std::size_t p = 0; p < samples.size(); ++p) {
-    const MeasuredProjector& format = measurements.projectors[p];
-    auto map = fit_measured_map(format.width_px, format.height_px, samples[p], options.map);
-    if (!map) return std::move(map).error().while_doing(fmt::format("mapping projector '{}'", format.name));
-    CalibratedProjector projector{format.name, *std::move(map), false};
-    const CalibratedProjector* before = projector_of(options.previous, format.name);
-    if (before != nullptr && before->map.width_px == format.width_px && before->map.height_px == format.height_px) {
-      const MeasuredMap old = turned(before->map, turn);
-      const auto error = map_error_px(old, samples[p]);
-      if (error && *error < kStillRight * projector.map.heldout_rms_px) {
-        const double own = projector.map.heldout_rms_px;
-        projector.map = old;
-        projector.is_previous = true;
-        calibration.remarks.push_back(
-            fmt::format("projector '{}' keeps its map of {}: it predicts the new measurements to {:.3f} px, the new "
-                        "one what it left out to {:.3f}",
-                        format.name, options.previous->date, *error, own));
-      }
-    }
-    if (projector.map.heldout_rms_px > kWorthSaying_px) {
-      calibration.remarks.push_back(
-          fmt::format("projector '{}': places that were left out are predicted to {:.2f} px only; measure again in the "
-                      "dark, with more pictures, and with nobody before the wall",
-                      format.name, projector.map.heldout_rms_px));
-    }
-    calibration.projectors.push_back(std::move(projector));
-  }
-  if (means.refused * 20 > means.used) {
-    calibration.remarks.push_back(fmt::format("{} of {} decoded pixels disagree with their neighbours; darken the room",
-                                              means.refused, means.used + means.refused));
-  }
-  if (!options.with_wall) return calibration;
-  auto wall = choose_model(measurements.projectors, wall_samples(samples, options.wall_samples),
-                           measurements.wall_distance_m, options.model);
-  if (wall) {
-    calibration.wall = *std::move(wall);
-  } else {
-    calibration.remarks.push_back("the wall's shape was not found, so pictures are right at the sweet spot alone: " +
-                                  wall.error().message());
-  }
-  return calibration;
+  return Calibrating(measurements, means, options).run(std::move(date));
 }
 
 MeasuredMap seen_from(const MeasuredMap& map, const Surface& wall, const Eigen::Vector3d& eye_m) {

@@ -40,7 +40,8 @@ struct CalibrateOptions {
 };
 
 /// Errors of Measurements::validate(), solve_turn_plate() and, with the projector's name, fit_measured_map(). A wall
-/// that cannot be found is a remark: the maps need none. Projectors that were not seen at all are an error. Reentrant.
+/// that cannot be found is a remark: the maps need none. Projectors that were not seen at all are an error. A thread
+/// for each map and each fold works while it blocks; the answer does not depend on them. Reentrant.
 Result<Calibration> calibrate(const Measurements& measurements, std::string date, const CalibrateOptions& options = {});
 
 /// The same map for an eye that is `eye_m` from the sweet spot (Eye frame): the wall tells where the light lands.

@@ -45,23 +45,37 @@ Json json_of(const MeasuredLens& lens) {
           {"covariance", json_of(Eigen::MatrixXd(lens.covariance))}};
 }
 
+Json json_of(const SplineAxis& axis) {
+  return {{"from_rad", axis.from}, {"step_rad", axis.step}, {"spans", axis.spans}};
+}
+
+Json json_of(const Surface& surface) {
+  return {{"surface", name_of(surface.rung)}, {"R_eye_wall", json_of(Eigen::MatrixXd(surface.R_eye_wall))},
+          {"distance_m", surface.distance_m}, {"across", json_of(surface.across)},
+          {"up", json_of(surface.up)},        {"parameters", list_of(surface.parameters)}};
+}
+
 Json json_of(const TurnPlate& plate) {
-  return {{"camera", json_of(plate.camera)},
-          {"pitch_rad", plate.pitch_rad},
-          {"roll_rad", plate.roll_rad},
-          {"offset_right_m", plate.offset_m.x()},
-          {"offset_forward_m", plate.offset_m.y()},
-          {"is_offset_estimated", plate.is_offset_estimated},
-          {"offset_reason", plate.offset_reason},
-          {"nearness_per_m", list_of(plate.nearness)},
-          {"angles_rad", list_of(plate.angles_rad)},
-          {"reference", plate.reference},
-          {"parameters", plate.parameters},
-          {"covariance", json_of(plate.covariance)},
-          {"rank", plate.rank},
-          {"tracks", plate.tracks},
-          {"rms_px", plate.rms_px},
-          {"heldout_rms_px", plate.heldout_rms_px}};
+  Json json{{"camera", json_of(plate.camera)},
+            {"pitch_rad", plate.pitch_rad},
+            {"roll_rad", plate.roll_rad},
+            {"offset_right_m", plate.offset_m.x()},
+            {"offset_forward_m", plate.offset_m.y()},
+            {"offset_right_sigma_m", plate.offset_sigma_m.x()},
+            {"offset_forward_sigma_m", plate.offset_sigma_m.y()},
+            {"is_offset_estimated", plate.is_offset_estimated},
+            {"offset_reason", plate.offset_reason},
+            {"nearness_per_m", list_of(plate.nearness)},
+            {"angles_rad", list_of(plate.angles_rad)},
+            {"reference", plate.reference},
+            {"parameters", plate.parameters},
+            {"covariance", json_of(plate.covariance)},
+            {"rank", plate.rank},
+            {"tracks", plate.tracks},
+            {"rms_px", plate.rms_px},
+            {"heldout_rms_px", plate.heldout_rms_px}};
+  if (plate.wall) json["wall"] = json_of(*plate.wall);
+  return json;
 }
 
 Json json_of(const std::vector<ModelTrial>& trials) {
@@ -77,12 +91,7 @@ Json json_of(const std::vector<ModelTrial>& trials) {
   return list;
 }
 
-Json json_of(const SplineAxis& axis) {
-  return {{"from_rad", axis.from}, {"step_rad", axis.step}, {"spans", axis.spans}};
-}
-
 Json json_of(const ModelChoice& wall) {
-  const Surface& surface = wall.fit.surface;
   Json projectors = Json::array();
   for (const FittedProjector& p : wall.fit.projectors) {
     const Eigen::Quaterniond& q = p.T_eye_projector.rotation();
@@ -92,21 +101,17 @@ Json json_of(const ModelChoice& wall) {
                           {"place_m", {t.x(), t.y(), t.z()}},
                           {"pose_covariance", json_of(Eigen::MatrixXd(p.pose_covariance))}});
   }
-  return {{"surface", name_of(surface.rung)},
-          {"lens", name_of(wall.lens)},
-          {"reason", wall.reason},
-          {"R_eye_wall", json_of(Eigen::MatrixXd(surface.R_eye_wall))},
-          {"distance_m", surface.distance_m},
-          {"across", json_of(surface.across)},
-          {"up", json_of(surface.up)},
-          {"parameters", list_of(surface.parameters)},
-          {"parameter_sigmas", list_of(wall.fit.surface_sigmas)},
-          {"cost", wall.fit.cost},
-          {"rank", wall.fit.rank},
-          {"fitted_parameters", wall.fit.parameters},
-          {"projectors", std::move(projectors)},
-          {"surface_trials", json_of(wall.surfaces)},
-          {"lens_trials", json_of(wall.lenses)}};
+  Json json = json_of(wall.fit.surface);
+  json.update(Json::object({{"lens", name_of(wall.lens)},
+                            {"reason", wall.reason},
+                            {"parameter_sigmas", list_of(wall.fit.surface_sigmas)},
+                            {"cost", wall.fit.cost},
+                            {"rank", wall.fit.rank},
+                            {"fitted_parameters", wall.fit.parameters},
+                            {"projectors", std::move(projectors)},
+                            {"surface_trials", json_of(wall.surfaces)},
+                            {"lens_trials", json_of(wall.lenses)}}));
+  return json;
 }
 
 Eigen::MatrixXd matrix_of(StrictJson json, std::size_t size) {
@@ -132,6 +137,37 @@ MeasuredLens lens_of(StrictJson json) {
   return lens;
 }
 
+SplineAxis axis_of(StrictJson json) {
+  SplineAxis axis;
+  axis.from = json.number("from_rad", -7.0, 7.0);
+  axis.step = json.number("step_rad", 1e-9, 7.0);
+  axis.spans = json.integer("spans", 1, 64);
+  json.refuse_other_keys();
+  return axis;
+}
+
+/// Its keys stand beside others.
+Surface surface_of(StrictJson* json) {
+  Surface surface;
+  const auto rung = surface_rung(json->text("surface", 60));
+  if (!rung) json->at("surface").refuse("is no surface; there are plane, cylinder, profile, quadric and mesh");
+  surface.rung = rung.value_or(SurfaceRung::kPlane);
+  surface.R_eye_wall = matrix_of(json->at("R_eye_wall"), 3);
+  constexpr double kOrthogonal = 1e-6;
+  if (!((surface.R_eye_wall.transpose() * surface.R_eye_wall - Eigen::Matrix3d::Identity()).norm() < kOrthogonal)) {
+    json->at("R_eye_wall").refuse("is no rotation; calibrate again");
+  }
+  surface.distance_m = json->number("distance_m", 1e-3, 1e4);
+  surface.across = axis_of(json->at("across"));
+  surface.up = axis_of(json->at("up"));
+  surface.parameters = json->numbers("parameters", 0, kMostNumbers);
+  if (static_cast<int>(surface.parameters.size()) != surface.size()) {
+    json->at("parameters")
+        .refuse(fmt::format("has {} numbers and needs {}; calibrate again", surface.parameters.size(), surface.size()));
+  }
+  return surface;
+}
+
 TurnPlate plate_of(StrictJson json) {
   constexpr std::size_t kMostDirections = 4096;
   TurnPlate plate;
@@ -140,6 +176,8 @@ TurnPlate plate_of(StrictJson json) {
   plate.roll_rad = json.number("roll_rad", -4.0, 4.0);
   plate.offset_m.x() = json.number("offset_right_m", -10.0, 10.0);
   plate.offset_m.y() = json.number("offset_forward_m", -10.0, 10.0);
+  plate.offset_sigma_m.x() = json.number("offset_right_sigma_m", 0.0, 10.0);
+  plate.offset_sigma_m.y() = json.number("offset_forward_sigma_m", 0.0, 10.0);
   plate.is_offset_estimated = json.flag("is_offset_estimated");
   plate.offset_reason = json.text("offset_reason");
   const auto nearness = json.numbers("nearness_per_m", kNearnessTerms, kNearnessTerms);
@@ -154,6 +192,11 @@ TurnPlate plate_of(StrictJson json) {
   plate.tracks = static_cast<std::size_t>(json.integer("tracks", 0, 1 << 30));
   plate.rms_px = json.number("rms_px", 0.0, kLarge);
   plate.heldout_rms_px = json.number("heldout_rms_px", 0.0, kLarge);
+  if (json.has("wall")) {
+    StrictJson wall = json.at("wall");
+    plate.wall = surface_of(&wall);
+    wall.refuse_other_keys();
+  }
   json.refuse_other_keys();
   return plate;
 }
@@ -172,15 +215,6 @@ std::vector<ModelTrial> trials_of(const std::vector<StrictJson>& list) {
     trials.push_back(std::move(t));
   }
   return trials;
-}
-
-SplineAxis axis_of(StrictJson json) {
-  SplineAxis axis;
-  axis.from = json.number("from_rad", -7.0, 7.0);
-  axis.step = json.number("step_rad", 1e-9, 7.0);
-  axis.spans = json.integer("spans", 1, 64);
-  json.refuse_other_keys();
-  return axis;
 }
 
 FittedProjector fitted_projector_of(StrictJson json) {
@@ -204,27 +238,12 @@ FittedProjector fitted_projector_of(StrictJson json) {
 
 ModelChoice wall_of(StrictJson json) {
   ModelChoice wall;
-  Surface& surface = wall.fit.surface;
-  const auto rung = surface_rung(json.text("surface", 60));
-  if (!rung) json.at("surface").refuse("is no surface; there are plane, cylinder, profile, quadric and mesh");
-  surface.rung = rung.value_or(SurfaceRung::kPlane);
+  wall.fit.surface = surface_of(&json);
   const auto lens = lens_rung(json.text("lens", 60));
-  if (!lens) json.at("lens").refuse("is no lens; there are pinhole, k1, 'k1 k2' and 'k1 k2 p1 p2'");
+  if (!lens || freedom_of(*lens) > freedom_of(LensRung::kDecentred))
+    json.at("lens").refuse("is no lens; there are pinhole, k1, 'k1 k2' and 'k1 k2 p1 p2'");
   wall.lens = lens.value_or(LensRung::kRadial1);
   wall.reason = json.text("reason");
-  surface.R_eye_wall = matrix_of(json.at("R_eye_wall"), 3);
-  constexpr double kOrthogonal = 1e-6;
-  if (!((surface.R_eye_wall.transpose() * surface.R_eye_wall - Eigen::Matrix3d::Identity()).norm() < kOrthogonal)) {
-    json.at("R_eye_wall").refuse("is no rotation; calibrate again");
-  }
-  surface.distance_m = json.number("distance_m", 1e-3, 1e4);
-  surface.across = axis_of(json.at("across"));
-  surface.up = axis_of(json.at("up"));
-  surface.parameters = json.numbers("parameters", 0, kMostNumbers);
-  if (static_cast<int>(surface.parameters.size()) != surface.size()) {
-    json.at("parameters")
-        .refuse(fmt::format("has {} numbers and needs {}; calibrate again", surface.parameters.size(), surface.size()));
-  }
   wall.fit.surface_sigmas = json.numbers("parameter_sigmas", 0, kMostNumbers);
   wall.fit.cost = json.number("cost", 0.0, 1e18);
   wall.fit.rank = json.integer("rank", 0, static_cast<int>(kMostNumbers));

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibrator/solve/measured_lens.h"
+#include "appliance/calibrator/lens/measured_lens.h"
 #include "common/base/result.h"
 #include "common/geometry/rigid_transform.h"
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <map>
 
 namespace cyclorama {
@@ -60,14 +61,22 @@ class Ladder {
     double squares = 0.0;
     double weight = 0.0;
     std::vector<SurfaceFit> folds;
+    std::vector<std::future<Result<SurfaceFit>>> fits;
+    for (const std::vector<SurfaceSample>& training : training_) {
+      fits.push_back(std::async(std::launch::async, [&] {
+        return fit_surface(projectors_, training, tried.fit, {lens, false, kFoldSteps});
+      }));
+    }
+    std::vector<Result<SurfaceFit>> fitted;
+    for (auto& fit : fits) fitted.push_back(fit.get());
     for (std::size_t f = 0; f < training_.size(); ++f) {
+      const auto& fit = fitted[f];
       if (left_out_[f].empty() || training_[f].empty()) continue;
-      auto fit = fit_surface(projectors_, training_[f], tried.fit, {lens, false, kFoldSteps});
       if (!fit) return tried;
       const double error = prediction_error_px(*fit, left_out_[f]);
       squares += error * error * static_cast<double>(left_out_[f].size());
       weight += static_cast<double>(left_out_[f].size());
-      folds.push_back(*std::move(fit));
+      folds.push_back(*fit);
     }
     tried.trial.heldout_rms_px = weight > 0.0 ? std::sqrt(squares / weight) : 0.0;
     tried.trial.scatter = scatter_of(folds);
@@ -209,16 +218,15 @@ Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projector
   // Lenses: all of them from the same wall, and the least that predicts.
   double best_lens = std::numeric_limits<double>::infinity();
   std::vector<Tried> lenses;
-  for (const LensRung rung : kLensRungs) {
-    lenses.push_back(ladder.attempt(std::string(name_of(rung)),
-                                    3 + static_cast<int>(rung) + (rung == LensRung::kTangential), {start}, rung));
+  for (const LensRung rung : kProjectorLensRungs) {
+    lenses.push_back(ladder.attempt(std::string(name_of(rung)), freedom_of(rung), {start}, rung));
     choice.lenses.push_back(lenses.back().trial);
     if (lenses.back().trial.is_usable) best_lens = std::min(best_lens, lenses.back().trial.heldout_rms_px);
   }
   choice.lens = LensRung::kRadial1;
   for (std::size_t i = lenses.size(); i-- > 0;) {
     if (lenses[i].trial.is_usable && lenses[i].trial.heldout_rms_px <= best_lens + options.lens_tolerance_px) {
-      choice.lens = kLensRungs[i];
+      choice.lens = kProjectorLensRungs[i];
       start = lenses[i].fit;
     }
   }

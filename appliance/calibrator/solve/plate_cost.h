@@ -16,7 +16,7 @@ class CostFunction;
 namespace cyclorama {
 
 /// How near the wall is in each direction, in 1/m: a sum of the spherical harmonics up to degree two. Exact for a
-/// plane; what it lacks of other walls hardly counts, because it is multiplied by the camera's small offset.
+/// plane; what it lacks of a corner counts, so where a wall was fitted this is what is added to that wall's own.
 inline constexpr int kNearnessTerms = 9;
 using Nearness = std::array<double, kNearnessTerms>;
 
@@ -48,7 +48,17 @@ void to_camera(const T* mount, const T* offset, const T& angle, const T* directi
   ret_point[2] = forward;
 }
 
+/// Where a calibration of before has a place of a projector's picture.
+struct KnownSight {
+  Eigen::Vector3d direction;  ///< A unit vector.
+  double sigma_rad = 1e-4;
+};
+
 /// Two residuals in sigmas; blocks: lens (8), mount (2), offset (2), angle (1), direction (3, a unit vector), nearness.
-[[nodiscard]] std::unique_ptr<ceres::CostFunction> make_sight_cost(const CellMean& seen);
+/// `wall_nearness` is added to the last.
+[[nodiscard]] std::unique_ptr<ceres::CostFunction> make_sight_cost(const CellMean& seen, double wall_nearness = 0.0);
+
+/// Three residuals in sigmas; blocks: direction (3), and the small turn (3) that brings what is known onto it.
+[[nodiscard]] std::unique_ptr<ceres::CostFunction> make_known_sight_cost(const KnownSight& known);
 
 }  // namespace cyclorama

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/calibrator/solve/surface_cost.h"
 
+// Before Ceres' headers, whose glog has a CHECK of its own.
+#include "appliance/calibrator/lens/measured_lens.h"
+
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/rotation.h>
-
-#include "appliance/calibrator/solve/measured_lens.h"
 
 namespace cyclorama {
 namespace {

@@ -19,21 +19,6 @@ constexpr double kLoss_sigmas = 3.0;
 constexpr double kBendSigma = 0.05;  // Per knot: a right-angled corner bends by three of it, noise by a hundredth.
 constexpr double kMissed_px = 100.0;
 
-std::vector<int> constant_terms(LensRung rung) {
-  using L = MeasuredLens;
-  switch (rung) {
-    case LensRung::kPinhole:
-      return {L::kK1, L::kK2, L::kK3, L::kP1, L::kP2};
-    case LensRung::kRadial1:
-      return {L::kK2, L::kK3, L::kP1, L::kP2};
-    case LensRung::kRadial2:
-      return {L::kK3, L::kP1, L::kP2};
-    case LensRung::kTangential:
-      return {L::kK3};
-  }
-  return {};
-}
-
 struct Moved {
   std::array<double, 3> turn{};
   std::array<double, 3> place{};
@@ -60,7 +45,7 @@ class SurfaceProblem {
       const Eigen::Vector3d at = from.T_eye_projector.translation();
       moved_[p].place = {at.x(), at.y(), at.z()};
       moved_[p].lens = from.lens.values;
-      for (const int term : constant_terms(options.lens)) moved_[p].lens[static_cast<std::size_t>(term)] = 0.0;
+      for (const int term : held_parameters(options.lens)) moved_[p].lens[static_cast<std::size_t>(term)] = 0.0;
     }
     for (const SurfaceSample& sample : samples) {
       Moved& m = moved_[sample.projector];
@@ -132,7 +117,7 @@ class SurfaceProblem {
     add_prior(m.lens.data(), Eigen::Map<const Eigen::VectorXd>(place.lens.values.data(), MeasuredLens::kParameters),
               sigmas);
     problem_->SetManifold(m.lens.data(),
-                          new ceres::SubsetManifold(MeasuredLens::kParameters, constant_terms(options_.lens)));
+                          new ceres::SubsetManifold(MeasuredLens::kParameters, held_parameters(options_.lens)));
   }
 
   void add_covariance(SurfaceFit* fit) {
@@ -149,7 +134,7 @@ class SurfaceProblem {
       const ProjectorPlace& place = *projectors_[p].place;
       scale.insert(scale.end(), 3, place.sigma_rad);
       scale.insert(scale.end(), 3, place.sigma_m);
-      const auto constant = constant_terms(options_.lens);
+      const auto constant = held_parameters(options_.lens);
       for (int i = 0; i < MeasuredLens::kParameters; ++i) {
         if (std::find(constant.begin(), constant.end(), i) != constant.end()) continue;
         scale.push_back(std::max(1e-9, std::sqrt(place.lens.covariance(i, i))));
@@ -161,7 +146,7 @@ class SurfaceProblem {
     fit->parameters = static_cast<int>(scale.size());
     for (int i = 0; i < size; ++i) fit->surface_sigmas.push_back(std::sqrt(uncertainty.covariance(i, i)));
     Eigen::Index at = size;
-    const auto constant = constant_terms(options_.lens);
+    const auto constant = held_parameters(options_.lens);
     for (FittedProjector& projector : fit->projectors) {
       projector.pose_covariance = uncertainty.covariance.block<6, 6>(at, at);
       projector.lens.covariance.setZero();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "appliance/calibrator/lens/lens_rung.h"
 #include "appliance/calibrator/solve/measurements.h"
 #include "appliance/calibrator/solve/surface.h"
 #include "appliance/calibrator/solve/surface_cost.h"
@@ -13,12 +14,9 @@
 
 namespace cyclorama {
 
-/// Which of a projector's distortion terms are looked for, by number.
-enum class LensRung { kPinhole, kRadial1, kRadial2, kTangential };
-inline constexpr LensRung kLensRungs[] = {LensRung::kPinhole, LensRung::kRadial1, LensRung::kRadial2,
-                                          LensRung::kTangential};
-[[nodiscard]] std::string_view name_of(LensRung rung);
-[[nodiscard]] std::optional<LensRung> lens_rung(std::string_view name);
+/// Rungs of lens/ that a wall's samples can tell of a projector.
+inline constexpr LensRung kProjectorLensRungs[] = {LensRung::kPinhole, LensRung::kRadial1, LensRung::kRadial2,
+                                                   LensRung::kDecentred};
 
 struct FittedProjector {
   MeasuredLens lens;  ///< With its covariance.

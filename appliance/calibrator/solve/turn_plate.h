@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "appliance/calibrator/solve/cell_means.h"
-#include "appliance/calibrator/solve/plate_cost.h"
+#include "appliance/calibrator/solve/plate_problem.h"
 #include "common/base/result.h"
 
 namespace cyclorama {
@@ -21,9 +21,12 @@ struct TurnPlate {
   double pitch_rad = 0.0;
   double roll_rad = 0.0;
   Eigen::Vector2d offset_m{0.0, 0.0};  ///< Of the camera's centre from the axis: right, forward.
-  Nearness nearness{};                 ///< Of the wall, 1/m.
-  std::vector<double> angles_rad;      ///< Of each direction.
-  std::size_t reference = 0;           ///< The direction whose angle is as told.
+  /// How far off that may be, at the wall's mean nearness; where it is taken for 0, what it may be.
+  Eigen::Vector2d offset_sigma_m{0.0, 0.0};
+  Nearness nearness{};             ///< Of the wall, 1/m,
+  std::optional<Surface> wall{};   ///< to be added to this one's, where one had been fitted.
+  std::vector<double> angles_rad;  ///< Of each direction.
+  std::size_t reference = 0;       ///< The direction whose angle is as told.
 
   bool is_offset_estimated = false;
   std::string offset_reason;            ///< Why, or why not.
@@ -34,16 +37,43 @@ struct TurnPlate {
   double rms_px = 0.0;                  ///< Per axis, in projector pixels, of the tracks that were used,
   double heldout_rms_px = 0.0;          ///< and of those that were left out.
 
-  /// What the eye at the sweet spot sees where the camera's pixel looks; a unit vector. Nothing outside of the lens.
+  /// As PlateSights::at(), but finds the lens's fold anew at each call.
   [[nodiscard]] std::optional<Eigen::Vector3d> sight_of(std::size_t direction, const Eigen::Vector2d& camera_px) const;
 };
 
-struct TurnPlateOptions {
-  double offset_sigma_m = 0.03;  ///< How far the camera may have been mounted off the axis.
-  double mount_sigma_rad = 0.1;
-  std::size_t most_tracks = 1500;
-  /// Added to where the search begins: pitch, roll, right, forward. Restarts must agree.
-  Eigen::Vector4d start = Eigen::Vector4d::Zero();
+/// What the eye at the sweet spot sees, for many pixels. Borrows the plate for its life. Reentrant.
+class PlateSights {
+ public:
+  explicit PlateSights(const TurnPlate& plate);
+  /// Where the camera's pixel looks; a unit vector. Nothing outside of the lens.
+  [[nodiscard]] std::optional<Eigen::Vector3d> at(std::size_t direction, const Eigen::Vector2d& camera_px) const;
+
+ private:
+  const TurnPlate& plate_;
+  std::optional<BrownLens> lens_;
+};
+
+/// Solves once without the camera's offset, and then as often as more is known. Borrows what create() was given for its
+/// life. Reentrant.
+class TurnPlateSolver {
+ public:
+  /// Errors as solve_turn_plate().
+  static Result<TurnPlateSolver> create(const Measurements& measurements, const CellMeans& means,
+                                        const TurnPlateOptions& options);
+  /// With an offset if it is clear and predicts tracks that were left out, else without.
+  [[nodiscard]] Result<TurnPlate> solve(const PlateHints& hints = {}) const;
+
+ private:
+  TurnPlateSolver(const Measurements& measurements, const CellMeans& means, const TurnPlateOptions& options,
+                  ChosenTracks tracks);
+  [[nodiscard]] PlateTask task() const { return {measurements_, means_, options_, tracks_, reference_}; }
+
+  const Measurements& measurements_;
+  const CellMeans& means_;
+  TurnPlateOptions options_;
+  ChosenTracks tracks_;
+  std::size_t reference_;
+  SolvedPlate plain_;
 };
 
 /// kInvalidArgument  it cannot be determined; the message says what to add (a direction, an overlap, light).

@@ -38,6 +38,93 @@ TEST(Calibrate, keeps_a_map_that_predicts_better_than_the_new_one) {
   EXPECT_TRUE(noisy->projectors[0].is_previous);
 }
 
+/// As if a projector had been knocked: its picture lies elsewhere on the wall.
+void knock(Measurements* measured, std::uint32_t projector, float by_px) {
+  for (PlateDirection& direction : measured->directions) {
+    for (Correspondence& c : direction.correspondences) {
+      if (c.projector == projector) c.projector_x += by_px;
+    }
+  }
+}
+
+TEST(Calibrate, is_never_worse_after_a_noisy_one_that_cannot_find_the_camera) {
+  CalibrateOptions options;
+  options.with_wall = false;
+  for (const double incidence : {30.0, 75.0}) {
+    RoomPlan plan = coarse_plan(RoomKind::kPlane);
+    plan.arc_rad = 0.8;
+    plan.throw_ratio = 1.2;
+    plan.projectors = 2;
+    plan.stride_px = 10;
+    plan.aim_off_rad = std::tan(incidence * 0.0174533);
+    const GeneratedRoom room(plan);
+    options.previous = nullptr;
+    const auto good = calibrate(room.measurements(), "2026-01-01T00-00-00Z", options);
+    ASSERT_TRUE(good) << good.error().message();
+    plan.noise_px = 1.6;
+    options.previous = &*good;
+    const auto noisy = calibrate(GeneratedRoom(plan).measurements(), "2026-01-02T00-00-00Z", options);
+    ASSERT_TRUE(noisy) << noisy.error().message();
+    const RegistrationScore before = score_of(room, *good);
+    const RegistrationScore after = score_of(room, *noisy);
+    std::string remarks = noisy->plate.offset_reason + "\nbefore: " + good->plate.offset_reason;
+    for (const std::string& remark : noisy->remarks) remarks += "\n" + remark;
+    for (const CalibratedProjector& p : noisy->projectors) {
+      remarks += "\n" + p.name + (p.is_previous ? " keeps its map" : " has a new map");
+    }
+    EXPECT_LE(after.p95_px, 1.2 * before.p95_px + 0.01) << remarks;
+    EXPECT_LE(after.true_p95_px, 1.2 * before.true_p95_px + 0.01) << remarks;
+  }
+}
+
+TEST(Calibrate, gives_a_knocked_projector_a_new_map_that_fits_those_that_stay) {
+  CalibrateOptions options;
+  options.with_wall = false;
+  RoomPlan plan = coarse_plan(RoomKind::kCylinder);
+  const GeneratedRoom room(plan);
+  const auto good = calibrate(room.measurements(), "2026-01-01T00-00-00Z", options);
+  ASSERT_TRUE(good) << good.error().message();
+  plan.noise_px = 0.3;
+  Measurements knocked = GeneratedRoom(plan).measurements();
+  constexpr float kKnock_px = 3.0f;
+  knock(&knocked, 1, kKnock_px);
+  options.previous = &*good;
+  const auto healed = calibrate(knocked, "2026-01-02T00-00-00Z", options);
+  ASSERT_TRUE(healed) << healed.error().message();
+  EXPECT_TRUE(healed->projectors[0].is_previous);
+  EXPECT_FALSE(healed->projectors[1].is_previous);
+  EXPECT_TRUE(healed->projectors[2].is_previous);
+  const RegistrationScore score = registration_score(room, [&](std::size_t p, const Eigen::Vector2d& px) {
+    const Eigen::Vector2d moved = px + Eigen::Vector2d(p == 1 ? static_cast<double>(kKnock_px) : 0.0, 0.0);
+    return healed->projectors[p].map.direction_at(moved);
+  });
+  EXPECT_LE(score.p95_px, 0.2);
+}
+
+TEST(Calibrate, replaces_maps_that_were_off_by_parallax_once_the_camera_is_known) {
+  CalibrateOptions options;
+  options.with_wall = false;
+  const auto rough =
+      calibrate(GeneratedRoom(coarse_plan(RoomKind::kCylinder, 3.0)).measurements(), "2026-01-01T00-00-00Z", options);
+  ASSERT_TRUE(rough) << rough.error().message();
+  options.previous = &*rough;
+  const GeneratedRoom room(coarse_plan(RoomKind::kCylinder, 0.05));
+  const auto fine = calibrate(room.measurements(), "2026-01-02T00-00-00Z", options);
+  ASSERT_TRUE(fine) << fine.error().message();
+  for (const CalibratedProjector& projector : fine->projectors) EXPECT_FALSE(projector.is_previous);
+  EXPECT_LE(score_of(room, *fine).true_p95_px, 0.5);
+}
+
+TEST(Calibrate, is_true_in_a_corner_whose_nearness_no_harmonics_follow) {
+  RoomPlan plan = coarse_plan(RoomKind::kCorner);
+  plan.arc_rad = 1.5;
+  const GeneratedRoom room(plan);
+  const auto calibration = calibrate(room.measurements(), "2026-01-01T00-00-00Z");
+  ASSERT_TRUE(calibration) << calibration.error().message();
+  EXPECT_TRUE(calibration->plate.wall.has_value());
+  EXPECT_LE(score_of(room, *calibration).true_p95_px, 0.6) << calibration->plate.offset_reason;
+}
+
 TEST(Calibrate, finds_a_wall_by_which_another_eye_sees_right) {
   const GeneratedRoom room(coarse_plan(RoomKind::kCylinder));
   const auto calibration = calibrate(room.measurements(), "2026-01-01T00-00-00Z");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "appliance/calibrator/solve/measured_lens.h"
+#include "appliance/calibrator/lens/measured_lens.h"
 
 #include <gtest/gtest.h>
 

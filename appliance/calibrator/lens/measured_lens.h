@@ -4,16 +4,17 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <vector>
+
+#include "appliance/calibrator/lens/brown_lens.h"
+#include "appliance/calibrator/lens/lens_rung.h"
 
 namespace cyclorama {
 
-/// A lens as measurements tell it, of a camera or of a projector: pinhole with Brown's distortion, and how sure one is.
-///
-///     x = X/Z, y = Y/Z, r² = x² + y²,  s = 1 + k1 r² + k2 r⁴ + k3 r⁶
-///     u = f (x s + 2 p1 x y + p2 (r² + 2 x²)) + centre_u        v = f (y s + p1 (r² + 2 y²) + 2 p2 x y) + centre_v
+/// A lens as measurements tell it, of a camera or of a projector: Brown's with square pixels, and how sure one is. The
+/// formula and its inverse are those of lens/; this adds which numbers are free, and their covariance.
 ///
 /// Frames: x right, y down, z forward; the CENTRE of the first pixel is (0.5, 0.5). A value; reentrant.
-/// Source: Brown, "Close-Range Camera Calibration", 1971, with OpenCV's order of the tangential terms.
 struct MeasuredLens {
   enum Parameter { kFocal, kCentreU, kCentreV, kK1, kK2, kK3, kP1, kP2 };
   static constexpr int kParameters = 8;
@@ -28,7 +29,11 @@ struct MeasuredLens {
   /// of the picture's width for its centre.
   static MeasuredLens from_focal(int width_px, int height_px, double focal_px);
 
-  /// Nothing when the point is not in front, or where the distortion has turned back (so no picture has it).
+  /// Without the covariance. Errors as BrownLens::from().
+  [[nodiscard]] Result<BrownLens> brown() const;
+
+  /// Nothing when the point is not in front, or where the distortion has turned back (so no picture has it). Finds the
+  /// fold anew at each call, as does direction_at(): who asks for many pixels keeps a brown().
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
   /// Not normalised: z is 1. Nothing when no direction before the distortion's turning point leads there.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_at(const Eigen::Vector2d& pixel) const;
@@ -37,19 +42,21 @@ struct MeasuredLens {
   }
 };
 
+/// Which of MeasuredLens::values a rung holds at 0.
+[[nodiscard]] std::vector<int> held_parameters(LensRung rung);
+
+/// As MeasuredLens::direction_at().
+[[nodiscard]] std::optional<Eigen::Vector3d> direction_through(const BrownLens& lens, const Eigen::Vector2d& pixel);
+
 /// The formula alone, for automatic differentiation too. Precondition: point[2] > 0.
 template <typename T>
 void project_through_lens(const T* lens, const T* point, T* ret_pixel) {
+  using L = MeasuredLens;
+  const T block[kBrownValues] = {lens[L::kFocal], lens[L::kFocal], lens[L::kCentreU], lens[L::kCentreV], lens[L::kK1],
+                                 lens[L::kK2],    lens[L::kP1],    lens[L::kP2],      lens[L::kK3]};
   const T x = point[0] / point[2];
   const T y = point[1] / point[2];
-  const T r2 = x * x + y * y;
-  const T scale = 1.0 + r2 * (lens[MeasuredLens::kK1] + r2 * (lens[MeasuredLens::kK2] + r2 * lens[MeasuredLens::kK3]));
-  const T& p1 = lens[MeasuredLens::kP1];
-  const T& p2 = lens[MeasuredLens::kP2];
-  ret_pixel[0] = lens[MeasuredLens::kFocal] * (x * scale + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)) +
-                 lens[MeasuredLens::kCentreU];
-  ret_pixel[1] = lens[MeasuredLens::kFocal] * (y * scale + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y) +
-                 lens[MeasuredLens::kCentreV];
+  brown_pixel(block, x, y, &ret_pixel[0], &ret_pixel[1]);
 }
 
 }  // namespace cyclorama

@@ -83,7 +83,7 @@ void HeadChange::warm_up(std::size_t head, const TurnedPicture& shown, const Tur
   now_->painters[head].warm_up(shown, attract);
   if (!may_change) return;
   gl_.Enable(GL_BLEND);
-  for (const GLenum old : {GL_ZERO, GL_ONE}) {
+  for (const GLenum old : {GLenum{GL_ZERO}, GLenum{GL_ONE}}) {
     gl_.BlendFunc(GL_CONSTANT_ALPHA, old);
     now_->painters[head].warm_up(shown, attract);
   }

@@ -83,7 +83,7 @@ bool is_near(const Pinhole& lens, const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> pixel_directions(const BrownLens& lens, int threads) {
+std::vector<Eigen::Vector3d> pixel_directions(const TrueLens& lens, int threads) {
   const Grid grid{lens.pinhole().width_px, lens.pinhole().height_px};
   std::vector<Eigen::Vector3d> directions(grid.at(0, grid.height), Eigen::Vector3d::Zero());
   for_rows(grid.height, threads, [&](int begin, int end) {
@@ -96,7 +96,7 @@ std::vector<Eigen::Vector3d> pixel_directions(const BrownLens& lens, int threads
   return directions;
 }
 
-CameraTable make_camera_table(const TrueMuseum& museum, const BrownLens& lens,
+CameraTable make_camera_table(const TrueMuseum& museum, const TrueLens& lens,
                               const RigidTransform<frame::Room, frame::Camera>& T_room_camera,
                               const std::vector<Eigen::Vector3d>& directions, int threads) {
   const Grid grid{lens.pinhole().width_px, lens.pinhole().height_px};

@@ -47,10 +47,10 @@ inline constexpr double kFootprintLack_px2 = 1.0 / 48.0;
 inline constexpr int kLightMargin_px = 4;
 
 /// Directions of a camera's pixels, row by row; z is 0 where the lens has no ray.
-[[nodiscard]] std::vector<Eigen::Vector3d> pixel_directions(const BrownLens& lens, int threads);
+[[nodiscard]] std::vector<Eigen::Vector3d> pixel_directions(const TrueLens& lens, int threads);
 
 /// `directions` are those of `lens`.
-[[nodiscard]] CameraTable make_camera_table(const TrueMuseum& museum, const BrownLens& lens,
+[[nodiscard]] CameraTable make_camera_table(const TrueMuseum& museum, const TrueLens& lens,
                                             const RigidTransform<frame::Room, frame::Camera>& T_room_camera,
                                             const std::vector<Eigen::Vector3d>& directions, int threads);
 

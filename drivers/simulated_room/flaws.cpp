@@ -39,7 +39,7 @@ void spoil_projector(Draws draws, TrueProjector* p) {
   const double k1 = draws.between(-0.06, 0.03);
   const double k2 = draws.about_zero(0.02);
   const double p1 = draws.about_zero(0.001);
-  p->lens = BrownLens(lens, {k1, k2, 0.0}, {p1, draws.about_zero(0.001)});
+  p->lens = TrueLens(lens, {k1, k2, 0.0}, {p1, draws.about_zero(0.001)});
   const Eigen::Quaterniond turned = p->T_room_projector.rotation() * small_turn(&draws, 1.0 * kDegree);
   p->T_room_projector = {turned, p->T_room_projector.translation() + small_step(&draws, 0.04)};
   p->flux_lm = draws.between(2600.0, 3400.0);
@@ -68,7 +68,7 @@ void spoil_camera(Draws draws, TrueCamera* c) {
   const double k1 = draws.between(-0.15, -0.02);
   const double k2 = draws.between(0.0, 0.04);
   const double p1 = draws.about_zero(0.0008);
-  c->lens = BrownLens(lens, {k1, k2, 0.0}, {p1, draws.about_zero(0.0008)});
+  c->lens = TrueLens(lens, {k1, k2, 0.0}, {p1, draws.about_zero(0.0008)});
   c->vignetting_exponent = draws.between(2.0, 4.0);
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t r = 0; r < 3; ++r)

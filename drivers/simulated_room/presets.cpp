@@ -159,7 +159,7 @@ Result<Preset> make_preset(std::string_view name, std::uint32_t seed, const Pres
   TRY_ASSIGN(preset.installation, parse_installation(preset.installation_text, std::string(name)));
   preset.truth = MuseumTruth::ideal(preset.installation);
   preset.truth.seed = seed;
-  preset.truth.camera.lens = BrownLens(camera_of(name, options));
+  preset.truth.camera.lens = TrueLens(camera_of(name, options));
   if (name == "dome") {
     const Eigen::Quaterniond ahead_and_up(
         Eigen::AngleAxisd(std::numbers::pi + 25.0 * kDegree, Eigen::Vector3d::UnitX()));

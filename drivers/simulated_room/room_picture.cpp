@@ -117,8 +117,8 @@ void RoomPicture::look_at_wall(std::uint32_t eye_pixel, const Point<frame::Room>
   unlit_wall_.push_back(eye_pixel);
   for (std::size_t i = 0; i < installation_.projectors.size(); ++i) {
     if (const auto pixel = lit_from(installation_.projectors[i], installation_.wall, wall_point)) {
-      sources_.push_back({eye_pixel, static_cast<std::uint32_t>(i), static_cast<float>(pixel->x()),
-                          static_cast<float>(pixel->y())});
+      sources_.push_back(
+          {eye_pixel, static_cast<std::uint32_t>(i), static_cast<float>(pixel->x()), static_cast<float>(pixel->y())});
     }
   }
 }
@@ -138,8 +138,7 @@ std::array<float, 3> RoomPicture::radiance_at(const Point<frame::Room>& wall_poi
   for (std::size_t i = 0; i < installation_.projectors.size(); ++i) {
     const auto pixel = lit_from(installation_.projectors[i], installation_.wall, wall_point);
     if (!pixel || projector_pictures[i].empty()) continue;
-    const auto light =
-        light_at(projector_pictures[i], static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
+    const auto light = light_at(projector_pictures[i], static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
     for (std::size_t c = 0; c < 3; ++c) sum[c] += kWallAlbedo * light[c];
   }
   return sum;

@@ -7,7 +7,8 @@
 ///
 /// The wall is traced from the eye: per eye pixel the wall point, per wall point the place in each projector's picture.
 /// Light adds up in float, linear; nothing knows of warps or blends, so a seam that they get wrong is seen here.
-/// Every projector gives the same irradiance per unit of linear light, with no distortion, vignetting or black level yet.
+/// Every projector gives the same irradiance per unit of linear light, with no distortion, vignetting or black level
+/// yet.
 #pragma once
 
 #include <array>

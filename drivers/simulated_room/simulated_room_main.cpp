@@ -86,8 +86,7 @@ Status run(const Settings& settings, const StopSignal& stop) {
   log(LogLevel::kInfo, fmt::format("simulated room '{}' with {} projectors, port {}", installation.name,
                                    installation.projectors.size(), server->port()));
 
-  RoomPicture room(installation,
-                   RoomEye::behind_visitor(installation, settings.width_px, settings.width_px * 9 / 16));
+  RoomPicture room(installation, RoomEye::behind_visitor(installation, settings.width_px, settings.width_px * 9 / 16));
   std::vector<ProjectorLight> lights;
   for (const InstalledProjector& projector : installation.projectors) {
     lights.emplace_back(shared_picture_path(settings.run_dir, projector.name));
@@ -110,9 +109,9 @@ Status run(const Settings& settings, const StopSignal& stop) {
       if (lights[i].is_lit()) ++lit;
     }
     inspection.set_gauge("projectors_lit", static_cast<double>(lit));
-    inspection.set_state(lit == lights.size() ? fmt::format("all {} projectors shine", lit)
-                                              : fmt::format("{} of {} projectors shine; is the display running?", lit,
-                                                            lights.size()),
+    inspection.set_state(lit == lights.size()
+                             ? fmt::format("all {} projectors shine", lit)
+                             : fmt::format("{} of {} projectors shine; is the display running?", lit, lights.size()),
                          lit == lights.size());
     if (!watched && !is_right_watched) continue;
     const TimePoint begun = clock.now();

@@ -57,7 +57,7 @@ TrueResponse curve_of(ConfigTable table) {
   return curve;
 }
 
-BrownLens lens_of(ConfigTable table) {
+TrueLens lens_of(ConfigTable table) {
   Pinhole pinhole;
   pinhole.width_px = table.integer("width_px", {1, 16384});
   pinhole.height_px = table.integer("height_px", {1, 16384});
@@ -69,8 +69,8 @@ BrownLens lens_of(ConfigTable table) {
   }
   const auto k = table.numbers("radial", 3, kSmall, std::vector<double>(3, 0.0));
   const auto p = table.numbers("tangential", 2, {-1.0, 1.0}, std::vector<double>(2, 0.0));
-  if (k.size() != 3 || p.size() != 2) return BrownLens(pinhole);
-  return BrownLens(pinhole, {k[0], k[1], k[2]}, {p[0], p[1]});
+  if (k.size() != 3 || p.size() != 2) return TrueLens(pinhole);
+  return TrueLens(pinhole, {k[0], k[1], k[2]}, {p[0], p[1]});
 }
 
 Relief relief_of(ConfigTable table) {
@@ -139,11 +139,11 @@ MuseumTruth MuseumTruth::ideal(const Installation& installation) {
   truth.wall = installation.wall;
   for (const InstalledProjector& installed : installation.projectors) {
     TrueProjector projector;
-    projector.lens = BrownLens(installed.lens);
+    projector.lens = TrueLens(installed.lens);
     projector.T_room_projector = installed.T_room_projector;
     truth.projectors.push_back(projector);
   }
-  truth.camera.lens = BrownLens(Pinhole::from_field_of_view(1200, 900, 70.0 * std::numbers::pi / 180.0));
+  truth.camera.lens = TrueLens(Pinhole::from_field_of_view(1200, 900, 70.0 * std::numbers::pi / 180.0));
   truth.plate.T_room_plate = {Eigen::Quaterniond::Identity(), installation.sweet_spot.xyz};
   const Eigen::Quaterniond looking_ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
   truth.plate.T_plate_camera = {looking_ahead, Eigen::Vector3d::Zero()};

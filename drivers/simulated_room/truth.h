@@ -15,9 +15,9 @@
 
 #include "common/base/result.h"
 #include "common/room/installation.h"
-#include "drivers/simulated_room/brown_lens.h"
 #include "drivers/simulated_room/relief.h"
 #include "drivers/simulated_room/response_curve.h"
+#include "drivers/simulated_room/true_lens.h"
 
 namespace cyclorama {
 
@@ -29,7 +29,7 @@ using RoomColour = std::array<double, 3>;
 using ColourMatrix = std::array<RoomColour, 3>;  ///< Rows.
 
 struct TrueProjector {
-  BrownLens lens;
+  TrueLens lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
   double flux_lm = 3000.0;           ///< Of a white picture.
   double vignetting_exponent = 0.0;  ///< A pixel's flux falls with this power of the cosine from the axis: 4 of an eye.
@@ -43,7 +43,7 @@ struct TrueProjector {
 };
 
 struct TrueCamera {
-  BrownLens lens;
+  TrueLens lens;
   double vignetting_exponent = 0.0;
   ColourMatrix sensitivity{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< Of its red, green, blue pixels to room colour.
   RoomColour grey_sensitivity{0.2126, 0.7152, 0.0722};          ///< The same camera without its colour filters.

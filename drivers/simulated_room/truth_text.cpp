@@ -43,7 +43,7 @@ struct Writer {
     key("clip", curve.clip);
     key("dip", curve.dip);
   }
-  void lens(const std::string& name, const BrownLens& lens) {
+  void lens(const std::string& name, const TrueLens& lens) {
     head(name);
     const Pinhole& pinhole = lens.pinhole();
     key("width_px", pinhole.width_px);

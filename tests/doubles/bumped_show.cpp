@@ -15,7 +15,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kGrid_px = 16;
 
-BrownParameters parameters_of(const BrownLens& lens) {
+BrownParameters parameters_of(const TrueLens& lens) {
   const Pinhole& p = lens.pinhole();
   return {p.width_px,           p.height_px,          p.focal_px,       p.pixel_aspect * p.focal_px,
           p.centre_u_px,        p.centre_v_px,        lens.radial()[0], lens.radial()[1],
@@ -36,8 +36,8 @@ std::vector<FixedCamera> fixed_cameras(const Preset& preset, const BumpedShowOpt
     camera.optics = preset.truth.camera;
     const int height = static_cast<int>(std::lround(std::sqrt(1e6 * options.camera_megapixels / (4.0 / 3.0))));
     Pinhole lens = Pinhole::from_field_of_view(height * 4 / 3, height, options.camera_field_deg * kDegree);
-    const BrownLens& drawn = preset.truth.camera.lens;
-    camera.optics.lens = BrownLens(lens, drawn.radial(), drawn.tangential());
+    const TrueLens& drawn = preset.truth.camera.lens;
+    camera.optics.lens = TrueLens(lens, drawn.radial(), drawn.tangential());
     camera.optics.bits = 8;
     const Eigen::Vector3d beside = projector.T_room_projector.rotation() * Eigen::Vector3d(0.12, 0.1, 0.0);
     camera.T_room_camera = {projector.T_room_projector.rotation(), projector.T_room_projector.translation() + beside};

@@ -39,7 +39,7 @@ struct Room {
 
   Room() {
     truth.cells = 0;
-    truth.camera.lens = BrownLens(Pinhole::from_field_of_view(400, 300, 50.0 * kPi / 180.0));
+    truth.camera.lens = TrueLens(Pinhole::from_field_of_view(400, 300, 50.0 * kPi / 180.0));
     truth.camera.bits = 16;
     truth.camera.full_well_e = 60000.0;
   }
@@ -79,8 +79,8 @@ GreyPhotograph photograph(const Room& room, const RgbImage& picture, double expo
 
 TEST(SimulatedMuseum, a_pixel_lands_where_both_lenses_distortion_takes_it) {
   Room room;
-  const BrownLens projector(room.installation.projectors[0].lens, {-0.12, 0.03, 0.0}, {0.002, -0.001});
-  const BrownLens camera(Pinhole::from_field_of_view(400, 300, 50.0 * kPi / 180.0), {-0.2, 0.05, 0.0}, {-0.001, 0.002});
+  const TrueLens projector(room.installation.projectors[0].lens, {-0.12, 0.03, 0.0}, {0.002, -0.001});
+  const TrueLens camera(Pinhole::from_field_of_view(400, 300, 50.0 * kPi / 180.0), {-0.2, 0.05, 0.0}, {-0.001, 0.002});
   room.truth.projectors[0].lens = projector;
   room.truth.camera.lens = camera;
   room.truth.projectors[0].T_room_projector = {room.truth.projectors[0].T_room_projector.rotation(), {0.3, 1.8, 0.1}};
@@ -101,7 +101,7 @@ TEST(SimulatedMuseum, lens_shift_moves_the_picture_and_keeps_it_rectangular) {
   Room room;
   Pinhole shifted = room.installation.projectors[0].lens;
   shifted.centre_v_px += 0.4 * shifted.height_px;
-  room.truth.projectors[0].lens = BrownLens(shifted);
+  room.truth.projectors[0].lens = TrueLens(shifted);
   const TrueMuseum museum = room.light();
   const auto corner = [&](double u, double v) { return museum.wall_at(0, u, v)->point.xyz; };
   EXPECT_NEAR((corner(0, 0) - corner(320, 0)).norm(), (corner(0, 180) - corner(320, 180)).norm(), 1e-12);
@@ -111,7 +111,7 @@ TEST(SimulatedMuseum, lens_shift_moves_the_picture_and_keeps_it_rectangular) {
 
 TEST(SimulatedMuseum, scoring_finds_the_way_back_from_every_place) {
   Room room;
-  room.truth.projectors[0].lens = BrownLens(room.installation.projectors[0].lens, {-0.1, 0.02, 0.0}, {0.001, 0.001});
+  room.truth.projectors[0].lens = TrueLens(room.installation.projectors[0].lens, {-0.1, 0.02, 0.0}, {0.001, 0.001});
   const TrueMuseum museum = room.light();
   for (double v = 3.0; v < 180.0; v += 29.0) {
     for (double u = 2.0; u < 320.0; u += 37.0) {
@@ -210,7 +210,7 @@ TEST(SimulatedMuseum, the_cameras_own_vignetting_is_the_power_of_the_cosine) {
 TEST(SimulatedMuseum, all_lumens_arrive_whatever_the_distortion) {
   for (const double k1 : {0.0, -0.15, 0.2}) {
     Room room;
-    room.truth.projectors[0].lens = BrownLens(room.installation.projectors[0].lens, {k1, 0.0, 0.0});
+    room.truth.projectors[0].lens = TrueLens(room.installation.projectors[0].lens, {k1, 0.0, 0.0});
     const TrueMuseum museum = room.light();
     // Irradiance over the wall's area, by midpoints, where the picture is.
     constexpr int kColumns = 800;
@@ -311,7 +311,7 @@ double spread(const Room& room, int column) {
 
 TEST(SimulatedMuseum, blurs_add_in_variance) {
   Room room;
-  room.truth.camera.lens = BrownLens(Pinhole::from_field_of_view(800, 300, 45.0 * kPi / 180.0));
+  room.truth.camera.lens = TrueLens(Pinhole::from_field_of_view(800, 300, 45.0 * kPi / 180.0));
   room.truth.projectors[0].blur_px = 0.5;
   const double zoom = 800.0 / 320.0;  // Camera pixels per projector pixel.
   const double sharp = spread(room, 160);

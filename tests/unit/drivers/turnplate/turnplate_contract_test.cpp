@@ -97,7 +97,7 @@ position_m = [0, 2.4, 1.0]
                                                           "room");
     MuseumTruth truth = MuseumTruth::ideal(installation);
     truth.cells = 0;
-    truth.camera.lens = BrownLens(Pinhole::from_field_of_view(16, 12, 1.0));
+    truth.camera.lens = TrueLens(Pinhole::from_field_of_view(16, 12, 1.0));
     museum_ = std::make_unique<SimulatedMuseum>(*SimulatedMuseum::make(installation, truth, 1));
   }
   std::unique_ptr<Turnplate> open() override { return std::make_unique<SimulatedTurnplate>(museum_.get(), kRange); }

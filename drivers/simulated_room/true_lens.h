@@ -16,11 +16,11 @@ namespace cyclorama {
 ///
 /// where ideal = (x, y) = (X / Z, Y / Z), r its length, and pixel = centre + focal * seen. Beyond the radius at which
 /// the radial part turns back two rays would have one pixel: there the lens sees nothing. A value; reentrant.
-class BrownLens {
+class TrueLens {
  public:
-  BrownLens() = default;
-  explicit BrownLens(const Pinhole& pinhole, const std::array<double, 3>& radial = {},
-                     const std::array<double, 2>& tangential = {});
+  TrueLens() = default;
+  explicit TrueLens(const Pinhole& pinhole, const std::array<double, 3>& radial = {},
+                    const std::array<double, 2>& tangential = {});
 
   [[nodiscard]] const Pinhole& pinhole() const { return pinhole_; }
   [[nodiscard]] const std::array<double, 3>& radial() const { return radial_; }

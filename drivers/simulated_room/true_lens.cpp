@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/simulated_room/brown_lens.h"
+#include "drivers/simulated_room/true_lens.h"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -38,11 +38,10 @@ double turning_radius(const std::array<double, 3>& k) {
 
 }  // namespace
 
-BrownLens::BrownLens(const Pinhole& pinhole, const std::array<double, 3>& radial,
-                     const std::array<double, 2>& tangential)
+TrueLens::TrueLens(const Pinhole& pinhole, const std::array<double, 3>& radial, const std::array<double, 2>& tangential)
     : pinhole_(pinhole), radial_(radial), tangential_(tangential), widest_(turning_radius(radial)) {}
 
-Eigen::Vector2d BrownLens::distorted(const Eigen::Vector2d& ideal) const {
+Eigen::Vector2d TrueLens::distorted(const Eigen::Vector2d& ideal) const {
   const double x = ideal.x();
   const double y = ideal.y();
   const double s = x * x + y * y;
@@ -51,7 +50,7 @@ Eigen::Vector2d BrownLens::distorted(const Eigen::Vector2d& ideal) const {
   return {x * scale + 2.0 * p1 * x * y + p2 * (s + 2.0 * x * x), y * scale + p1 * (s + 2.0 * y * y) + 2.0 * p2 * x * y};
 }
 
-Eigen::Matrix2d BrownLens::derivative(const Eigen::Vector2d& ideal) const {
+Eigen::Matrix2d TrueLens::derivative(const Eigen::Vector2d& ideal) const {
   const double x = ideal.x();
   const double y = ideal.y();
   const double s = x * x + y * y;
@@ -66,7 +65,7 @@ Eigen::Matrix2d BrownLens::derivative(const Eigen::Vector2d& ideal) const {
   return m;
 }
 
-std::optional<Eigen::Vector2d> BrownLens::undistorted(const Eigen::Vector2d& seen) const {
+std::optional<Eigen::Vector2d> TrueLens::undistorted(const Eigen::Vector2d& seen) const {
   constexpr int kMostSteps = 50;
   constexpr double kClose = 1e-13;
   Eigen::Vector2d ideal = seen;
@@ -85,7 +84,7 @@ std::optional<Eigen::Vector2d> BrownLens::undistorted(const Eigen::Vector2d& see
   return ideal;
 }
 
-std::optional<Eigen::Vector2d> BrownLens::pixel_of(const Eigen::Vector3d& point) const {
+std::optional<Eigen::Vector2d> TrueLens::pixel_of(const Eigen::Vector3d& point) const {
   if (!(point.z() > 1e-12)) return std::nullopt;
   const Eigen::Vector2d ideal = point.head<2>() / point.z();
   if (!(ideal.norm() < widest_)) return std::nullopt;
@@ -94,7 +93,7 @@ std::optional<Eigen::Vector2d> BrownLens::pixel_of(const Eigen::Vector3d& point)
                          pinhole_.centre_v_px + pinhole_.focal_px * seen.y());
 }
 
-std::optional<Eigen::Vector3d> BrownLens::direction_at(double u, double v) const {
+std::optional<Eigen::Vector3d> TrueLens::direction_at(double u, double v) const {
   const auto ideal = undistorted(pinhole_.direction_at(u, v).head<2>());
   if (!ideal) return std::nullopt;
   return Eigen::Vector3d(ideal->x(), ideal->y(), 1.0);

@@ -13,7 +13,7 @@ namespace cyclorama {
 
 /// cyclorama calibrate: has the wall measured, and tells how good it became.
 struct CalibrateCommand {
-  std::string calibrator = "[::1]:7407";
+  std::string calibrator = "[::1]:7410";
   std::optional<std::string> quick;  ///< The one projector to measure.
   bool is_resumed = false;
   bool is_restored = false;

@@ -15,9 +15,10 @@ namespace {
 
 constexpr int kIntervals = 24;
 constexpr int kCamera = kIntervals + 3;
-constexpr double kBend = 0.02;  // Expected change of slope per interval of the camera's curve,
-constexpr double kTwist =
-    7e-5;  // and of that change: two exposures alone leave waves open that repeat with their ratio.
+// Expected change of slope per interval of the camera's curve, and of that change: two exposures alone leave waves open
+// that repeat with their ratio.
+constexpr double kBend = 0.02;
+constexpr double kTwist = 7e-5;
 constexpr double kGauge = 1e-6;    // How exactly the highest code's light is 1.
 constexpr double kAnyCurve = 1.0;  // Prior on a response: it lies in [0, 1].
 constexpr int kRounds = 20;
@@ -81,6 +82,7 @@ class ResponseFit {
   std::vector<double> response_;
   Eigen::VectorXd sigmas_;
   double scale_ = 0.0;  ///< Of residuals over their sigmas; 0: not known yet.
+  double prior_scale_ = 1.0;
   double residual_ = 0.0;
   std::vector<double> normalised_;
   double square_sum_ = 0.0;
@@ -103,7 +105,9 @@ void ResponseFit::add_difference(int first, const std::array<double, N>& shares,
   double difference = 0.0;
   for (std::size_t a = 0; a < N; ++a)
     difference += shares.at(a) * camera_.coefficients[static_cast<std::size_t>(first) + a];
-  const double weight = 1.0 / (sigma * sigma);
+  // Where readings are noisier than they say, priors count as much more.
+  const double scale = std::max(1.0, prior_scale_);
+  const double weight = scale * scale / (sigma * sigma);
   for (std::size_t a = 0; a < N; ++a) {
     const int row = first + static_cast<int>(a);
     (*right)(row) -= weight * shares.at(a) * difference;
@@ -207,6 +211,7 @@ bool ResponseFit::start_camera() {
     if (!change.allFinite()) return false;
     for (int i = 0; i < kCamera; ++i) camera_.coefficients[static_cast<std::size_t>(i)] += change(i);
     scale = scale_of(&normalised);
+    prior_scale_ = scale;
   }
   return true;
 }
@@ -237,8 +242,8 @@ void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eig
     residual = seen + local * values;
   };
   solve_own();
-  // Again and again, for one disturbed reading pulls the others' first.
   const Eigen::VectorXd full = weight;
+  // Again and again, for a disturbed reading pulls the others at first.
   for (int round = 0; round < 3 && scale_ > 0.0; ++round) {
     for (Eigen::Index i = 0; i < n; ++i)
       weight(i) = full(i) * cauchy_weight(std::abs(residual(i)) * std::sqrt(full(i)), scale_);
@@ -281,7 +286,7 @@ void ResponseFit::find_scale() {
   Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns_);
   normalised_.clear();
   for (const RampBlock& block : problem_.blocks) add_block(block, &normal, &right);
-  scale_ = scale_of(&normalised_);
+  prior_scale_ = scale_ = scale_of(&normalised_);
 }
 
 std::optional<double> ResponseFit::step() {
@@ -302,7 +307,7 @@ std::optional<double> ResponseFit::step() {
     largest = std::max(largest, std::abs(change(kCamera + i)));
   }
   residual_ = std::sqrt(square_sum_ / static_cast<double>(std::max<std::size_t>(count_, 1)));
-  scale_ = scale_of(&normalised_);
+  prior_scale_ = scale_ = scale_of(&normalised_);
   sigmas_ = factor.solve(Eigen::MatrixXd::Identity(unknowns_, unknowns_)).diagonal().cwiseMax(0.0).cwiseSqrt();
   return largest;
 }

@@ -61,6 +61,7 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
     scan.remarks.push_back("the calibration of before was not compared with: " + read.error().message());
   }
   CalibrateOptions options;
+  options.with_wall = settings.with_wall;
   options.previous = previous ? &*previous : nullptr;
   TRY_ASSIGN(outcome.calibration, calibrate(scan.measurements, date, options));
   outcome.registration = measured_registration(scan.measurements, outcome.calibration);

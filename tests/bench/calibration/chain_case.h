@@ -20,8 +20,10 @@ struct ChainCase {
   std::uint32_t seed = 1;
   ViewSettings view{};
   int directions = 0;
+  bool with_wall = true;
 };
 
+/// Times of the outcome are this process's processor time: the machine may be shared, and solving has one thread.
 struct ChainResult {
   MuseumScore score;
   CalibrationOutcome outcome;
@@ -29,7 +31,6 @@ struct ChainResult {
   SeamScore seams_before{};  ///< Without its correction: blended, and taken for sRGB.
   double response_rms = 0.0;
   double museum_s = 0.0;  ///< Of the museum's clock: what a visitor would wait.
-  double work_s = 0.0;    ///< Of this computer: light, decoding and solving.
   std::size_t directions = 0;
 };
 

@@ -35,7 +35,7 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const std:
   Json json = Json::object();
   fmt::print("{:<20}{:>6}{:>8}{:>8}{:>8}{:>10}{:>9}{:>9}{:>6}{:>10}{:>10}{:>10}{:>9}{:>8}\n", "room", "proj", "mean",
              "p95", "max", "true p95", "missing", "told p95", "dirs", "pictures", "museum s", "s/picture", "solve s",
-             "work s");
+             "scan cpu");
   bool is_done = true;
   for (const Room& room : kRooms) {
     const std::string key = room.key;
@@ -66,7 +66,7 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const std:
         "{:<20}{:>6}{:>8.3f}{:>8.3f}{:>8.3f}{:>10.3f}{:>8.2f}%{:>9.3f}{:>6}{:>10}{:>10.1f}{:>10.3f}{:>9.1f}{:>8.1f}\n",
         key, room.projectors, score.mean_px, score.p95_px, score.max_px, score.true_p95_px, missing,
         outcome.registration.p95_px, result->directions, outcome.pictures, result->museum_s, each, outcome.solve_s,
-        result->work_s);
+        outcome.scan_s);
     if (outcome.light) {
       const SeamScore& seams = result->seams;
       const SeamScore& before = result->seams_before;

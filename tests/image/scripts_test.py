@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The appliance's scripts that take what strangers bring: settings are taken whole or refused with a reason, also when power is
+cut between two steps; an update without our signature, or damaged, is refused.
+
+Run: scripts_test.py SOURCE_ROOT BUILD_FOLDER
+"""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+GOOD = '[farm]\nheads = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
+DEFAULT = '[farm]\nheads = ["[::1]:7401"]\n'
+
+
+class Computer:
+    def __init__(self, source, build, folder):
+        self.scripts = source / "image/mkosi.extra/usr/lib/cyclorama"
+        self.state = folder / "state"
+        self.defaults = folder / "defaults"
+        self.state.mkdir()
+        shutil.copytree(source / "image/mkosi.extra/usr/share/cyclorama/settings", self.defaults)
+        shutil.copy(source / "demo/installation.toml", self.defaults)
+        # Restarting services is not for a test.
+        stubs = folder / "stubs"
+        stubs.mkdir()
+        for name in ("systemctl", "chown"):
+            (stubs / name).write_text("#!/bin/sh\nexit 0\n")
+            (stubs / name).chmod(0o755)
+        self.environment = {"PATH": f"{stubs}:{build}/bin:{os.environ['PATH']}", "CYCLORAMA_STATE": str(self.state), "CYCLORAMA_DEFAULTS": str(self.defaults),
+                            "CYCLORAMA_UPDATE_KEY": str(folder / "update.pub"), "CYCLORAMA_OS_RELEASE": str(folder / "os-release")}
+
+    def run(self, script, *arguments):
+        return subprocess.run(["sh", str(self.scripts / script), *map(str, arguments)], env=self.environment, capture_output=True, text=True).returncode
+
+    def report(self, name="provisioning"):
+        file = self.state / name
+        return file.read_text() if file.exists() else ""
+
+    def site(self):
+        return (self.state / "settings/site.toml").read_text()
+
+
+def expect(what, is_so, found=""):
+    print(f"{'ok' if is_so else 'FAILED'}: {what} {'' if is_so else found}")
+    return 0 if is_so else 1
+
+
+def check_settings(computer, folder):
+    bad = 0
+    computer.run("find-settings")
+    bad += expect("a new computer has the image's settings", '"[::1]:7401"' in computer.site())
+    stick = folder / "stick"
+    stick.mkdir()
+    (stick / "site.toml").write_text(GOOD)
+    (stick / "key.pem").write_text("secret")
+    (stick / "notes.txt").write_text("not a setting")
+    (stick / "link.toml").symlink_to("/etc/shadow")
+    computer.run("take-settings", stick)
+    bad += expect("good settings are taken", computer.site() == GOOD and "taken" in computer.report(), computer.report())
+    taken = sorted(path.name for path in (computer.state / "settings").iterdir())
+    bad += expect("what is no setting, and links, stay away", "notes.txt" not in taken and "link.toml" not in taken, str(taken))
+    bad += expect("what the stick lacks is the image's", "installation.toml" in taken and "tracker.toml" in taken, str(taken))
+    bad += expect("nobody else reads a key", (computer.state / "settings/key.pem").stat().st_mode & 0o777 == 0o640)
+    for name, file, text, word in (("a wrong key", "site.toml", '[farm]\nheds = ["a"]\n', "heds"), ("no TOML", "site.toml", "\0\1\2", "site.toml"),
+                                   ("a wrong wall", "installation.toml", "[wall]\nshape = 'torus'\n", "installation.toml"),
+                                   ("a wrong camera", "tracker.toml", "[camera]\nkind = 'film'\n", "film")):
+        wrong = folder / "wrong"
+        wrong.mkdir()
+        (wrong / file).write_text(text)
+        status = computer.run("take-settings", wrong)
+        bad += expect(f"{name} is refused with a reason", status == 1 and "refused" in computer.report() and word in computer.report(), computer.report())
+        bad += expect(f"{name} changes nothing", computer.site() == GOOD)
+        shutil.rmtree(wrong)
+    large = folder / "large"
+    large.mkdir()
+    with open(large / "wall.obj", "wb") as file:
+        file.truncate(65 << 20)
+    bad += expect("a file that is too large is refused", computer.run("take-settings", large) == 1 and "larger" in computer.report(), computer.report())
+    # Power is cut after the old folder went aside.
+    (computer.state / "settings").rename(computer.state / "settings.old")
+    computer.run("find-settings")
+    bad += expect("a cut while settings are taken loses none", computer.site() == GOOD)
+    return bad
+
+
+def sign(folder, key):
+    sums = subprocess.run("sha256sum *.efi", shell=True, cwd=folder, check=True, capture_output=True).stdout
+    (folder / "SHA256SUMS").write_bytes(sums)
+    subprocess.run(["openssl", "dgst", "-sha256", "-sign", str(key), "-out", "SHA256SUMS.sig", "SHA256SUMS"], cwd=folder, check=True)
+
+
+def check_update(computer, folder):
+    bad = 0
+    for name in ("ours", "theirs"):
+        subprocess.run(["openssl", "genpkey", "-quiet", "-algorithm", "EC", "-pkeyopt", "ec_paramgen_curve:P-256", "-out", str(folder / name)], stderr=subprocess.DEVNULL, check=False)
+        if not (folder / name).exists():  # OpenSSL 3.0 knows no -quiet.
+            subprocess.run(["openssl", "genpkey", "-algorithm", "EC", "-pkeyopt", "ec_paramgen_curve:P-256", "-out", str(folder / name)], stderr=subprocess.DEVNULL, check=True)
+    subprocess.run(["openssl", "pkey", "-in", str(folder / "ours"), "-pubout", "-out", str(folder / "update.pub")], check=True)
+    (folder / "os-release").write_text("IMAGE_ID=cyclorama-museum\nIMAGE_VERSION=1\n")
+    update = folder / "update"
+    update.mkdir()
+    (update / "cyclorama-museum_2.efi").write_bytes(b"kernel")
+
+    def refused(what, word):
+        status = computer.run("update", update)
+        return expect(f"{what} is refused", status == 1 and word in computer.report("update"), computer.report("update"))
+    bad += refused("an update without a manifest", "signature")
+    sign(update, folder / "theirs")
+    bad += refused("an update signed by another", "signature")
+    sign(update, folder / "ours")
+    (update / "cyclorama-museum_2.efi").write_bytes(b"kernal")
+    bad += refused("an update that is damaged", "damaged")
+    (update / "cyclorama-museum_2.efi").rename(update / "cyclorama-museum-debug_2.efi")
+    sign(update, folder / "ours")
+    bad += refused("an update for another image", "nothing there is for")
+    return bad
+
+
+def main(source, build):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        computer = Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder)
+        bad = check_settings(computer, folder) + check_update(computer, folder)
+    print("scripts: ok" if bad == 0 else f"scripts: {bad} failed")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -13,7 +13,7 @@ namespace cyclorama {
 
 struct SupportOrder {
   MuseumState museum;
-  std::vector<std::string> journal{"journalctl", "--no-pager", "--output=short-iso", "--boot=all", "--lines=6000"};
+  std::vector<std::string> journal{"journalctl", "--no-pager", "--output=short-iso", "--lines=6000"};
   std::size_t most_journal_bytes = std::size_t{4} << 20;  ///< The newest; what is older is left out.
   Duration longest = std::chrono::seconds(15);            ///< For the journal.
 };

@@ -164,7 +164,14 @@ def enter(browser, museum, pictures, name):
 
 def check_page(browser, museum, pictures, name, size):
     enter(browser, museum, pictures, name)
-    wait_until(lambda: browser.run("return document.querySelectorAll('.frame.live').length") >= 5, 60, "live pictures")
+    # Panorama, three projectors, camera: each is asked for while it can be seen.
+    for number in range(5):
+        frame = f"[...document.querySelectorAll('figure:not([hidden]) .frame')][{number}]"
+        browser.run(f"{frame}.scrollIntoView({{block: 'center'}})")
+        wait_until(lambda: browser.run(f"return {frame}.classList.contains('live')"), 60, f"live picture {number}")
+    browser.run("scrollTo(0, 0)")
+    hidden = browser.run("return document.getElementById('calibrate-cancel').offsetParent === null")
+    assert hidden, "nothing runs, and it can be cancelled"
     wait_until(lambda: "Tue-Sun" in browser.text("#hours"), 30, "the opening hours")
     wait_until(lambda: ":" in browser.text("#page-state .print"), 30, "the fingerprint")
     fits(browser, size[0])

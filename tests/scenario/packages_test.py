@@ -19,6 +19,8 @@ import tempfile
 import time
 
 SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand", "calibrator"], "tools": []}
+# They do one thing when it is needed, and end.
+HELPERS = {"museum": ["provision-esp", "provision@", "settings", "tidy"]}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
             "museum": ["cyclorama", "cyclorama-calibrator", "cyclorama-display", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-provision", "cyclorama-tidy", "cyclorama-tour", "cyclorama-tracker"],
             "tools": ["cyclorama-balance", "cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
@@ -92,7 +94,13 @@ def check_files(component, root):
 
 def check_units(component, root):
     units = [Unit(path) for path in sorted(root.glob("usr/lib/systemd/system/*.service"))]
-    expect([u.name for u in units] == sorted(f"cyclorama-{s}.service" for s in SERVICES[component]), f"{component}: units")
+    helpers = {f"cyclorama-{h}.service" for h in HELPERS.get(component, [])}
+    expect({u.name for u in units} == {f"cyclorama-{s}.service" for s in SERVICES[component]} | helpers, f"{component}: units")
+    for unit in (u for u in units if u.name in helpers):
+        program = unit.service["ExecStart"].split()[0]
+        expect(unit.service["Type"] == "oneshot", f"{unit.name}: does not end")
+        expect("cyclorama" not in program or (root / program.lstrip("/")).exists(), f"{unit.name}: {program} is not in the package")
+    units = [unit for unit in units if unit.name not in helpers]
     presets = "".join(p.read_text() for p in root.glob("usr/lib/systemd/system-preset/*"))
     (root / "etc").mkdir(exist_ok=True)
     made = run("systemd-sysusers", f"--root={root}")

@@ -97,6 +97,8 @@ function showProjector(process, name) {
 }
 
 function findPictures(processes) {
+  // Only a simulated room can look at the wall; a museum's people see it themselves.
+  byId("wall").hidden = !processes.some((process) => process.name === "simulated-room");
   const order = ["left", "middle", "centre", "center", "right"];
   const rank = (name) => { const at = order.indexOf(name.split("/").pop()); return at < 0 ? order.length : at; };
   const found = { wall: "The simulated room is not watched, or has no picture of the wall yet.",

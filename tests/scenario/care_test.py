@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The programs that look after a museum, by their exit codes: cyclorama-provision with the display's and the tracker's own
+checks, cyclorama-health, cyclorama doctor, cyclorama-tidy.
+
+Run: care_test.py SOURCE_ROOT BUILD_FOLDER
+"""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+
+def run(*command):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=120)
+
+
+class Parts:
+    """Pretended, from a program of their own."""
+
+    def __init__(self, build, *options):
+        self.process = subprocess.Popen([build / "bin/test-parts", *options], stdout=subprocess.PIPE, text=True)
+        tour, display, tracker, _ = self.process.stdout.readline().split()
+        self.watches = ["--watch", f"tour={tour}", "--watch", f"display={display}", "--watch", f"tracker={tracker}"]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(30)
+
+
+def check_health(build, folder):
+    health = build / "bin/cyclorama-health"
+    report = folder / "health.json"
+    with Parts(build) as parts:
+        well = run(health, *parts.watches, "--heads", 3, "--looks", 2, "--deadline", 60, "--report", report)
+        assert well.returncode == 0 and json.loads(report.read_text())["well"], well.stderr
+        more = run(health, *parts.watches, "--heads", 4, "--deadline", 2)
+        assert more.returncode == 1 and "3 heads of 4" in more.stderr, more.stderr
+    with Parts(build, "--unwell") as parts:
+        dark = run(health, *parts.watches, "--heads", 3, "--deadline", 2, "--report", report)
+        assert dark.returncode == 1 and "head 'right' is dark" in dark.stderr, dark.stderr
+        assert not json.loads(report.read_text())["well"]
+    gone = run(health, *parts.watches, "--deadline", 1)
+    assert gone.returncode == 1 and "away" in gone.stderr, gone.stderr
+
+
+def check_provisioning(source, build, folder):
+    """The programs that own a table are asked about it."""
+    stick, state = folder / "stick", folder / "state"
+    stick.mkdir()
+    (stick / "site.toml").write_text('[farm]\nheads = ["[::1]:1"]\nmuseum = "hall-3"\n[display]\nattract_after_s = 5\n')
+    shutil.copy(source / "demo/installation.toml", stick)
+    (stick / "tracker.toml").write_text('[camera]\nkind = "v4l2"\nport = "usb-0000:00:14.0-2"\n')
+    (stick / "operator.toml").write_text('pin = "40 17 73"\n')
+    provision = [build / "bin/cyclorama-provision", "--state", state]
+    changed = folder / "changed"
+    install = [*provision, "install", stick, "--programs", build / "bin", "--changed", changed]
+    good = run(*install)
+    assert good.returncode == 0 and changed.read_text() == "000001\n", good.stderr
+    assert "401773" not in "".join(p.read_text() for p in state.rglob("*") if p.is_file())
+    changed.unlink()
+    assert run(*install).returncode == 0 and not changed.exists(), "the same stick starts nothing again"
+    for file, text, word in (("site.toml", "[display]\nattract_after = 5\n", "cyclorama-display refuses"),
+                             ("tracker.toml", '[camera]\nkind = "v4l3"\n', "cyclorama-tracker refuses")):
+        before = (stick / file).read_text()
+        (stick / file).write_text(text)
+        bad = run(*install)
+        assert bad.returncode == 1 and word in bad.stderr and f"{file}:2" in bad.stderr and "stay in use" in bad.stderr, bad.stderr
+        report = json.loads(run(*provision, "status").stdout)
+        assert report["verdict"] == "refused" and report["in_use"] == "000001", report
+        (stick / file).write_text(before)
+    assert not changed.exists()
+    (stick / "site.toml").write_text((stick / "site.toml").read_text().replace("hall-3", "hall-4"))
+    assert run(*install).returncode == 0
+    assert run(*provision, "restore").returncode == 0
+    assert "hall-3" in (state / "settings/site.toml").read_text()
+    assert run(*provision, "install", folder / "no-stick", "--if-there").returncode == 0
+    assert run(*provision, "install", folder / "no-stick").returncode == 1
+    return state
+
+
+def check_doctor(build, folder, state):
+    doctor = [build / "bin/cyclorama", "doctor", "--museum", state, "--json", folder / "doctor.json"]
+    with Parts(build) as parts:
+        well = run(*doctor, *parts.watches)
+        checks = {check["id"]: check for check in json.loads((folder / "doctor.json").read_text())}
+        assert checks["part-tour"]["level"] == checks["heads"]["level"] == checks["settings"]["level"] == "ok", well.stdout
+        worst = {check["level"] for check in checks.values()}
+        assert well.returncode == (1 if "fault" in worst else 3 if "warning" in worst else 0), (well.returncode, well.stdout)
+    with Parts(build, "--unwell") as parts:
+        unwell = run(*doctor, *parts.watches)
+        assert unwell.returncode == 1 and "No picture goes to 'right'" in unwell.stdout, unwell.stdout
+        assert "-> Switch that projector on" in unwell.stdout, unwell.stdout
+        network = run(*doctor, "--network", *parts.watches)
+        assert "its program does not run" in network.stdout, network.stdout
+
+
+def check_tidy(build, folder):
+    kept = folder / "calibrations"
+    for number in range(4):
+        (kept / str(number)).mkdir(parents=True)
+        (kept / str(number) / "photo").write_bytes(bytes(600_000))
+    (kept / "current").symlink_to("0")
+    done = run(build / "bin/cyclorama-tidy", kept, folder / "nowhere", "--most-mb", 1.3, "--keep", 1)
+    assert done.returncode == 0 and sorted(p.name for p in kept.iterdir()) == ["0", "3", "current"], list(kept.iterdir())
+
+
+def main(source, build):
+    source, build = pathlib.Path(source), pathlib.Path(build)
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        check_health(build, folder)
+        state = check_provisioning(source, build, folder)
+        check_doctor(build, folder, state)
+        check_tidy(build, folder)
+    print("care: ok")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "appliance/tracker/overlay.h"
+#include "appliance/tracker/straight_corners.h"
 #include "common/base/text.h"
 #include "common/wire/convert.h"
 #include "drivers/camera/make_camera.h"
@@ -98,7 +99,8 @@ void Tracker::handle(const Frame& frame) {
   const TimePoint found_at = clock_.now();
   const std::vector<TagDetection> detections = found ? *std::move(found) : std::vector<TagDetection>{};
   const Pinhole lens = lens_for(settings_.lens, frame.pixels.width(), frame.pixels.height());
-  TrackingResult result = track(settings_.tracking, tracking_, detections, lens, frame.captured_at);
+  TrackingResult result =
+      track(settings_.tracking, tracking_, straight_tags(detections, lens), lens, frame.captured_at);
   tracking_ = result.state;
 
   wire::TrackedPose pose = pose_of(frame, result.tag);
@@ -109,6 +111,14 @@ void Tracker::handle(const Frame& frame) {
   ++pictures_;
   followed_ = result.tag ? result.tag->wand.id() : -1;
   report(frame, result, lens, detections);
+}
+
+std::vector<TagDetection> Tracker::straight_tags(const std::vector<TagDetection>& seen, const Pinhole& lens) {
+  if (!settings_.lens.calibrated) return seen;
+  const auto calibrated = lens_for_picture(*settings_.lens.calibrated, lens.width_px, lens.height_px);
+  const auto brown = calibrated ? calibrated->brown() : Result<BrownLens>(calibrated.error());
+  does_lens_fit_ = brown.has_value();
+  return brown ? straightened(seen, *brown, lens) : seen;
 }
 
 wire::TrackedPose Tracker::pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const {
@@ -169,6 +179,7 @@ bool Tracker::supervise() {
   std::string sentence = !problem.empty() ? fmt::format("No pictures: {}.", problem)
                          : followed >= 0  ? fmt::format("Follows tag {}, {:.1f} pictures per second.", followed, rate)
                                           : fmt::format("Sees no tag, {:.1f} pictures per second.", rate);
+  if (!does_lens_fit_) sentence += " The lens was calibrated for pictures of another shape and is left aside.";
   if (!link_->is_connected()) sentence += fmt::format(" The tour at {} does not answer.", settings_.tour);
   state_ = sentence;
   inspection_.set_state(std::move(sentence), problem.empty() && link_->is_connected());

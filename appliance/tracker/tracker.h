@@ -45,6 +45,7 @@ class Tracker {
   void handle(const Frame& frame);
   void report(const Frame& frame, const TrackingResult& result, const Pinhole& lens,
               std::span<const TagDetection> detections);
+  [[nodiscard]] std::vector<TagDetection> straight_tags(const std::vector<TagDetection>& seen, const Pinhole& lens);
   [[nodiscard]] wire::TrackedPose pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const;
 
   const TrackerSettings settings_;
@@ -57,7 +58,8 @@ class Tracker {
   Capture capture_;
   std::atomic<TimePoint> detect_alive_at_;
   std::atomic<std::uint64_t> pictures_ = 0;
-  std::atomic<int> followed_ = -1;  ///< Wand::id() in the newest picture; -1 without one.
+  std::atomic<int> followed_ = -1;          ///< Wand::id() in the newest picture; -1 without one.
+  std::atomic<bool> does_lens_fit_ = true;  ///< The calibrated one, the newest picture.
   std::uint64_t counted_pictures_ = 0;
   TimePoint counted_at_{};
   std::string state_;

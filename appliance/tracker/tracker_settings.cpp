@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "appliance/calibrator/lens/camera_file.h"
 #include "appliance/tracker/camera_settings.h"
 #include "common/base/check.h"
 #include "common/config/config.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-void read_camera(ConfigTable camera, TrackerSettings* ret) {
+Status read_camera_table(ConfigTable camera, const std::filesystem::path& folder, TrackerSettings* ret) {
   ret->camera = camera_source(&camera, ret->camera);
   ret->name = camera.text("name", ret->name);
   ret->lens.field_of_view_rad = camera.number("field_of_view_deg", {1, 170}, 60.0) * kDegree;
@@ -25,6 +26,13 @@ void read_camera(ConfigTable camera, TrackerSettings* ret) {
     const std::vector<double> centre = camera.numbers("centre_px", 2, {-1e6, 1e6});
     if (centre.size() == 2) ret->lens.centre_px = Eigen::Vector2d(centre[0], centre[1]);
   }
+  if (!camera.has("lens")) return Done{};
+  for (const char* key : {"field_of_view_deg", "focal_px", "centre_px"}) {
+    if (camera.has(key)) camera.refuse(key, "and lens say the same; remove one");
+  }
+  TRY_ASSIGN(const CameraFile file, read_camera(folder / camera.text("lens", "")));
+  ret->lens.calibrated = file.lens;
+  return Done{};
 }
 
 /// [tag]: flat tags. [wand]: standard wands, or measured ones.
@@ -76,7 +84,7 @@ void read_filter(ConfigTable filter, TrackingSettings* ret) {
 Result<TrackerSettings> from_config(Config* config, const std::filesystem::path& folder) {
   TrackerSettings settings;
   ConfigTable root = config->root();
-  read_camera(root.table("camera"), &settings);
+  const Status camera = read_camera_table(root.table("camera"), folder, &settings);
   const Status patterns = read_patterns(root, folder, &settings);
   read_detector(root.table("detector"), &settings.detector);
   read_filter(root.table("filter"), &settings.tracking);
@@ -85,6 +93,7 @@ Result<TrackerSettings> from_config(Config* config, const std::filesystem::path&
   settings.osc = root.text("osc", settings.osc);
   settings.vrpn = root.text("vrpn", settings.vrpn);
   TRY(config->finish());
+  TRY(camera);
   TRY(patterns);
   return settings;
 }
@@ -103,6 +112,13 @@ Result<TrackerSettings> TrackerSettings::parse(std::string_view text, std::strin
 
 Pinhole lens_for(const LensSettings& settings, int width_px, int height_px) {
   CHECK(width_px > 0 && height_px > 0);
+  if (settings.calibrated) {
+    const auto lens = lens_for_picture(*settings.calibrated, width_px, height_px);
+    using L = MeasuredLens;
+    if (lens) {
+      return {width_px, height_px, lens->values[L::kFocal], lens->values[L::kCentreU], lens->values[L::kCentreV], 1.0};
+    }
+  }
   Pinhole lens = Pinhole::from_field_of_view(width_px, height_px, settings.field_of_view_rad);
   if (settings.focal_px) lens.focal_px = *settings.focal_px;
   if (settings.centre_px) {

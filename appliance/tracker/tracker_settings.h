@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "appliance/calibrator/lens/measured_lens.h"
 #include "appliance/tracker/tag_detector.h"
 #include "appliance/tracker/tag_tracking.h"
 #include "common/base/result.h"
@@ -19,6 +20,8 @@ struct LensSettings {
   /// Calibrated values, in pixels, replace the field of view; the centre is the picture's middle when not given.
   std::optional<double> focal_px;
   std::optional<Eigen::Vector2d> centre_px;
+  /// Of camera.json, with its distortion; replaces all of the above.
+  std::optional<MeasuredLens> calibrated;
 };
 
 /// Everything that cyclorama-tracker is told. The defaults are those of the demo on one machine.
@@ -39,7 +42,8 @@ struct TrackerSettings {
   static Result<TrackerSettings> parse(std::string_view text, std::string name);
 };
 
-/// Preconditions: the picture is not empty.
+/// Without distortion: straightened() makes detections of a calibrated lens fit it. A calibrated lens of pictures of
+/// another shape is left aside. Preconditions: the picture is not empty.
 [[nodiscard]] Pinhole lens_for(const LensSettings& settings, int width_px, int height_px);
 
 }  // namespace cyclorama

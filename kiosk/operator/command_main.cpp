@@ -15,6 +15,7 @@
 #include "common/process/progress.h"
 #include "kiosk/operator/calibrate_command.h"
 #include "kiosk/operator/doctor_command.h"
+#include "kiosk/operator/calibrate_camera_command.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/status_table.h"
 #include "kiosk/operator/summary.h"
@@ -36,6 +37,7 @@ struct Options {
   CalibrateCommand calibrate;
   DoctorCommand doctor;
   int exit_code = kExitOk;  // Of a command that did what it was asked.
+  CalibrateCameraCommand calibrate_camera;
 };
 
 constexpr int kColumns = 6;  // Of wall-over-time.png.
@@ -73,6 +75,7 @@ void add_options(CLI::App& app, Options* options) {
   options->wand.add_to(&app);
   options->calibrate.add_to(&app);
   add_watches(*options->doctor.add_to(&app), options);
+  options->calibrate_camera.add_to(&app);
 }
 
 Status show_status(const Options& options, const std::vector<ProcessLink>& links) {
@@ -164,6 +167,7 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (app.got_subcommand("calibrate")) return options.calibrate.run(stop);
   const bool is_doctor = app.got_subcommand("doctor");
   if (is_doctor && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
+  if (app.got_subcommand("calibrate-camera")) return options.calibrate_camera.run(app);
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));
   if (is_doctor) return options.doctor.run(links, &options.exit_code);

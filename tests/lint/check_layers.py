@@ -13,6 +13,7 @@ MAY_INCLUDE = {
     "common/geometry": ["common/base", "common/geometry"],
     "common/image": ["common/base", "common/image"],
     "common/http": ["common/base", "common/http"],
+    "common/board": ["common/base", "common/board", "common/geometry"],
     "common/config": ["common/base", "common/config"],
     "common/opening": ["common/base", "common/config", "common/opening"],
     "common/process": ["common/base", "common/process"],

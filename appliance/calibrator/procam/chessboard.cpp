@@ -58,4 +58,28 @@ Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int
   }
 }
 
+Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, std::vector<Eigen::Vector2d> corners,
+                                                       int half_px) {
+  if (photo.empty() || half_px < 2) return Error(ErrorCode::kInvalidArgument, "corners need a picture and a window");
+  try {
+    const cv::Mat image(photo.height(), photo.width(), CV_8UC1,
+                        const_cast<std::uint8_t*>(photo.data().data()));  // NOLINT
+    std::vector<cv::Point2f> places;
+    for (const Eigen::Vector2d& c : corners) {
+      places.emplace_back(static_cast<float>(c.x() - 0.5), static_cast<float>(c.y() - 0.5));
+    }
+    cv::cornerSubPix(image, places, {half_px, half_px}, {-1, -1},
+                     cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3));
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Eigen::Vector2d moved(static_cast<double>(places[i].x) + 0.5, static_cast<double>(places[i].y) + 0.5);
+      // A corner without contrast stays exactly where it was.
+      const double way = (moved - corners[i]).cwiseAbs().maxCoeff();
+      corners[i] = way < 0.9 * half_px ? moved : Eigen::Vector2d::Constant(std::nan(""));
+    }
+    return corners;
+  } catch (const cv::Exception& problem) {
+    return Error(ErrorCode::kSystem, std::string("OpenCV: ") + problem.what());
+  }
+}
+
 }  // namespace cyclorama

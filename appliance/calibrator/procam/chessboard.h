@@ -18,4 +18,9 @@ namespace cyclorama {
 /// kSystem           OpenCV's own words.
 Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int columns, int rows);
 
+/// Moves each corner where four squares meet onto it, by the grey levels within `half_px` each way (OpenCV's
+/// cornerSubPix). One that leaves its window, or has no such place, is NaN. Errors as find_chessboard().
+Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, std::vector<Eigen::Vector2d> corners,
+                                                       int half_px);
+
 }  // namespace cyclorama

@@ -46,12 +46,18 @@ class Ladder {
   }
 
   /// The best of several starts, then its folds from there.
-  Tried attempt(std::string name, int parameters, const std::vector<SurfaceFit>& starts, LensRung lens) {
+  Tried attempt(std::string name, int parameters, const std::vector<SurfaceFit>& starts, LensRung lens) const {
     Tried tried;
     tried.trial = {std::move(name), parameters, 0.0, 0.0, 0.0, false};
     bool is_any = false;
+    std::vector<std::future<Result<SurfaceFit>>> attempts;
     for (const SurfaceFit& start : starts) {
-      auto fit = fit_surface(projectors_, samples_, start, {lens, false, 50});
+      attempts.push_back(std::async(std::launch::async, [&] {
+        return fit_surface(projectors_, samples_, start, {lens, false, 50});
+      }));
+    }
+    for (auto& one : attempts) {
+      auto fit = one.get();
       if (!fit || (is_any && fit->cost >= tried.fit.cost)) continue;
       tried.fit = *std::move(fit);
       is_any = true;
@@ -218,8 +224,14 @@ Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projector
   // Lenses: all of them from the same wall, and the least that predicts.
   double best_lens = std::numeric_limits<double>::infinity();
   std::vector<Tried> lenses;
+  std::vector<std::future<Tried>> attempts;
   for (const LensRung rung : kProjectorLensRungs) {
-    lenses.push_back(ladder.attempt(std::string(name_of(rung)), freedom_of(rung), {start}, rung));
+    attempts.push_back(std::async(std::launch::async, [&ladder, &start, rung] {
+      return ladder.attempt(std::string(name_of(rung)), freedom_of(rung), {start}, rung);
+    }));
+  }
+  for (auto& attempt : attempts) {
+    lenses.push_back(attempt.get());
     choice.lenses.push_back(lenses.back().trial);
     if (lenses.back().trial.is_usable) best_lens = std::min(best_lens, lenses.back().trial.heldout_rms_px);
   }

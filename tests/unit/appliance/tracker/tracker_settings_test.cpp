@@ -3,9 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 
+#include "appliance/calibrator/lens/camera_file.h"
 #include "common/wand/folded_card.h"
 
 namespace cyclorama {
@@ -27,6 +30,29 @@ TEST(TrackerSettings, has_the_demo_s_values_when_nothing_is_said) {
   EXPECT_FALSE(settings->tracking.patterns.flat_tag_size_m.has_value());
   EXPECT_EQ(settings->detector.decimate, defaults.detector.decimate);
   EXPECT_NEAR(settings->lens.field_of_view_rad, defaults.lens.field_of_view_rad, 1e-12);
+}
+
+TEST(TrackerSettings, looks_through_a_calibrated_lens) {
+  const auto folder = std::filesystem::temp_directory_path() / ("tracker-lens-" + std::to_string(getpid()));
+  std::filesystem::create_directory(folder);
+  CameraFile camera{
+      "a camera", "2026-01-01T00-00-00Z", MeasuredLens::from_focal(1280, 960, 1100.0), LensRung::kRadial1, 12, 0.1,
+      0.1};
+  camera.lens.values[MeasuredLens::kK1] = -0.1;
+  std::ofstream(folder / "camera.json") << camera_json(camera);
+  std::ofstream(folder / "tracker.toml") << "[camera]\nlens = \"camera.json\"\n";
+  const auto settings = TrackerSettings::read(folder / "tracker.toml");
+  std::ofstream(folder / "tracker.toml") << "[camera]\nlens = \"other.json\"\n";
+  const auto missing = TrackerSettings::read(folder / "tracker.toml");
+  std::filesystem::remove_all(folder);
+  ASSERT_TRUE(settings) << settings.error().message();
+  ASSERT_TRUE(settings->lens.calibrated);
+  EXPECT_EQ(lens_for(settings->lens, 640, 480).focal_px, 550.0);
+  // Of another shape: the field of view of the defaults.
+  EXPECT_NEAR(lens_for(settings->lens, 640, 360).focal_px, lens_for({}, 640, 360).focal_px, 1e-9);
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().message(), HasSubstr("other.json"));
+  EXPECT_THAT(mistake_in("[camera]\nlens = \"camera.json\"\nfocal_px = 700\n"), HasSubstr("focal_px"));
 }
 
 TEST(TrackerSettings, reads_every_key) {

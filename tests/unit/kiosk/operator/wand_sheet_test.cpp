@@ -7,8 +7,10 @@
 
 #include <sstream>
 
+#include "appliance/calibrator/intrinsics/board_search.h"
 #include "appliance/tracker/tag_detector.h"
 #include "common/base/text.h"
+#include "kiosk/operator/board_sheet.h"
 
 namespace cyclorama {
 namespace {
@@ -43,6 +45,25 @@ GreyImage rasterised(const std::string& pdf, const Paper& paper) {
     }
   }
   return picture;
+}
+
+TEST(BoardSheet, shows_a_camera_all_corners_at_their_places) {
+  for (const Paper& paper : papers()) {
+    const GreyImage picture = rasterised(to_pdf(board_sheet(paper)), paper);
+    auto detector = make_board_detector();
+    ASSERT_TRUE(detector.has_value());
+    const TagBoard board = board_on(paper);
+    const auto view = find_board(picture, {board}, &*detector);
+    ASSERT_TRUE(view) << paper.name << ": " << view.error().message();
+    ASSERT_EQ(static_cast<int>(view->board_m.size()), board.corners()) << paper.name;
+    const Eigen::Vector2d middle_m = 0.5 * (board.corner_m(0) + board.corner_m(board.corners() - 1));
+    for (std::size_t i = 0; i < view->board_m.size(); ++i) {
+      const Eigen::Vector2d expected =
+          1e3 * (view->board_m[i] - middle_m) + 0.5 * Eigen::Vector2d(paper.width_mm, paper.height_mm);
+      // The page is cut to whole pixels, and edges are too: 1.4 pixels, of 0.18 mm.
+      EXPECT_LE((view->camera_px[i] / kPixelsPerMm - expected).norm(), 0.27) << paper.name;
+    }
+  }
 }
 
 TEST(WandSheet, shows_a_detector_the_tags_at_their_places_and_sizes) {

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// cyclorama calibrate-camera: prints the board; all else is the work of cyclorama-calibrate-camera, which this
+/// becomes.
+struct CalibrateCameraCommand {
+  std::optional<std::string> print;
+  std::string paper = "a4";
+
+  void add_to(CLI::App* app);
+  /// Returns only after printing, or when the other program is missing: kNotFound. Others as write_file_atomically().
+  [[nodiscard]] Status run(const CLI::App& app) const;
+};
+
+}  // namespace cyclorama

@@ -50,7 +50,8 @@ class Stop {
 
   Result<std::vector<ProjectorView>> views(std::span<const Eigen::Vector3d> directions) {
     const CameraTable table =
-        make_camera_table(museum_.truth(), museum_.truth().camera_pose(museum_.true_plate_angle_rad()),
+        make_camera_table(museum_.truth(), museum_.truth().truth().camera.lens,
+                          museum_.truth().camera_pose(museum_.true_plate_angle_rad()),
                           std::vector<Eigen::Vector3d>(directions.begin(), directions.end()), kThreads);
     std::vector<ProjectorView> views;
     for (std::size_t p = 0; p < museum_.projector_count(); ++p) {

@@ -76,6 +76,14 @@ Result<Outcome> one_bump(const BumpedShowOptions& options, const ShowContent& co
 
 }  // namespace
 
+void make_small(BumpedShowOptions* options) {
+  options->projector_width_px = 960;
+  options->projector_height_px = 540;
+  options->camera_megapixels = 0.3;
+  options->wall_cells = 24;
+  options->calibrator.width_px = 632;
+}
+
 double percentile(std::vector<double> values, double part) {
   if (values.empty()) return -1.0;
   std::ranges::sort(values);
@@ -83,8 +91,7 @@ double percentile(std::vector<double> values, double part) {
   return values[static_cast<std::size_t>(std::clamp(rank, 0.0, static_cast<double>(values.size()) - 1.0))];
 }
 
-int bumps(const ShowContent& content, bool is_quick) {
-  const std::uint32_t count = is_quick ? 8 : 60;
+int bumps(const ShowContent& content, const BumpSeries& series) {
   std::vector<double> noticed;
   std::vector<double> at_2s;
   std::vector<double> at_5s;
@@ -93,10 +100,11 @@ int bumps(const ShowContent& content, bool is_quick) {
   int beyond = 0;
   int unnoticed = 0;
   fmt::print("{:>4} {:>9} {:>9} {:>9} {:>9} {:>6}\n", "bump", "moved px", "seen s", "2 s px", "5 s px", "wrong");
-  for (std::uint32_t number = 1; number <= count; ++number) {
+  for (std::uint32_t number = series.first; number < series.first + series.count; ++number) {
     std::string log;
     BumpedShowOptions options;
     options.seed = 1 + number % 5;
+    if (series.is_small) make_small(&options);
     const double turn_rad_s = number % 3 == 0 ? 0.03 : 0.0;
     const auto outcome = one_bump(options, content, number, turn_rad_s, &log);
     if (!outcome) {
@@ -128,6 +136,7 @@ int bumps(const ShowContent& content, bool is_quick) {
     curve.push_back({percentile(at, 0.5), percentile(at, 0.95)});
   }
   fmt::print("{}\n", nlohmann::json{{"bumps", at_5s.size()},
+                                    {"projector_width_px", series.is_small ? 960 : 1920},
                                     {"left_the_wall", beyond},
                                     {"unnoticed", unnoticed},
                                     {"noticed_s_p95", percentile(noticed, 0.95)},

@@ -23,6 +23,7 @@ int constraints(const ShowContent& content, bool is_quick) {
     for (std::uint32_t seed = 1; seed <= (is_quick ? 2u : 6u); ++seed) {
       BumpedShowOptions options;
       options.seed = seed;
+      if (is_quick) make_small(&options);
       options.calibrator.uses_arcs = set.arcs;
       options.calibrator.uses_sides = set.sides;
       auto made = BumpedShow::make(options, content);

@@ -96,6 +96,7 @@ int occlusion(const ShowContent& content, bool is_quick) {
     const Case& one = all[i];
     BumpedShowOptions options;
     options.seed = 1 + static_cast<std::uint32_t>(i % 3);
+    if (is_quick) make_small(&options);
     auto made = BumpedShow::make(options, content);
     if (!made) return 1;
     BumpedShow& show = *made;

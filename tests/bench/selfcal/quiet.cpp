@@ -28,6 +28,7 @@ int quiet(const ShowContent& content, bool is_quick) {
   for (const std::uint32_t seed : {1u, 2u}) {
     BumpedShowOptions options;
     options.seed = seed;
+    if (is_quick) make_small(&options);
     auto made = BumpedShow::make(options, content);
     if (!made) return 1;
     BumpedShow& show = *made;
@@ -62,6 +63,7 @@ int drift(const ShowContent& content, bool is_quick) {
   // A tenth of a pixel a minute, as a lamp that warms up, for so many minutes.
   const int minutes = is_quick ? 10 : 40;
   BumpedShowOptions options;
+  if (is_quick) make_small(&options);
   auto made = BumpedShow::make(options, content);
   if (!made) return 1;
   BumpedShow& show = *made;

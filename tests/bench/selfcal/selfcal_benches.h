@@ -6,7 +6,15 @@
 
 namespace cyclorama {
 
-int bumps(const ShowContent& content, bool is_quick);
+/// Bumps are drawn by their numbers.
+struct BumpSeries {
+  std::uint32_t first = 1;
+  std::uint32_t count = 60;
+  bool is_small = false;
+};
+/// Half as fine as a museum's, for a look that takes a minute: projectors of 960x540, cameras of 0.3 megapixels.
+void make_small(BumpedShowOptions* options);
+int bumps(const ShowContent& content, const BumpSeries& series);
 int quiet(const ShowContent& content, bool is_quick);
 int drift(const ShowContent& content, bool is_quick);
 int occlusion(const ShowContent& content, bool is_quick);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick].
+// The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick]; of bumps a part can be
+// asked for: selfcal_bench bump CONTENT.png FIRST COUNT small|large.
 #include <fmt/format.h>
 
 #include <cstring>
@@ -37,7 +38,11 @@ int main(int count, char** words) {
     }
     content = *std::move(read);
   }
-  if (command == "bump") return bumps(content, is_quick);
+  if (command == "bump" && count == 6) {
+    return bumps(content, {static_cast<std::uint32_t>(std::stoul(words[3])),
+                           static_cast<std::uint32_t>(std::stoul(words[4])), std::strcmp(words[5], "small") == 0});
+  }
+  if (command == "bump") return bumps(content, is_quick ? BumpSeries{1, 12, true} : BumpSeries{});
   if (command == "quiet") return quiet(content, is_quick);
   if (command == "drift") return drift(content, is_quick);
   if (command == "occlusion") return occlusion(content, is_quick);

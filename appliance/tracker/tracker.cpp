@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "appliance/calibrator/lens/camera_file.h"
 #include "appliance/tracker/overlay.h"
 #include "appliance/tracker/straight_corners.h"
 #include "common/base/text.h"

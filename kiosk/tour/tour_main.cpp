@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/file.h"
@@ -30,6 +31,7 @@ struct Options {
   std::optional<int> samples;
   std::optional<int> quality;
   std::optional<double> guard_deg;
+  std::optional<std::string> state;
   std::optional<std::string> record;
   std::optional<std::string> replay;
   bool is_check = false;
@@ -55,6 +57,8 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--guard-deg", options->guard_deg, "Degrees rendered beyond each side of the wall, for quick turns")
       ->check(CLI::Range(0.0, 90.0));
   app.add_flag("--check", options->is_check, "Only read the settings, say what is wrong with them, and end");
+  app.add_option("--state", options->state, "Keep the visitor's place in this folder, and go on there after a restart")
+      ->type_name("FOLDER");
   app.add_option("--record", options->record,
                  "Write the walk, every pose, key and step with its time, to this new file")
       ->type_name("FILE");
@@ -104,6 +108,41 @@ class RecordFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
+/// Keeps the visitor's place. A folder that is full or gone costs the memory, not the visit.
+class PlaceFile {
+ public:
+  explicit PlaceFile(const std::optional<std::string>& folder) {
+    if (folder) path_ = kept_place_path(*folder);
+  }
+  /// Nothing when there is none, or it was damaged.
+  [[nodiscard]] std::optional<KeptPlace> read() const {
+    constexpr std::size_t kLargestBytes = 64 << 10;
+    if (path_.empty()) return std::nullopt;
+    const auto text = read_text_file(path_, kLargestBytes);
+    if (!text) return std::nullopt;
+    auto place = parse_kept_place(*text, path_.string());
+    if (!place) {
+      log(LogLevel::kWarning, place.error().message() + ", ignoring");
+      return std::nullopt;
+    }
+    return *std::move(place);
+  }
+  void write(const std::optional<KeptPlace>& place) {
+    if (path_.empty() || !place || place == kept_) return;
+    const Status written = write_file_atomically(path_, to_text(*place));
+    if (written) {
+      kept_ = place;
+    } else if (!std::exchange(warned_, true)) {
+      log(LogLevel::kWarning, written.error().message() + ", ignoring");
+    }
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::optional<KeptPlace> kept_;
+  bool warned_ = false;
+};
+
 Status replay(const std::string& path) {
   constexpr std::size_t kLargestBytes = std::size_t{1} << 30;
   TRY_ASSIGN(const std::string text, read_text_file(path, kLargestBytes));
@@ -131,6 +170,8 @@ Status run(const Options& options, const StopSignal& stop) {
     TRY_ASSIGN(record, RecordFile::open(*options.record));
   }
   settings.record = options.record.has_value();
+  PlaceFile place(options.state);
+  settings.resume = place.read();
   InspectionService inspection("tour");
   TRY_ASSIGN(const std::unique_ptr<Tour> tour, Tour::start(std::move(settings), &inspection));
   TourService service(tour->displays(), tour.get());
@@ -144,6 +185,7 @@ Status run(const Options& options, const StopSignal& stop) {
     rounds = tour->rounds();
     notify.status(inspection.status().state());
     record.write(tour->take_recording());
+    place.write(tour->place());
   }
   notify.stopping();
   tour->stop();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// site.toml.
+/// site.toml, and the place that a tour keeps.
 #include <cstddef>
 #include <cstdint>
 
@@ -13,6 +13,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CHECK(settings->navigation.tag.yaw_rad.full > settings->navigation.tag.yaw_rad.dead);
     CHECK(settings->navigation.limits.acceleration_m_per_s2 > 0.0);
     CHECK(settings->picture.guard_rad >= 0.0 && settings->picture.guard_rad < 2.0);
+  }
+  const auto place = cyclorama::parse_kept_place({reinterpret_cast<const char*>(data), size}, "place.toml");
+  if (place) {
+    const auto again = cyclorama::parse_kept_place(cyclorama::to_text(*place), "place.toml");
+    CHECK(again && *again == *place);
   }
   return 0;
 }

@@ -8,6 +8,7 @@
 
 #include "common/base/text.h"
 #include "common/geometry/guard_band.h"
+#include "common/geometry/panorama.h"
 #include "common/wire/convert.h"
 #include "kiosk/tour/navigation/walk_record.h"
 #include "kiosk/tour/session/site.h"
@@ -82,6 +83,13 @@ void Tour::walk() {
 void Tour::change(const WalkEvent& event, TimePoint at) {
   walk_ = after(std::move(walk_), event, at, settings_.navigation);
   if (settings_.record) record_ += record_line(event, at, walk_);
+}
+
+std::optional<KeptPlace> Tour::place() {
+  const std::lock_guard lock(mutex_);
+  if (!visit_) return std::nullopt;
+  const Walker& walker = walk_.navigation.walker;
+  return KeptPlace{visit_->scene.name(), walker.place_m, wrapped_angle(walker.heading_rad)};
 }
 
 std::string Tour::take_recording() {
@@ -199,6 +207,11 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
     Visit visit;
     visit.scene = scene;
     SceneOpened opened{scene.name(), site_of(scene, &visit.warning)};
+    if (!visit_ && settings_.resume && settings_.resume->scene == scene.name()) {
+      Walker& start = opened.site.start;
+      if (opened.site.area) start.place_m = opened.site.area->nearest_allowed(settings_.resume->place_m);
+      start.heading_rad = settings_.resume->heading_rad;
+    }
     change(opened, SteadyClock().now());
     visit_ = std::move(visit);
     farm_away_.reset();

@@ -47,6 +47,9 @@ class Tour final : public TourEvents, private FarmListener {
   /// Grows while the thread `walk` is alive: for the watchdog.
   [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
 
+  /// Where the visitor is, to be kept; nothing before the first scene. The heading is within a turn of 0.
+  [[nodiscard]] std::optional<KeptPlace> place();
+
   /// What was recorded since the last time, as walk_record.h has it; empty unless the settings say record. Take it
   /// every second or so, for it is kept in memory until then.
   [[nodiscard]] std::string take_recording();

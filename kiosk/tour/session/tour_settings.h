@@ -26,6 +26,7 @@
 #include "common/base/result.h"
 #include "common/wire/tls.h"
 #include "kiosk/tour/navigation/navigator.h"
+#include "kiosk/tour/session/kept_place.h"
 
 namespace cyclorama {
 
@@ -46,6 +47,8 @@ struct TourSettings {
   PictureSettings picture;
   NavigationSettings navigation;
   bool record = false;  ///< Not of the file: keep the walk, to be taken.
+  std::optional<KeptPlace>
+      resume{};  ///< Not of the file: where the visitor was when the tour ended without meaning to.
 };
 
 /// The guard band that a turn at full speed eats up within 0.2 s: a frame's whole way and the next frame's wait at 10

@@ -40,6 +40,7 @@ class TourProcess {
     server_->stop(200ms);
   }
   [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
+  [[nodiscard]] std::optional<KeptPlace> place() { return tour_->place(); }
   [[nodiscard]] std::string recording() { return tour_->take_recording(); }
   [[nodiscard]] wire::ProcessStatus status() const { return inspection_.status(); }
   [[nodiscard]] double gauge(const std::string& name) const {
@@ -166,6 +167,41 @@ TEST(Tour, records_a_walk_that_replays_to_the_bit) {
   EXPECT_GT(replay.ticks, 10u);
   EXPECT_GT(replay.poses, 10u);
   EXPECT_GT(replay.peaks.turn_rad_per_s, 0.3);
+}
+
+TEST(Tour, goes_on_after_a_restart_where_the_visitor_was) {
+  FakeFarm farm;
+  KeptPlace left;
+  {
+    TourProcess tour(settings_for(farm));
+    FakeDisplay display(tour.address());
+    ASSERT_TRUE(display.wait_for_frames(1));
+    ASSERT_TRUE(tour.steer(1, 0, 1).ok());
+    EXPECT_TRUE(tour.eventually([&] { return tour.gauge("eye_z_m") < -0.05 && tour.gauge("heading_deg") > 1; }));
+    EXPECT_TRUE(tour.eventually([&] { return tour.gauge("forward_m_per_s") == 0.0; }));
+    ASSERT_TRUE(tour.place());
+    left = *tour.place();
+  }
+  const std::size_t views = farm.views().size();
+  TourSettings settings = settings_for(farm);
+  settings.resume = left;
+  {
+    TourProcess tour(settings);
+    FakeDisplay display(tour.address());
+    ASSERT_TRUE(display.wait_for_frames(1));
+    EXPECT_EQ(farm.views()[views].eye_m().z(), left.place_m.y());
+    EXPECT_EQ(farm.views()[views].heading_rad(), left.heading_rad);
+    EXPECT_EQ(tour.place(), left);
+  }
+  // Another scene, and a place that is a wall now.
+  settings.resume->scene = "another";
+  TourProcess elsewhere(settings);
+  EXPECT_TRUE(elsewhere.eventually([&] { return elsewhere.place().has_value(); }));
+  EXPECT_EQ(elsewhere.place()->place_m, Eigen::Vector2d(0, 0));
+  settings.resume = KeptPlace{left.scene, {1e5, 0.0}, 0.0};
+  TourProcess inside(settings);
+  EXPECT_TRUE(inside.eventually([&] { return inside.place().has_value(); }));
+  EXPECT_NEAR(inside.place()->place_m.x(), 10.0, 0.1);
 }
 
 TEST(Tour, refuses_keys_out_of_range) {

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// Where a visitor stands, kept in a file so that a tour that was restarted goes on there. A few lines of TOML:
+///
+///   scene = "grotto"
+///   x_m = 1.25
+///   z_m = -3.5
+///   heading_rad = 0.7
+struct KeptPlace {
+  std::string scene;
+  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< (x, z) in the Scene frame.
+  double heading_rad = 0.0;
+
+  friend bool operator==(const KeptPlace&, const KeptPlace&) = default;
+};
+
+[[nodiscard]] std::string to_text(const KeptPlace& place);
+/// kBadData  file, line and remedy. `name` stands for the file in errors.
+Result<KeptPlace> parse_kept_place(std::string_view text, std::string name);
+
+/// The file in a tour's folder.
+[[nodiscard]] std::filesystem::path kept_place_path(const std::filesystem::path& folder);
+
+}  // namespace cyclorama

@@ -30,6 +30,30 @@ void add_stage(const char* name, Duration duration, InspectionService* inspectio
   stage->set_seconds(to_seconds(duration));
 }
 
+/// The 21 numbers of the wire.
+void add_covariance(const Matrix6d& covariance, wire::TrackedPose* ret_pose) {
+  for (Eigen::Index row = 0; row < 6; ++row) {
+    for (Eigen::Index column = row; column < 6; ++column) ret_pose->add_covariance(covariance(row, column));
+  }
+}
+
+void set_pose(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag, wire::TrackedPose* ret_pose) {
+  to_wire(T_camera_tag.translation(), ret_pose->mutable_position_m());
+  const Eigen::Quaterniond& rotation = T_camera_tag.rotation();
+  ret_pose->set_rotation_w(rotation.w());
+  ret_pose->set_rotation_x(rotation.x());
+  ret_pose->set_rotation_y(rotation.y());
+  ret_pose->set_rotation_z(rotation.z());
+}
+
+/// What cannot be known of a body from one camera without a model of bodies: its turns but for the lean, its height.
+Matrix6d covariance_of(const BodyPose& pose) {
+  constexpr double kAnyTurn = 1.0, kAnyHeight = 0.3;
+  Eigen::Matrix<double, 6, 1> deviations;
+  deviations << kAnyTurn, kAnyTurn, pose.lean_deviation_rad, pose.x_deviation_m, kAnyHeight, pose.depth_deviation_m;
+  return deviations.cwiseAbs2().asDiagonal();
+}
+
 std::string describe(const PatternSettings& patterns) {
   if (patterns.flat_tag_size_m) return fmt::format("flat tags of {:.0f} mm", 1e3 * *patterns.flat_tag_size_m);
   if (patterns.wands.empty()) return patterns.only ? fmt::format("wand {}", *patterns.only) : "any standard wand";
@@ -52,7 +76,9 @@ Result<std::unique_ptr<Tracker>> Tracker::start(const TrackerSettings& settings,
   }
   inspection->set_fact("camera", settings.camera);
   inspection->set_fact("tour", settings.tour);
-  inspection->set_fact("pattern", describe(settings.tracking.patterns));
+  inspection->set_fact("pattern", settings.steer_by == SteerBy::kBody
+                                      ? fmt::format("none: by the body, {:.1f} m away", settings.body.stand_m)
+                                      : describe(settings.tracking.patterns));
   return std::unique_ptr<Tracker>(new Tracker(settings, clock, inspection, camera ? *std::move(camera) : nullptr,
                                               std::move(search), std::move(link)));
 }
@@ -63,6 +89,9 @@ Tracker::Tracker(const TrackerSettings& settings, const Clock& clock, Inspection
       clock_(clock),
       inspection_(*inspection),
       search_(std::move(search)),
+      body_(settings.steer_by == SteerBy::kBody
+                ? std::optional<BodyTracker>(std::in_place, settings.body, settings.background)
+                : std::nullopt),
       link_(std::move(link)),
       first_camera_(std::move(first_camera)),
       capture_(
@@ -89,12 +118,12 @@ void Tracker::detect(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     detect_alive_at_ = clock_.now();
     const auto frame = capture_.frames().take_before(SteadyClock().now() + kLookAround);
-    if (frame) handle(**frame);
+    if (!frame || (*frame)->pixels.empty()) continue;
+    body_ ? handle_body(**frame) : handle(**frame);
   }
 }
 
 void Tracker::handle(const Frame& frame) {
-  if (frame.pixels.empty()) return;
   const TimePoint taken_at = clock_.now();
   auto found = search_.search(frame.pixels);
   const TimePoint found_at = clock_.now();
@@ -122,23 +151,49 @@ std::vector<TagDetection> Tracker::straight_tags(const std::vector<TagDetection>
   return brown ? straightened(seen, *brown, lens) : seen;
 }
 
-wire::TrackedPose Tracker::pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const {
+void Tracker::handle_body(const Frame& frame) {
+  const TimePoint taken_at = clock_.now();
+  const Pinhole lens = lens_for(settings_.lens, frame.pixels.width(), frame.pixels.height());
+  const std::optional<BodyPose> body = body_->update(frame.pixels, lens, frame.captured_at);
+  const TimePoint found_at = clock_.now();
+  wire::TrackedPose pose = pose_of(frame);
+  pose.set_found(body.has_value());
+  if (body) {
+    pose.set_body(true);
+    set_pose(T_camera_body(*body), &pose);
+    add_covariance(covariance_of(*body), &pose);
+    pose.set_probability(1.0);
+    inspection_.count("pictures_with_a_visitor");
+    inspection_.set_gauge("distance_m", body->depth_m);
+    inspection_.set_gauge("right_m", -body->x_m);
+    inspection_.set_gauge("lean_deg", body->lean_rad * 180.0 / std::numbers::pi);
+  }
+  add_stage("capture", taken_at - frame.captured_at, &inspection_, &pose);
+  add_stage("detect", found_at - taken_at, &inspection_, &pose);
+  add_stage("pose", clock_.now() - found_at, &inspection_, &pose);
+  link_->send(std::move(pose));
+  ++pictures_;
+  body_state_ = body_->state();
+  inspection_.count("pictures");
+  if (inspection_.is_watched(kPicture))
+    inspection_.set_picture(kPicture, std::make_shared<const RgbImage>(body_->drawn(frame.pixels)));
+}
+
+wire::TrackedPose Tracker::pose_of(const Frame& frame) const {
   wire::TrackedPose pose;
   pose.set_camera(settings_.name.empty() ? capture_.camera_id() : settings_.name);
   pose.set_sequence(frame.sequence);
   pose.set_shutter_ns(to_nanoseconds(frame.captured_at));
+  return pose;
+}
+
+wire::TrackedPose Tracker::pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const {
+  wire::TrackedPose pose = pose_of(frame);
   pose.set_found(tag.has_value());
   if (!tag) return pose;
   pose.set_tag(static_cast<std::uint32_t>(tag->wand.id()));
-  to_wire(tag->T_camera_tag.translation(), pose.mutable_position_m());
-  const Eigen::Quaterniond& rotation = tag->T_camera_tag.rotation();
-  pose.set_rotation_w(rotation.w());
-  pose.set_rotation_x(rotation.x());
-  pose.set_rotation_y(rotation.y());
-  pose.set_rotation_z(rotation.z());
-  for (Eigen::Index row = 0; row < 6; ++row) {
-    for (Eigen::Index column = row; column < 6; ++column) pose.add_covariance(tag->covariance(row, column));
-  }
+  set_pose(tag->T_camera_tag, &pose);
+  add_covariance(tag->covariance, &pose);
   pose.set_probability(tag->chosen.probability);
   return pose;
 }
@@ -178,8 +233,10 @@ bool Tracker::supervise() {
   const std::string problem = capture_.problem();
   const int followed = followed_;
   std::string sentence = !problem.empty() ? fmt::format("No pictures: {}.", problem)
-                         : followed >= 0  ? fmt::format("Follows tag {}, {:.1f} pictures per second.", followed, rate)
-                                          : fmt::format("Sees no tag, {:.1f} pictures per second.", rate);
+                         : settings_.steer_by == SteerBy::kBody
+                             ? fmt::format("By the body: {}, {:.1f} pictures per second.", body_state_.load(), rate)
+                         : followed >= 0 ? fmt::format("Follows tag {}, {:.1f} pictures per second.", followed, rate)
+                                         : fmt::format("Sees no tag, {:.1f} pictures per second.", rate);
   if (!does_lens_fit_) sentence += " The lens was calibrated for pictures of another shape and is left aside.";
   if (!link_->is_connected()) sentence += fmt::format(" The tour at {} does not answer.", settings_.tour);
   state_ = sentence;

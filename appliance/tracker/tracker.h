@@ -43,16 +43,19 @@ class Tracker {
           std::unique_ptr<Camera> first_camera, TagSearch search, std::unique_ptr<TourLink> link);
   void detect(const std::stop_token& stop);
   void handle(const Frame& frame);
+  void handle_body(const Frame& frame);
   void report(const Frame& frame, const TrackingResult& result, const Pinhole& lens,
               std::span<const TagDetection> detections);
   [[nodiscard]] std::vector<TagDetection> straight_tags(const std::vector<TagDetection>& seen, const Pinhole& lens);
+  [[nodiscard]] wire::TrackedPose pose_of(const Frame& frame) const;
   [[nodiscard]] wire::TrackedPose pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const;
 
   const TrackerSettings settings_;
   const Clock& clock_;
   InspectionService& inspection_;
   TagSearch search_;
-  TrackingState tracking_;  ///< Of the detect thread.
+  TrackingState tracking_;           ///< Of the detect thread.
+  std::optional<BodyTracker> body_;  ///< Of the detect thread; only where visitors steer by the body.
   std::unique_ptr<TourLink> link_;
   std::unique_ptr<Camera> first_camera_;  ///< Opened at the start, to show mistakes at once; then the capture thread's.
   Capture capture_;
@@ -60,6 +63,7 @@ class Tracker {
   std::atomic<std::uint64_t> pictures_ = 0;
   std::atomic<int> followed_ = -1;          ///< Wand::id() in the newest picture; -1 without one.
   std::atomic<bool> does_lens_fit_ = true;  ///< The calibrated one, the newest picture.
+  std::atomic<const char*> body_state_ = "";
   std::uint64_t counted_pictures_ = 0;
   TimePoint counted_at_{};
   std::string state_;

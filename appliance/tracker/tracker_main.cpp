@@ -27,6 +27,8 @@ struct Options {
   std::optional<std::string> listen;
   std::optional<std::string> osc;
   std::optional<std::string> vrpn;
+  std::optional<std::string> steer_by;
+  std::optional<double> stand_m;
   std::optional<double> tag_size_mm;
   std::vector<std::string> wands;
   std::optional<double> field_of_view_deg;
@@ -45,6 +47,11 @@ void add_options(CLI::App* app, Options* ret) {
   app->add_option("--listen", ret->listen, "Where to show live state to the operator")->type_name("HOST:PORT");
   app->add_option("--osc", ret->osc, "Send each pose here as well, as Open Sound Control")->type_name("HOST:PORT");
   app->add_option("--vrpn", ret->vrpn, "Send each pose here as well, as VRPN's datagrams")->type_name("HOST:PORT");
+  app->add_option("--steer-by", ret->steer_by,
+                  "wand (default), or body: visitors carry nothing, and stand at a mark; leaning turns, stepping walks")
+      ->check(CLI::IsMember({"wand", "body"}));
+  app->add_option("--stand-m", ret->stand_m, "Of --steer-by body: from the camera to the mark; 2 m")
+      ->check(CLI::Range(0.5, 10.0));
   app->add_option("--tag-size-mm", ret->tag_size_mm, "Follow flat tags instead of wands: edge of the black square")
       ->check(CLI::Range(1.0, 10000.0));
   app->add_option("--wand", ret->wands, "Follow the wand that FILE describes (cyclorama wand --describe); repeat it")
@@ -85,6 +92,8 @@ Result<TrackerSettings> settings_of(const Options& options) {
   if (options.listen) settings.listen = *options.listen;
   if (options.osc) settings.osc = *options.osc;
   if (options.vrpn) settings.vrpn = *options.vrpn;
+  if (options.steer_by) settings.steer_by = *options.steer_by == "body" ? SteerBy::kBody : SteerBy::kWand;
+  if (options.stand_m) settings.body.stand_m = *options.stand_m;
   PatternSettings& patterns = settings.tracking.patterns;
   if (options.tag_size_mm) patterns.flat_tag_size_m = 1e-3 * *options.tag_size_mm;
   if (!options.wands.empty()) patterns = {};
@@ -135,8 +144,9 @@ Status run(const Options& options, const StopSignal& stop) {
 }  // namespace cyclorama
 
 int main(int argc, char** argv) {
-  cyclorama::Program program("cyclorama-tracker",
-                             "Finds the visitor's wand in a camera's pictures and tells the tour its pose.");
+  cyclorama::Program program(
+      "cyclorama-tracker",
+      "Finds the visitor's wand, or the visitor, in a camera's pictures and tells the tour the pose.");
   cyclorama::Options options;
   add_options(&program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return run(options, stop); });

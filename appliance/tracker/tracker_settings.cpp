@@ -81,6 +81,14 @@ void read_filter(ConfigTable filter, TrackingSettings* ret) {
   ret->chooser.memory_s = filter.number("memory_s", {0.01, 60}, ret->chooser.memory_s);
 }
 
+void read_body(ConfigTable body, TrackerSettings* ret) {
+  BodySettings& settings = ret->body;
+  settings.stand_m = body.number("stand_m", {0.5, 10.0}, settings.stand_m);
+  settings.reach_m = body.number("reach_m", {0.2, 5.0}, settings.reach_m);
+  settings.begin_within_m = body.number("begin_within_m", {0.1, 5.0}, settings.begin_within_m);
+  ret->background.cells_across = body.integer("cells_across", {40, 1280}, ret->background.cells_across);
+}
+
 Result<TrackerSettings> from_config(Config* config, const std::filesystem::path& folder) {
   TrackerSettings settings;
   ConfigTable root = config->root();
@@ -88,6 +96,8 @@ Result<TrackerSettings> from_config(Config* config, const std::filesystem::path&
   const Status patterns = read_patterns(root, folder, &settings);
   read_detector(root.table("detector"), &settings.detector);
   read_filter(root.table("filter"), &settings.tracking);
+  read_body(root.table("body"), &settings);
+  if (root.choice("steer_by", {"wand", "body"}, "wand") == "body") settings.steer_by = SteerBy::kBody;
   settings.tour = root.text("tour", settings.tour);
   settings.listen = root.text("listen", settings.listen);
   settings.osc = root.text("osc", settings.osc);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "appliance/calibrator/lens/measured_lens.h"
+#include "appliance/tracker/markerless/body_tracker.h"
 #include "appliance/tracker/tag_detector.h"
 #include "appliance/tracker/tag_tracking.h"
 #include "common/base/result.h"
@@ -24,11 +25,16 @@ struct LensSettings {
   std::optional<MeasuredLens> calibrated;
 };
 
+enum class SteerBy { kWand, kBody };
+
 /// Everything that cyclorama-tracker is told. The defaults are those of the demo on one machine.
 struct TrackerSettings {
   std::string camera = "simulated";  ///< For make_camera().
   std::string name;                  ///< What the tour calls this camera; the camera's own id when empty.
   LensSettings lens;
+  SteerBy steer_by = SteerBy::kWand;
+  BodySettings body;              ///< Of visitors without a pattern.
+  BackgroundSettings background;  ///< Likewise.
   DetectorSettings detector;
   TrackingSettings tracking;
   std::string tour = "[::1]:7403";

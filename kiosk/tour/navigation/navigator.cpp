@@ -2,6 +2,7 @@
 #include "kiosk/tour/navigation/navigator.h"
 
 #include <cmath>
+#include <utility>
 
 namespace cyclorama {
 namespace {
@@ -43,6 +44,29 @@ Steerer steerer_at(const Navigation& state, const NavigationSettings& settings, 
   return tag ? Steerer::kTag : Steerer::kNobody;
 }
 
+bool is_sane(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag) {
+  const Eigen::Vector3d& place = T_camera_tag.translation();
+  return place.allFinite() && T_camera_tag.rotation().coeffs().allFinite() && place.z() > 0.0 &&
+         place.norm() < kFarthestTagM && std::abs(T_camera_tag.rotation().norm() - 1.0) < 1e-3;
+}
+
+/// What the tag, or the body, in the newest picture asks for, smoothed.
+Navigation with_wish(Navigation state, const SteeringWish& seen, TimePoint arrived_at,
+                     const NavigationSettings& settings) {
+  if (state.tag_seen_at && arrived_at <= *state.tag_seen_at) return state;
+  const bool again = !held(state.tag_seen_at, kTagHeld, arrived_at);
+  const SteeringWish before = again ? SteeringWish{} : state.tag_wish;
+  const Duration since = again ? kTagHeld : arrived_at - *state.tag_seen_at;
+  const double weight = settings.tag_smoothing > Duration::zero()
+                            ? 1.0 - std::exp(-to_seconds(since) / to_seconds(settings.tag_smoothing))
+                            : 1.0;
+  const auto mixed = [weight](double from, double to) { return settled(from + weight * (to - from)); };
+  state.tag_wish = {mixed(before.forward, seen.forward), mixed(before.right, seen.right),
+                    mixed(before.turn, seen.turn)};
+  state.tag_seen_at = arrived_at;
+  return state;
+}
+
 }  // namespace
 
 const char* to_text(Steerer steerer) {
@@ -72,22 +96,14 @@ Navigation started(const Site& site) {
 
 Navigation with_tag(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
                     TimePoint arrived_at, const NavigationSettings& settings) {
-  const Eigen::Vector3d& place = T_camera_tag.translation();
-  const bool sane = place.allFinite() && T_camera_tag.rotation().coeffs().allFinite() && place.z() > 0.0 &&
-                    place.norm() < kFarthestTagM && std::abs(T_camera_tag.rotation().norm() - 1.0) < 1e-3;
-  if (!sane || (state.tag_seen_at && arrived_at <= *state.tag_seen_at)) return state;
-  const SteeringWish seen = tag_wish(T_camera_tag, settings.tag);
-  const bool again = !held(state.tag_seen_at, kTagHeld, arrived_at);
-  const SteeringWish before = again ? SteeringWish{} : state.tag_wish;
-  const Duration since = again ? kTagHeld : arrived_at - *state.tag_seen_at;
-  const double weight = settings.tag_smoothing > Duration::zero()
-                            ? 1.0 - std::exp(-to_seconds(since) / to_seconds(settings.tag_smoothing))
-                            : 1.0;
-  const auto mixed = [weight](double from, double to) { return settled(from + weight * (to - from)); };
-  state.tag_wish = {mixed(before.forward, seen.forward), mixed(before.right, seen.right),
-                    mixed(before.turn, seen.turn)};
-  state.tag_seen_at = arrived_at;
-  return state;
+  if (!is_sane(T_camera_tag)) return state;
+  return with_wish(std::move(state), tag_wish(T_camera_tag, settings.tag), arrived_at, settings);
+}
+
+Navigation with_body(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
+                     TimePoint arrived_at, const NavigationSettings& settings) {
+  if (!is_sane(T_camera_body)) return state;
+  return with_wish(std::move(state), body_wish(T_camera_body, settings.body), arrived_at, settings);
 }
 
 Navigation with_keys(Navigation state, const SteeringWish& wish, TimePoint arrived_at) {

@@ -19,6 +19,7 @@
 
 #include <optional>
 
+#include "kiosk/tour/navigation/body_steering.h"
 #include "kiosk/tour/navigation/guide.h"
 #include "kiosk/tour/navigation/tag_steering.h"
 #include "kiosk/tour/navigation/walk.h"
@@ -31,6 +32,7 @@ enum class Steerer { kNobody, kKeys, kTag, kGuide };
 struct NavigationSettings {
   WalkLimits limits;
   TagSteeringSettings tag;
+  BodySteeringSettings body;  ///< Of visitors without a pattern.
   /// Time constant of the low-pass filter on the tag's wish; the tracker has filtered the pose before.
   Duration tag_smoothing = std::chrono::milliseconds(60);
   /// Zero: no guide.
@@ -79,6 +81,10 @@ struct Navigation {
 /// 50 m, are ignored. (A picture without a tag is no measurement: do not call.)
 [[nodiscard]] Navigation with_tag(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
                                   TimePoint arrived_at, const NavigationSettings& settings);
+
+/// The same for a visitor who steers by the body.
+[[nodiscard]] Navigation with_body(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
+                                   TimePoint arrived_at, const NavigationSettings& settings);
 
 /// A request for keys; one at rest releases them at once.
 [[nodiscard]] Navigation with_keys(Navigation state, const SteeringWish& wish, TimePoint arrived_at);

@@ -28,8 +28,9 @@ struct Apply {
   void operator()(const PoseSeen& seen) const {
     if (!walk.trackers[seen.tracker].is_news(seen.sequence, seen.shutter_ns, at)) return;
     const auto T_camera_tag = tag_pose_of(seen);
-    if (!T_camera_tag || !walk.open || !walk.choice.sees_tag(seen.tracker, at)) return;
-    walk.navigation = with_tag(std::move(walk.navigation), *T_camera_tag, at, settings);
+    if (!T_camera_tag || !walk.open || !walk.choice.sees_tag(seen.tracker, at, seen.body)) return;
+    const auto with = seen.body ? with_body : with_tag;
+    walk.navigation = with(std::move(walk.navigation), *T_camera_tag, at, settings);
   }
   void operator()(const TrackerLeft& left) const {
     walk.trackers.erase(left.tracker);

@@ -29,6 +29,7 @@ struct PoseSeen {
   bool found = false;
   std::array<double, 3> position_m{};
   std::array<double, 4> rotation{};  ///< w, x, y, z.
+  bool body = false;                 ///< A visitor without a pattern (body_steering.h).
 };
 struct TrackerLeft {
   std::uint64_t tracker = 0;

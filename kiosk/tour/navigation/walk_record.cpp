@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::string_view kTitle = "cyclorama-walk 1";
+constexpr std::string_view kTitle = "cyclorama-walk 2";
 constexpr std::size_t kLongestNameBytes = 200;
 constexpr std::size_t kMostStops = 1024;
 constexpr std::int64_t kFarthestNs = 3'200'000'000'000'000'000;
@@ -56,7 +56,8 @@ struct Write {
     return text;
   }
   std::string operator()(const PoseSeen& seen) const {
-    const std::string head = fmt::format("{} {} {} {}", line("pose"), seen.tracker, seen.sequence, seen.shutter_ns);
+    const std::string head =
+        fmt::format("{} {} {} {}", line(seen.body ? "body" : "pose"), seen.tracker, seen.sequence, seen.shutter_ns);
     if (!seen.found) return head + " lost";
     return fmt::format("{} {} {}", head, fmt::join(seen.position_m, " "), fmt::join(seen.rotation, " "));
   }
@@ -159,6 +160,15 @@ void read_tag(Words* words, NavigationSettings* ret) {
   tag.distance_m = read_gain(words);
 }
 
+void read_body(Words* words, NavigationSettings* ret) {
+  BodySteeringSettings& body = ret->body;
+  body.stand_m = words->finite(0.0, 100.0);
+  body.neutral_right_m = words->finite(-100.0, 100.0);
+  body.lean_rad = read_gain(words);
+  body.sideways_m = read_gain(words);
+  body.distance_m = read_gain(words);
+}
+
 void read_times(Words* words, NavigationSettings* ret) {
   ret->tag_smoothing = words->duration();
   ret->guide_after = words->duration();
@@ -239,8 +249,10 @@ WalkEntry read_entry(Words* words) {
   if (kind == "tick") {
     entry.event = Tick{};
     entry.view = read_view(words);
-  } else if (kind == "pose") {
-    entry.event = read_pose(words);
+  } else if (kind == "pose" || kind == "body") {
+    PoseSeen seen = read_pose(words);
+    seen.body = kind == "body";
+    entry.event = seen;
   } else if (kind == "keys") {
     const auto forward = words->value<double>();
     const auto right = words->value<double>();
@@ -250,7 +262,7 @@ WalkEntry read_entry(Words* words) {
   } else if (kind == "open") {
     entry.event = read_open(words);
   } else {
-    words->fail("begins with none of open, pose, left, keys, tick");
+    words->fail("begins with none of open, pose, body, left, keys, tick");
   }
   return entry;
 }
@@ -288,6 +300,10 @@ std::string record_head(const NavigationSettings& settings) {
   fmt::format_to(std::back_inserter(text), "tag {} {}", tag.neutral_distance_m, tag.neutral_right_m);
   for (const GainCurve& gain : {tag.yaw_rad, tag.sideways_m, tag.distance_m})
     fmt::format_to(std::back_inserter(text), " {} {}", gain.dead, gain.full);
+  const BodySteeringSettings& body = settings.body;
+  fmt::format_to(std::back_inserter(text), "\nbody {} {}", body.stand_m, body.neutral_right_m);
+  for (const GainCurve& gain : {body.lean_rad, body.sideways_m, body.distance_m})
+    fmt::format_to(std::back_inserter(text), " {} {}", gain.dead, gain.full);
   fmt::format_to(std::back_inserter(text), "\ntimes {} {} {} {}\n", nanoseconds(settings.tag_smoothing),
                  nanoseconds(settings.guide_after), nanoseconds(settings.turn_longest),
                  nanoseconds(settings.turn_pause));
@@ -309,9 +325,9 @@ Result<WalkRecord> parse_walk_record(std::string_view text, const std::string& n
     if (line_number == 1) {
       if (!words.is_next(kTitle)) words.fail(fmt::format("is not '{}'; was it written by --record?", kTitle));
       words = words.is_next(kTitle) ? Words("") : words;
-    } else if (line_number <= 4) {
-      constexpr std::string_view kHead[] = {"limits", "tag", "times"};
-      constexpr void (*kRead[])(Words*, NavigationSettings*) = {read_limits, read_tag, read_times};
+    } else if (line_number <= 5) {
+      constexpr std::string_view kHead[] = {"limits", "tag", "body", "times"};
+      constexpr void (*kRead[])(Words*, NavigationSettings*) = {read_limits, read_tag, read_body, read_times};
       const std::string_view expected = kHead[line_number - 2];
       if (words.word() != expected) words.fail(fmt::format("does not begin with '{}'", expected));
       kRead[line_number - 2](&words, &record.settings);
@@ -323,7 +339,7 @@ Result<WalkRecord> parse_walk_record(std::string_view text, const std::string& n
       return Error(ErrorCode::kBadData, fmt::format("{}:{}: the line {}", name, line_number, mistake));
     text.remove_prefix(end + 1);
   }
-  if (line_number < 4)
+  if (line_number < 5)
     return Error(ErrorCode::kBadData, fmt::format("{}:{}: ends before its settings; it is no walk", name, line_number));
   return record;
 }

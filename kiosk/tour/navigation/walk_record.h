@@ -2,14 +2,18 @@
 /// A walk in a file: every event with its time, and after each tick the view that it led to. Lines of words, numbers in
 /// the fewest digits that give the same bits again.
 ///
-///   cyclorama-walk 1
+///   cyclorama-walk 2
 ///   limits FORWARD SIDEWAYS TURN ACCELERATION JERK TURN_ACCELERATION TURN_JERK
 ///   tag NEUTRAL_DISTANCE NEUTRAL_RIGHT YAW_DEAD YAW_FULL SIDE_DEAD SIDE_FULL DISTANCE_DEAD DISTANCE_FULL
-///   times SMOOTHING GUIDE_AFTER TURN_LONGEST TURN_PAUSE                                        all times in
-///   nanoseconds open AT NAME SCALE X Z HEADING POLYGONS (CORNERS (X Z)...)... STOPS (X Z HEADING)... pose AT TRACKER
-///   SEQUENCE SHUTTER lost pose AT TRACKER SEQUENCE SHUTTER X Y Z QW QX QY QZ left AT TRACKER keys AT FORWARD RIGHT
-///   TURN tick AT X Z HEADING RIGHT FORWARD TURN STEERER                                   where it led; then more of
-///   these
+///   body STAND NEUTRAL_RIGHT LEAN_DEAD LEAN_FULL SIDE_DEAD SIDE_FULL DISTANCE_DEAD DISTANCE_FULL
+///   times SMOOTHING GUIDE_AFTER TURN_LONGEST TURN_PAUSE                    all times in nanoseconds
+///
+///   open AT NAME SCALE X Z HEADING POLYGONS (CORNERS (X Z)...)... STOPS (X Z HEADING)...
+///   pose AT TRACKER SEQUENCE SHUTTER lost
+///   pose AT TRACKER SEQUENCE SHUTTER X Y Z QW QX QY QZ                     and so for `body`: no pattern
+///   left AT TRACKER
+///   keys AT FORWARD RIGHT TURN
+///   tick AT X Z HEADING RIGHT FORWARD TURN STEERER                         where it led; then more of these
 #pragma once
 
 #include <optional>

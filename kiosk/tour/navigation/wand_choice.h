@@ -10,15 +10,18 @@
 namespace cyclorama {
 
 /// Which of several trackers steers: the one that first saw a tag keeps control until it has lost it for a second.
-/// Several wands before one camera are the tracker's to sort out, by the same rule.
+/// Several wands before one camera are the tracker's to sort out, by the same rule. A wand goes before a body: who
+/// holds one takes control from who stands there without, and keeps it.
 class WandChoice {
  public:
   static constexpr Duration kKept = std::chrono::seconds(1);
 
   /// True when what `tracker` saw at `now` steers the visit.
-  bool sees_tag(std::uint64_t tracker, TimePoint now) {
-    if (holder_ && *holder_ != tracker && now - seen_at_ <= kKept) return false;
+  bool sees_tag(std::uint64_t tracker, TimePoint now, bool body = false) {
+    const bool held = holder_ && *holder_ != tracker && now - seen_at_ <= kKept;
+    if (held && (body || !by_body_)) return false;
     holder_ = tracker;
+    by_body_ = body;
     seen_at_ = now;
     return true;
   }
@@ -30,6 +33,7 @@ class WandChoice {
  private:
   std::optional<std::uint64_t> holder_;
   TimePoint seen_at_{};
+  bool by_body_ = false;
 };
 
 /// Which pictures of one tracker are news. A picture may come twice or late; and a tracker's clock may jump, after

@@ -42,6 +42,7 @@ PoseSeen pose_seen(std::uint64_t tracker, const wire::TrackedPose& pose) {
   seen.sequence = pose.sequence();
   seen.shutter_ns = pose.shutter_ns();
   seen.found = pose.found();
+  seen.body = pose.body();
   seen.position_m = {pose.position_m().x(), pose.position_m().y(), pose.position_m().z()};
   seen.rotation = {pose.rotation_w(), pose.rotation_x(), pose.rotation_y(), pose.rotation_z()};
   return seen;

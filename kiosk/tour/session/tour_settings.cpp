@@ -60,6 +60,12 @@ void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
   read_gain(walk, "yaw", "deg", kDegree, 80.0, &tag.yaw_rad);
   read_gain(walk, "sideways", "m", 1.0, 5.0, &tag.sideways_m);
   read_gain(walk, "distance", "m", 1.0, 5.0, &tag.distance_m);
+  BodySteeringSettings& body = ret_settings->body;
+  body.stand_m = walk.number("stand_m", {0.5, 10.0}, body.stand_m);
+  body.neutral_right_m = walk.number("stand_right_m", {-5.0, 5.0}, body.neutral_right_m);
+  read_gain(walk, "lean", "deg", kDegree, 60.0, &body.lean_rad);
+  read_gain(walk, "step", "m", 1.0, 5.0, &body.sideways_m);
+  read_gain(walk, "approach", "m", 1.0, 5.0, &body.distance_m);
   ret_settings->tag_smoothing =
       seconds(1e-3 * walk.number("tag_smoothing_ms", {0.0, 1000.0}, to_milliseconds(ret_settings->tag_smoothing)));
   ret_settings->guide_after =

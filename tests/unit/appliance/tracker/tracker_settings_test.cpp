@@ -126,6 +126,29 @@ TEST(TrackerSettings, reads_which_wands_visitors_hold) {
   EXPECT_THAT(mistake_in("[tag]\nid = 1\n[wand]\nnumber = 1\n"), HasSubstr("remove one"));
 }
 
+TEST(TrackerSettings, reads_by_what_visitors_steer) {
+  const auto wand = TrackerSettings::parse("", "tracker.toml");
+  ASSERT_TRUE(wand.has_value());
+  EXPECT_EQ(wand->steer_by, SteerBy::kWand);
+  const auto body = TrackerSettings::parse(R"(
+    steer_by = "body"
+    [body]
+    stand_m = 2.5
+    reach_m = 1.1
+    begin_within_m = 0.4
+    cells_across = 200
+  )",
+                                           "tracker.toml");
+  ASSERT_TRUE(body.has_value()) << body.error().message();
+  EXPECT_EQ(body->steer_by, SteerBy::kBody);
+  EXPECT_EQ(body->body.stand_m, 2.5);
+  EXPECT_EQ(body->body.reach_m, 1.1);
+  EXPECT_EQ(body->body.begin_within_m, 0.4);
+  EXPECT_EQ(body->background.cells_across, 200);
+  EXPECT_THAT(mistake_in("steer_by = \"mind\"\n"), HasSubstr("tracker.toml:1"));
+  EXPECT_THAT(mistake_in("[body]\nstand_m = 0\n"), HasSubstr("tracker.toml:2"));
+}
+
 TEST(TrackerSettings, names_the_line_of_a_mistake) {
   EXPECT_THAT(mistake_in("[tag]\nsize_cm = 12\n"), HasSubstr("tracker.toml:2:"));
   EXPECT_THAT(mistake_in("[tag]\n\nsize_mm = -1\n"), HasSubstr("tracker.toml:3:"));

@@ -2,13 +2,19 @@
 /// The whole tracker against a tour that listens, goes away and comes back.
 #include "appliance/tracker/tracker.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <condition_variable>
+#include <filesystem>
 
+#include "common/image/draw.h"
+#include "common/image/png.h"
 #include "common/wire/channel.h"
 #include "common/wire/museum.grpc.pb.h"
+#include "tests/doubles/visitor_stories.h"
 
 namespace cyclorama {
 namespace {
@@ -98,6 +104,41 @@ TEST_F(TrackerTest, sends_a_pose_for_each_picture_with_its_stages) {
   EXPECT_GT(poses[4].sequence(), poses[3].sequence());
   EXPECT_TRUE(comes_to_say(tracker.get(), "Follows tag 0"));
   EXPECT_TRUE(inspection_.status().healthy());
+  server->stop(milliseconds(0));
+}
+
+TEST_F(TrackerTest, follows_a_visitor_who_carries_nothing) {
+  // The story's first 7.5 s as photos, 15 for a second.
+  const std::filesystem::path folder = testing::TempDir() + "visitor-photos-" + std::to_string(::getpid());
+  std::filesystem::create_directories(folder);
+  const VisitorRoom room(Pinhole::from_field_of_view(160, 120, settings_.lens.field_of_view_rad), 3);
+  const VisitorStory story;
+  for (int i = 0; i < 112; ++i) {
+    const GreyImage picture = room.picture({story.visitor.at(i / 15.0)}, {}, static_cast<std::uint64_t>(i));
+    ASSERT_TRUE(write_png(folder / fmt::format("{:03}.png", i), to_rgb(picture)));
+  }
+  FakeTour tour;
+  const auto server = serve(&tour, "[::1]:0");
+  ASSERT_NE(server, nullptr);
+  settings_.tour = "[::1]:" + std::to_string(server->port());
+  settings_.camera = "file:" + folder.string() + "?frames_per_second=15&loop=no";
+  settings_.steer_by = SteerBy::kBody;
+  {
+    const auto tracker = started();
+    ASSERT_NE(tracker, nullptr);
+    EXPECT_TRUE(comes_to_say(tracker.get(), "By the body: follows a visitor"));
+  }
+  std::filesystem::remove_all(folder);
+  bool followed = false;
+  for (const wire::TrackedPose& pose : tour.wait_for(1)) {
+    EXPECT_EQ(pose.body(), pose.found());
+    ASSERT_EQ(pose.stages_size(), 3);
+    if (!pose.found()) continue;
+    followed = true;
+    EXPECT_NEAR(pose.position_m().z(), 2.03, 0.3);
+    EXPECT_EQ(pose.covariance_size(), 21);
+  }
+  EXPECT_TRUE(followed);
   server->stop(milliseconds(0));
 }
 

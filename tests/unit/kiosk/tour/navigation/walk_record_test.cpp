@@ -104,11 +104,11 @@ TEST(WalkRecord, names_line_and_mistake) {
   };
   for (const Wrong& wrong : std::vector<Wrong>{
            {"", ":0: ends before"},
-           {"cyclorama-walk 2\n", ":1: the line is not 'cyclorama-walk 1'"},
-           {"cyclorama-walk 1\nlimits 1 2\n", ":2: the line ends too early"},
-           {"cyclorama-walk 1\nlimits 1 1 1 1 1 1 0\n", ":2: the line has 0, which is not between"},
-           {"cyclorama-walk 1\nspeeds 1\n", ":2: the line does not begin with 'limits'"},
-           {head + "tick x\n", ":5: the line has 'x' for a number"},
+           {"cyclorama-walk 1\n", ":1: the line is not 'cyclorama-walk 2'"},
+           {"cyclorama-walk 2\nlimits 1 2\n", ":2: the line ends too early"},
+           {"cyclorama-walk 2\nlimits 1 1 1 1 1 1 0\n", ":2: the line has 0, which is not between"},
+           {"cyclorama-walk 2\nspeeds 1\n", ":2: the line does not begin with 'limits'"},
+           {head + "tick x\n", ":6: the line has 'x' for a number"},
            {head + "tick 1 0 0 0 0 0 0 somebody\n", "nobody who steers"},
            {head + "tick 1 nan 0 0 0 0 0 tag\n", "has nan"},
            {head + "tick 1 0 0 0 0 0 0 tag more\n", "goes on too long"},

@@ -50,6 +50,14 @@ longest_turn_minutes = 5
 turn_pause_s = 3
 neutral_distance_m = 1.5
 neutral_right_m = -0.1
+stand_m = 2.5
+stand_right_m = 0.2
+lean_dead_deg = 4
+lean_full_deg = 25
+step_dead_m = 0.2
+step_full_m = 0.6
+approach_dead_m = 0.1
+approach_full_m = 0.7
 yaw_dead_deg = 5
 yaw_full_deg = 40
 sideways_dead_m = 0.05
@@ -69,6 +77,9 @@ guide_after_s = 0
   EXPECT_NEAR(settings->picture.guard_rad, 12 * kDegree, 1e-12);
   EXPECT_NEAR(settings->navigation.limits.turn_rad_per_s, 30 * kDegree, 1e-12);
   EXPECT_NEAR(settings->navigation.tag.yaw_rad.full, 40 * kDegree, 1e-12);
+  EXPECT_EQ(settings->navigation.body.stand_m, 2.5);
+  EXPECT_NEAR(settings->navigation.body.lean_rad.full, 25 * kDegree, 1e-12);
+  EXPECT_EQ(settings->navigation.body.distance_m.full, 0.7);
   EXPECT_EQ(settings->navigation.tag_smoothing, std::chrono::milliseconds(80));
   EXPECT_EQ(settings->navigation.guide_after, Duration::zero());
   EXPECT_EQ(settings->navigation.limits.jerk_m_per_s3, 30.0);

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "appliance/tracker/markerless/silhouette.h"
+#include "common/base/clock.h"
+#include "common/image/image.h"
+
+namespace cyclorama {
+
+struct BackgroundSettings {
+  /// Pictures are reduced to about this many cells across, each the mean of its pixels.
+  int cells_across = 160;
+  Duration learns_for = std::chrono::milliseconds(1500);  ///< At the start.
+  Duration follows_in = std::chrono::seconds(20);         ///< Time constant of what is seen of the room.
+  Duration absorbs_after = std::chrono::seconds(20);      ///< What stands so long without stirring belongs to the room.
+};
+
+/// The room without visitors, learned from grey pictures, and what of a picture is not the room.
+///
+///   picture ─▶ cells ─▶ less the light's change ─▶ against each cell's mean and deviation ─▶ Silhouette
+///                          (light_fit.h)                     ▲ learned where nobody stands
+///
+/// Light: what the room does as a whole is light, what a part does alone is somebody. When too little of the room can
+/// be explained so at once, another light was switched on: nothing is said of that picture, and the room is learned
+/// anew from it, around whoever was there in the picture before. Ghosts, left by somebody who stood there while the
+/// room was learned, fade after `absorbs_after`. Thread-bound; the same pictures give the same silhouettes.
+class Background {
+ public:
+  explicit Background(const BackgroundSettings& settings) : settings_(settings) {}
+
+  /// What `picture`, taken at `at`, shows. Within `visitor`, where somebody is known to stand, the room is not learned.
+  /// A picture of another size begins anew, as does a time that jumps by more than 5 s. Valid until the next call.
+  const Silhouette& update(const GreyImage& picture, TimePoint at, const std::optional<CellRect>& visitor);
+  [[nodiscard]] const Silhouette& silhouette() const { return silhouette_; }
+  /// Pixels of a cell's side, in pictures of this width.
+  [[nodiscard]] int cell_px(int width_px) const;
+
+ private:
+  struct Cell {
+    float mean = 0.0f;      ///< Logarithm of the brightness, in the light of the start.
+    float variance = 0.0f;  ///< Of that, from picture to picture.
+    float seen = 0.0f;      ///< Pictures that it was learned from.
+    float held = 0.0f;      ///< What it has shown for `still_s`: for ghosts and chairs.
+    float still_s = 0.0f;
+  };
+  void begin(int width, int height, TimePoint at);
+  void reduce(const GreyImage& picture);
+  /// True when enough of the room is explained.
+  bool follow_light(const std::optional<CellRect>& visitor);
+  void learn_anew(const std::optional<CellRect>& visitor);
+  void compare(double seconds, const std::optional<CellRect>& visitor);
+  void outline();
+
+  BackgroundSettings settings_;
+  Silhouette silhouette_;
+  std::vector<Cell> cells_;
+  Image<float, 1> grey_;   ///< Of the picture's cells.
+  Image<float, 1> level_;  ///< Its logarithm, then less the light's change.
+  double noise_ = 0.0;     ///< Of level_, from picture to picture: the median over the cells.
+  std::optional<TimePoint> last_at_;
+  TimePoint learning_since_{};
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "appliance/tracker/markerless/background.h"
+#include "appliance/tracker/markerless/body_follower.h"
+#include "common/geometry/rigid_transform.h"
+#include "common/room/pinhole.h"
+
+namespace cyclorama {
+
+/// Steering without a pattern: grey pictures in, the visitor's pose out. No model is learned from other people, and no
+/// library for vision is needed: the room is known (background.h), and who comes to rest at a mark is followed by head
+/// and chest (body_follower.h). Thread-bound; the same pictures at the same times give the same poses.
+class BodyTracker {
+ public:
+  explicit BodyTracker(const BodySettings& body = {}, const BackgroundSettings& background = {})
+      : background_(background), follower_(body) {}
+
+  /// Nothing while nobody is followed, also in the dark and while the light changes. Every number is finite.
+  std::optional<BodyPose> update(const GreyImage& picture, const Pinhole& lens, TimePoint at);
+
+  /// For people, in a few words that live for ever: "waits for a visitor".
+  [[nodiscard]] const char* state() const;
+  /// The picture with what was made out of it: whatever is not the room, and the head and chest that are followed.
+  [[nodiscard]] RgbImage drawn(const GreyImage& picture) const;
+
+ private:
+  Background background_;
+  BodyFollower follower_;
+};
+
+/// As the wand's pose has it: place in the Camera frame, at the camera's height, and the lean about its z.
+[[nodiscard]] RigidTransform<frame::Camera, frame::Tag> T_camera_body(const BodyPose& pose);
+
+}  // namespace cyclorama

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace cyclorama {
+
+/// How much brighter a room is than it was: the logarithm of the gain, a parabola over the picture. (x, y) from -1 to 1
+/// across the picture. A lamp that is switched on, a camera that adjusts its gain and a wall that shines in another
+/// colour are all such a surface, near enough. A value.
+struct LightGain {
+  Eigen::Matrix<double, 6, 1> coefficients = Eigen::Matrix<double, 6, 1>::Zero();  ///< Of 1, x, y, x², xy, y².
+
+  [[nodiscard]] static Eigen::Matrix<double, 6, 1> terms(double x, double y) {
+    return (Eigen::Matrix<double, 6, 1>() << 1.0, x, y, x * x, x * y, y * y).finished();
+  }
+  [[nodiscard]] double at(double x, double y) const { return coefficients.dot(terms(x, y)); }
+};
+
+/// One place's brightness against what is known of the room there.
+struct LightSample {
+  double x = 0.0;
+  double y = 0.0;
+  double log_ratio = 0.0;
+  double weight = 1.0;  ///< 0 where somebody may stand.
+};
+
+/// The gain that most samples agree on; what stands before the room is outvoted as long as it fills less than half of
+/// the samples. Iterated least squares with Cauchy's weights from the median on; no samples give no change. Pure.
+[[nodiscard]] LightGain fitted_light(const std::vector<LightSample>& samples);
+
+}  // namespace cyclorama

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/navigation/body_steering.h"
+
+#include <cmath>
+
+namespace cyclorama {
+
+double lean_of(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body) {
+  // Where the body's upwards points: the camera's y is down.
+  const Eigen::Vector3d up = T_camera_body.rotation() * Eigen::Vector3d(0.0, -1.0, 0.0);
+  constexpr double kLying = 0.26;
+  return std::hypot(up.x(), up.y()) > kLying ? std::atan2(-up.x(), -up.y()) : 0.0;
+}
+
+SteeringWish body_wish(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
+                       const BodySteeringSettings& settings) {
+  const Eigen::Vector3d& place = T_camera_body.translation();
+  const SteeringWish wish{settings.distance_m.at(settings.stand_m - place.z()),
+                          settings.sideways_m.at(-place.x() - settings.neutral_right_m),
+                          settings.lean_rad.at(lean_of(T_camera_body))};
+  return wish.limited();
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/tour/navigation/body_steering.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "kiosk/tour/navigation/visit_walk.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+using Pose = RigidTransform<frame::Camera, frame::Tag>;
+
+/// Built from where head and hips are in the ROOM as the visitor sees it: x to the visitor's right, y up; with no
+/// formula of the code under test.
+Pose standing_at(double right_m, double distance_m, double head_to_the_right_m) {
+  const Eigen::Vector3d upwards = Eigen::Vector3d(head_to_the_right_m, 0.8, 0.0).normalized();
+  // The camera's x is the room's -x, its y the room's -y, and the body's y is downwards.
+  const Eigen::Vector3d down_camera(upwards.x(), upwards.y(), 0.0);
+  Eigen::Matrix3d rotation;
+  rotation.col(1) = down_camera;
+  rotation.col(2) = Eigen::Vector3d::UnitZ();
+  rotation.col(0) = rotation.col(1).cross(rotation.col(2));
+  return {Eigen::Quaterniond(rotation), {-right_m, 0.0, distance_m}};
+}
+
+TEST(BodySteering, rests_at_the_mark_and_through_fidgeting) {
+  EXPECT_TRUE(body_wish(standing_at(0, 2.0, 0), {}).is_rest());
+  EXPECT_TRUE(body_wish(standing_at(0.1, 2.1, 0.05), {}).is_rest());
+}
+
+TEST(BodySteering, turns_to_where_one_leans_slides_to_where_one_steps_walks_to_where_one_goes) {
+  EXPECT_GT(body_wish(standing_at(0, 2.0, 0.2), {}).turn, 0.3);
+  EXPECT_LT(body_wish(standing_at(0, 2.0, -0.2), {}).turn, -0.3);
+  EXPECT_GT(body_wish(standing_at(0.35, 2.0, 0), {}).right, 0.3);
+  EXPECT_LT(body_wish(standing_at(-0.35, 2.0, 0), {}).right, -0.3);
+  EXPECT_GT(body_wish(standing_at(0, 1.6, 0), {}).forward, 0.3);
+  EXPECT_LT(body_wish(standing_at(0, 2.4, 0), {}).forward, -0.3);
+  EXPECT_EQ(body_wish(standing_at(0, 1.6, 0), {}).turn, 0.0);
+}
+
+TEST(BodySteering, stays_within_bounds_wherever_the_body_is) {
+  for (const double far : {-1e9, -3.0, 3.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    const SteeringWish wish = body_wish(Pose(Eigen::Quaterniond::Identity(), {far, far, far}), {});
+    EXPECT_LE(std::hypot(wish.forward, wish.right), 1.0 + 1e-12);
+    EXPECT_LE(std::abs(wish.turn), 1.0);
+  }
+}
+
+PoseSeen seen_by(std::uint64_t tracker, std::uint64_t sequence, bool body, const Pose& pose) {
+  PoseSeen seen{tracker, sequence, static_cast<std::int64_t>(sequence), true, {}, {}, body};
+  for (int i = 0; i < 3; ++i) seen.position_m[static_cast<std::size_t>(i)] = pose.translation()[i];
+  const Eigen::Quaterniond& q = pose.rotation();
+  seen.rotation = {q.w(), q.x(), q.y(), q.z()};
+  return seen;
+}
+
+TEST(BodySteering, gives_way_to_a_wand_and_does_not_take_from_one) {
+  const NavigationSettings settings;
+  TimePoint now(100s);
+  VisitWalk walk = after({}, SceneOpened{"plain", {}}, now, settings);
+  const Pose leaning = standing_at(0, 2.0, 0.3);
+  const Pose wand(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5});  // Near: forward.
+  walk = after(walk, seen_by(1, 1, true, leaning), now += 30ms, settings);
+  EXPECT_GT(walk.navigation.tag_wish.turn, 0.0);
+  for (std::uint64_t i = 2; i < 40; ++i) {
+    walk = after(walk, seen_by(2, i, false, wand), now += 15ms, settings);
+    walk = after(walk, seen_by(1, i, true, leaning), now += 15ms, settings);
+  }
+  EXPECT_GT(walk.navigation.tag_wish.forward, 0.9);
+  EXPECT_LT(walk.navigation.tag_wish.turn, 0.01);
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -5,6 +5,7 @@
 #include <grpcpp/server_context.h>
 
 #include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -48,6 +49,11 @@ class FakeFarm final : public wire::Farm::Service {
   /// From now on each frame takes so long, picked evenly.
   void set_frame_time(Duration least, Duration most) {
     change([&] { frame_time_ = {least, most}; });
+  }
+  /// From now on pictures are not plain: upright stripes that stand still in the scene, so that only a turn, and not a
+  /// new frame, changes what is seen. Of cylinders.
+  void set_striped(bool striped) {
+    change([&] { striped_ = striped; });
   }
   /// The next visits are refused with this; OK ends that.
   void refuse_visits(grpc::Status status) {
@@ -146,6 +152,7 @@ class FakeFarm final : public wire::Farm::Service {
     for (;;) {
       wire::View view;
       int tiles = -1;
+      bool striped = false;
       {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return stopping_ || inbox->closed || (gate_open_ && !inbox->waiting.empty()); });
@@ -153,17 +160,19 @@ class FakeFarm final : public wire::Farm::Service {
         view = inbox->waiting.front();
         inbox->waiting.erase(inbox->waiting.begin());
         tiles = std::exchange(break_after_, -1);
+        striped = striped_;
         const double share = std::uniform_real_distribution(0.0, 1.0)(random_);
         const auto takes =
             frame_time_.first + std::chrono::duration_cast<Duration>(
                                     share * std::chrono::duration<double>(frame_time_.second - frame_time_.first));
         changed_.wait_for(lock, takes, [&] { return stopping_ || inbox->closed; });
       }
-      if (!send_frame(stream, view, tiles)) return {grpc::StatusCode::UNAVAILABLE, "the script broke the stream"};
+      if (!send_frame(stream, view, tiles, striped))
+        return {grpc::StatusCode::UNAVAILABLE, "the script broke the stream"};
     }
   }
 
-  static bool send_frame(Stream& stream, const wire::View& view, int break_after) {
+  static bool send_frame(Stream& stream, const wire::View& view, int break_after, bool striped) {
     constexpr std::uint32_t kTilePx = 256;
     wire::VisitReply reply;
     *reply.mutable_begin() = view;
@@ -178,7 +187,11 @@ class FakeFarm final : public wire::Farm::Service {
         tile->set_y_px(y);
         tile->set_width_px(std::min(kTilePx, view.panorama().width_px() - x));
         tile->set_height_px(std::min(kTilePx, view.panorama().height_px() - y));
-        tile->set_jpeg(plain_jpeg(view, static_cast<int>(tile->width_px()), static_cast<int>(tile->height_px())));
+        const RgbImage picture = striped ? stripes(view, *tile) : plain(view, *tile);
+        const auto jpeg =
+            JpegEncoder().encode(picture, {static_cast<int>(view.jpeg_quality()), view.subsample_chroma()});
+        CHECK(jpeg);
+        tile->set_jpeg(std::string(reinterpret_cast<const char*>(jpeg->data()), jpeg->size()));
         sent = sent && stream.Write(reply);
         ++tiles;
       }
@@ -197,14 +210,23 @@ class FakeFarm final : public wire::Farm::Service {
     return sent && stream.Write(reply);
   }
 
-  static std::string plain_jpeg(const wire::View& view, int width, int height) {
-    RgbImage image(width, height);
+  static RgbImage plain(const wire::View& view, const wire::Tile& tile) {
+    RgbImage image(static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px()));
     std::uint8_t rgb[3];
     colour_of(view.number(), rgb);
     for (std::size_t i = 0; i < image.data().size(); ++i) image.data()[i] = rgb[i % 3];
-    const auto jpeg = JpegEncoder().encode(image, {static_cast<int>(view.jpeg_quality()), view.subsample_chroma()});
-    CHECK(jpeg);
-    return std::string(reinterpret_cast<const char*>(jpeg->data()), jpeg->size());
+    return image;
+  }
+  static RgbImage stripes(const wire::View& view, const wire::Tile& tile) {
+    RgbImage image(static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px()));
+    const wire::Panorama& panorama = view.panorama();
+    for (int x = 0; x < image.width(); ++x) {
+      const double across = (static_cast<double>(tile.x_px()) + x + 0.5) / panorama.width_px() - 0.5;
+      const double azimuth = view.heading_rad() + panorama.azimuth_span_rad() * across;
+      const auto grey = static_cast<std::uint8_t>(std::lround(128.0 + 100.0 * std::sin(90.0 * azimuth)));
+      for (int y = 0; y < image.height(); ++y) std::fill_n(image.at(x, y), 3, grey);
+    }
+    return image;
   }
 
   const wire::SceneDescription scene_;
@@ -215,6 +237,7 @@ class FakeFarm final : public wire::Farm::Service {
   bool gate_open_ = true;
   bool stopping_ = false;
   int break_after_ = -1;
+  bool striped_ = false;
   std::pair<Duration, Duration> frame_time_{};
   std::mt19937 random_{1};
   grpc::Status refusal_;

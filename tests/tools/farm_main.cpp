@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// test-farm: a farm of plain pictures that take so long each, and, once a tour is there, a visitor who turns for ever.
-// For tests/bench/display/sync.py. Says "port N", reads the tour's address, and at the end tells the tour's gauges and
-// its state.
+// test-farm: a farm of plain or striped pictures that take so long each, and, once a tour is there, a visitor who turns
+// for ever. For tests/bench/display/sync.py and tests/bench/visitor/motion_to_photon.py. Says "port N", reads the
+// tour's address, and at the end tells the tour's gauges and its state.
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
@@ -47,8 +47,9 @@ class Visitor {
   std::shared_ptr<grpc::Channel> channel_;
 };
 
-Status run(double least_ms, double most_ms, const StopSignal& stop) {
+Status run(double least_ms, double most_ms, bool striped, const StopSignal& stop) {
   FakeFarm farm;
+  farm.set_striped(striped);
   const auto ms = [](double value) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(value));
   };
@@ -73,7 +74,9 @@ int main(int argc, char** argv) {
   Program program("test-farm", "A farm of plain pictures, and a visitor who turns for ever.");
   double least_ms = 35.0;
   double most_ms = 65.0;
+  bool striped = false;
+  program.options().add_flag("--striped", striped);
   program.options().add_option("--least-ms", least_ms);
   program.options().add_option("--most-ms", most_ms);
-  return program.run(argc, argv, [&](const StopSignal& stop) { return run(least_ms, most_ms, stop); });
+  return program.run(argc, argv, [&](const StopSignal& stop) { return run(least_ms, most_ms, striped, stop); });
 }

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a moved wand to a changed wall, through the real processes: motion_to_photon.py BUILD [--quick] [--camera-hz N].
+
+A simulated hand holds a wand still and turns it all at once, again and again, at moments known to the nanosecond. The
+real cyclorama-tracker sees that in pictures, the real cyclorama-tour steers, the real cyclorama-display turns what its head
+shows; the head's pixels, as they are published with the moment of their refresh, are compared with those before:
+
+    wand turns ──▶ next exposure ──▶ picture ──▶ detect, pose ──▶ steer ──▶ next refresh ──▶ the first pixels that differ
+
+Nobody says when: only pixels in and pixels out. The farm's pictures are stripes that stand still in the scene, so a new frame
+changes nothing: what is seen first is the heading that the display applies. It needs no ray.
+
+The moments of the turns on this machine's clock come from the tracker's OSC: picture n was exposed at begin + n / rate.
+"""
+import argparse
+import json
+import mmap
+import pathlib
+import random
+import re
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+WALL = """name = "One projector"
+[wall]
+shape = "cylinder"
+radius_m = 3.0
+arc_deg = 126
+bottom_m = 0.4
+top_m = 2.9
+[visitor]
+eye_m = [0.0, 1.65, 0.0]
+[[projector]]
+name = "head"
+width_px = 320
+height_px = 240
+field_of_view_deg = 60
+lens_shift_fraction = [0.0, -0.36]
+position_m = [0.0, 2.75, 0.4]
+pan_deg = 0
+tilt_deg = -3
+"""
+TURN_DEG = 25
+STEP_S = 0.002  # The turn itself: the wand begins to turn, and the clock runs.
+HELD_S = 0.4  # Turned for so long; then straight until all is at rest again.
+PULSES = 8  # In a loop, right and left by turns, at odd distances from each other.
+QUIET_S = 0.12  # Before a turn nothing may change for so long, or the turn does not count.
+LATEST_S = 0.5
+
+
+def hand(camera_hz):
+    """The hand's file, and when in its loop the wand turns."""
+    rng = random.Random(7)
+    keys, turns, at = [], [], 0.5
+    for n in range(PULSES):
+        yaw = TURN_DEG if n % 2 == 0 else -TURN_DEG
+        turns.append(at)
+        keys += [(at, 0), (at + STEP_S, yaw), (at + HELD_S, yaw), (at + HELD_S + STEP_S, 0)]
+        at += HELD_S + 1.6 + rng.random() * 0.2
+    text = f"[camera]\nframes_per_second = {camera_hz}\n[path]\nloop_s = {at:.4f}\n"
+    for t, yaw in [(0.0, 0)] + keys:
+        text += f"[[path.key]]\ntime_s = {t:.4f}\nposition_m = [0.0, 0.05, 1.0]\nyaw_deg = {yaw}\npitch_deg = 8.0\nroll_deg = 0.0\n"
+    return text, turns, round(at, 4)
+
+
+class Poses(threading.Thread):
+    """What the tracker says, with the moment when it was said."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.socket = socket.socket(socket.AF_INET6, socket.SOCK_DGRAM)
+        self.socket.bind(("::1", 0))
+        self.socket.settimeout(0.5)
+        self.rows, self.going = [], True
+
+    def run(self):
+        while self.going:
+            try:
+                message = self.socket.recv(2048)
+            except TimeoutError:
+                continue
+            now = time.monotonic_ns()
+            end = message.index(b"\0")
+            if message[:end] != b"/cyclorama/pose":
+                continue
+            tags_at = (end // 4 + 1) * 4
+            tags_end = message.index(b"\0", tags_at)
+            tags, at = message[tags_at + 1:tags_end].decode(), (tags_end // 4 + 1) * 4
+            values = struct.unpack_from(">" + tags.replace("h", "q"), message, at)
+            _, sequence, shutter_ns, _, _, _, w, _, y, _ = values
+            self.rows.append((sequence, shutter_ns, now, 2 * y * w))
+
+
+class Head(threading.Thread):
+    """When a head's picture became another one."""
+
+    def __init__(self, path):
+        super().__init__(daemon=True)
+        self.path, self.going = path, True
+        self.changes = []  # presented ns, pixels that differ by more than 8 codes
+
+    def run(self):
+        with open(self.path, "rb") as file:
+            shared = mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ)
+        width, height = struct.unpack_from("=II", shared, 12)
+        size, words = width * height * 3, (width * height * 3 + 7) // 8
+        started, published, slots, pixels = 24, 32, 40, 40 + 2 * 16
+        last, before = 0, b""
+        while self.going:
+            number = struct.unpack_from("=Q", shared, published)[0]
+            if number == last:
+                time.sleep(0.0005)
+                continue
+            presented = struct.unpack_from("=q", shared, slots + 16 * (number % 2) + 8)[0]
+            begin = pixels + 8 * words * (number % 2)
+            picture = shared[begin:begin + size]
+            if struct.unpack_from("=Q", shared, started)[0] >= number + 2:
+                continue  # It was written over; the next one is there.
+            last = number
+            if picture != before:
+                row = len(picture) // 2 - len(picture) // 2 % (3 * width)  # One row is enough to see upright stripes turn.
+                much = sum(abs(a - b) > 8 for a, b in zip(picture[row:row + 3 * width:3], before[row:row + 3 * width:3]))
+                self.changes.append((presented, much))
+                before = picture
+
+
+def quantile(values, part):
+    values = sorted(values)
+    return values[min(len(values) - 1, int(part * len(values)))] if values else None
+
+
+def measure(build, camera_hz, refresh_hz, seconds, folder):
+    children = []
+
+    def start(*command, **options):
+        children.append(subprocess.Popen([str(word) for word in command], text=True, **options))
+        return children[-1]
+
+    text, turns, loop_s = hand(camera_hz)
+    (folder / "hand.toml").write_text(text, encoding="utf-8")
+    (folder / "room.toml").write_text(WALL, encoding="utf-8")
+    poses = Poses()
+    poses.start()
+    picture = folder / "head-head.picture"
+    picture.unlink(missing_ok=True)
+    try:
+        farm = start(build / "tests/test-farm", "--striped", stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        port = farm.stdout.readline().split()[1]
+        tour = start(build / "bin/cyclorama-tour", "--listen", "[::1]:0", "--farm", f"[::1]:{port}", "--samples", 1,
+                     stderr=subprocess.PIPE)
+        address = None
+        while address is None:
+            line = tour.stderr.readline()
+            if not line:
+                sys.exit("the tour did not start")
+            found = re.search(r"\(port (\d+)\)", line)
+            address = found and f"[::1]:{found[1]}"
+        threading.Thread(target=lambda: tour.stderr.read(), daemon=True).start()
+        start(build / "bin/cyclorama-display", "--installation", folder / "room.toml", "--tour", address, "--width", 768,
+              "--run-dir", folder, "--refresh-hz", refresh_hz, stderr=subprocess.DEVNULL)
+        start(build / "bin/cyclorama-tracker", "--camera", f"simulated:{folder}/hand.toml", "--tour", address, "--listen", "[::1]:0",
+              "--osc", f"[::1]:{poses.socket.getsockname()[1]}", stderr=subprocess.DEVNULL)
+        while not picture.exists():
+            time.sleep(0.05)
+        head = Head(picture)
+        head.start()
+        time.sleep(seconds + 3)
+        for child in children:
+            if child.poll() is not None:
+                sys.exit(f"{child.args[0]} ended")
+        head.going = poses.going = False
+    finally:
+        for child in reversed(children):
+            child.kill()
+            child.wait()
+    return turns, loop_s, poses.rows, head.changes
+
+
+def latencies(turns, loop_s, camera_hz, poses, changes):
+    begin = min(shutter - sequence * 1e9 / camera_hz for sequence, shutter, _, _ in poses)
+    first = changes[0][0] + 3e9
+    rows, unquiet = [], 0
+    for n in range(int((changes[-1][0] - begin) / 1e9 / loop_s) + 1):
+        for turn in turns:
+            t = begin + (n * loop_s + turn) * 1e9
+            if t < first or t + LATEST_S * 1e9 > changes[-1][0]:
+                continue
+            if any(t - QUIET_S * 1e9 < at < t for at, _ in changes):
+                unquiet += 1
+                continue
+            seen = next((at for at, _ in changes if at >= t), None)
+            plain = next((at for at, much in changes if at >= t and much >= 3), None)
+            told = next((row for row in poses if row[1] >= t - 5e6 and abs(row[3]) > 0.02), None)
+            if seen is None or seen - t > LATEST_S * 1e9 or told is None:
+                rows.append(None)  # Never seen: worse than any number.
+                continue
+            rows.append({"all": (seen - t) / 1e6, "plain": (plain - t) / 1e6 if plain else LATEST_S * 1e3,
+                         "shutter": max(0.0, (told[1] - t) / 1e6), "tracker": (told[2] - max(told[1], t)) / 1e6,
+                         "wall": (seen - told[2]) / 1e6})
+    return rows, unquiet
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--seconds", type=float)
+    parser.add_argument("--camera-hz", type=float, action="append")
+    parser.add_argument("--refresh-hz", type=float, default=60)
+    args = parser.parse_args()
+    seconds = args.seconds or (40 if args.quick else 200)
+    result = {}
+    print(f"{'camera':<9}{'turns':>6}{'not seen':>10}{'p50':>9}{'p95':>9}{'max':>9}   of p50: until the shutter, tracker, tour and display;  plainly seen p95")
+    for camera_hz in args.camera_hz or [30, 60]:
+        with tempfile.TemporaryDirectory() as folder:
+            rows, unquiet = latencies(*(lambda m: (m[0], m[1], camera_hz, m[2], m[3]))(
+                measure(args.build.resolve(), camera_hz, args.refresh_hz, seconds, pathlib.Path(folder))))
+        seen = [row for row in rows if row]
+        if not seen:
+            sys.exit("no turn was seen at rest: is the machine too busy?")
+        missed = len(rows) - len(seen)
+        every = [row["all"] for row in seen] + [LATEST_S * 1e3] * missed
+        part = {name: quantile([row[name] for row in seen], 0.5) for name in ("shutter", "tracker", "wall")}
+        figures = {"p50_ms": quantile(every, 0.5), "p95_ms": quantile(every, 0.95), "max_ms": max(every), "turns": len(rows),
+                   "not_seen": missed, "not_at_rest": unquiet, "plain_p95_ms": quantile([row["plain"] for row in seen], 0.95),
+                   **{f"{name}_p50_ms": value for name, value in part.items()}}
+        result[f"{camera_hz:.0f}"] = {name: round(value, 1) for name, value in figures.items()}
+        print(f"{camera_hz:>3.0f} /s   {len(rows):>6}{missed:>10}{figures['p50_ms']:>6.1f} ms{figures['p95_ms']:>6.1f} ms{figures['max_ms']:>6.1f} ms"
+              f"   {part['shutter']:>22.1f} {part['tracker']:>11.1f} {part['wall']:>13.1f}        {figures['plain_p95_ms']:>18.1f}")
+    first = next(iter(result.values()))
+    print(json.dumps({"benchmark": "motion-to-photon", "p50_ms": first["p50_ms"], "p95_ms": first["p95_ms"], "by_camera_hz": result}))
+
+
+main()

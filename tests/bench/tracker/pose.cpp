@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "tests/bench/tracker/pose_errors.h"
@@ -13,30 +16,94 @@ namespace {
 constexpr std::array kDistancesM{0.6, 1.0, 1.5, 2.0, 2.5};
 constexpr double kMostYawDeg = 60.0;
 
-PoseRun run_at(const HandStudio& studio, double distance_m, std::uint64_t first, std::uint64_t count, int threads) {
-  std::vector<PoseRun> runs(static_cast<std::size_t>(threads));
-  {
-    std::vector<std::jthread> workers;
-    for (int t = 0; t < threads; ++t) {
-      workers.emplace_back([&, t] {
-        for (auto i = static_cast<std::uint64_t>(t); i < count; i += static_cast<std::uint64_t>(threads)) {
-          auto search = TagSearch::create({});
-          add_scene(studio, HandScene::sampled(first + i, distance_m, kMostYawDeg), first + i, {}, &*search,
-                    &runs[static_cast<std::size_t>(t)]);
+/// Ten pictures of one scene, at each distance.
+using Scenes = std::array<PoseRun, kDistancesM.size()>;
+
+void add(const PoseRun& from, PoseRun* to) {
+  to->errors.insert(to->errors.end(), from.errors.begin(), from.errors.end());
+  to->pictures += from.pictures;
+}
+
+/// Scene `index` of `scenes` at each distance; every distance has scenes of its own.
+Scenes run_scene(const HandStudio& studio, std::uint64_t index, std::uint64_t scenes) {
+  Scenes runs;
+  for (std::size_t d = 0; d < runs.size(); ++d) {
+    const std::uint64_t number = d * scenes + index;
+    auto search = TagSearch::create({});
+    add_scene(studio, HandScene::sampled(number, kDistancesM[d], kMostYawDeg), number, {}, &*search, &runs[d]);
+  }
+  return runs;
+}
+
+/// What earlier runs wrote: a line "scene INDEX", then for each distance "PICTURES ERRORS" and a line per error.
+class KeptScenes {
+ public:
+  explicit KeptScenes(std::string path) : path_(std::move(path)) {}
+
+  /// How many scenes are there; they are added to `*ret`. A scene that was cut off is not.
+  std::uint64_t read(Scenes* ret) {
+    std::ifstream file(path_);
+    std::string word;
+    std::uint64_t index = 0, done = 0;
+    while (file >> word >> index && word == "scene" && index == done) {
+      Scenes scene;
+      for (PoseRun& run : scene) {
+        std::size_t errors = 0;
+        file >> run.pictures >> errors;
+        for (std::size_t i = 0; i < errors && file; ++i) {
+          PoseError e{};
+          file >> e.true_yaw_deg >> e.yaw_deg >> e.x_mm >> e.yaw_in_deviations >> e.tags;
+          run.errors.push_back(e);
         }
-      });
+      }
+      if (!file || !(file >> word) || word != "end") break;
+      for (std::size_t d = 0; d < scene.size(); ++d) add(scene[d], &(*ret)[d]);
+      ++done;
+      whole_ = file.tellg();
     }
+    return done;
   }
-  for (std::size_t t = 1; t < runs.size(); ++t) {
-    runs[0].errors.insert(runs[0].errors.end(), runs[t].errors.begin(), runs[t].errors.end());
-    runs[0].pictures += runs[t].pictures;
+  void write(std::uint64_t index, const Scenes& scene) {
+    if (path_.empty()) return;
+    if (!file_.is_open()) {
+      if (std::filesystem::exists(path_)) std::filesystem::resize_file(path_, static_cast<std::uintmax_t>(whole_));
+      file_.open(path_, std::ios::app);
+    }
+    std::string text = fmt::format("scene {}\n", index);
+    for (const PoseRun& run : scene) {
+      text += fmt::format("{} {}\n", run.pictures, run.errors.size());
+      for (const PoseError& e : run.errors)
+        text += fmt::format("{:.6g} {:.6g} {:.6g} {:.6g} {}\n", e.true_yaw_deg, e.yaw_deg, e.x_mm, e.yaw_in_deviations,
+                            e.tags);
+    }
+    file_ << text << "end\n" << std::flush;
   }
-  return std::move(runs[0]);
+
+ private:
+  std::string path_;
+  std::ofstream file_;
+  std::streamoff whole_ = 0;  ///< Bytes of whole scenes.
+};
+
+/// Yaw by distance and true yaw, as people read it.
+void print_by_yaw(const Scenes& runs) {
+  std::printf("\nyaw sd (deg) by true yaw:   0-15    15-30   30-45   45-60\n");
+  for (std::size_t d = 0; d < runs.size(); ++d) {
+    std::printf("%5.1f m                  ", kDistancesM[d]);
+    for (double from = 0.0; from < kMostYawDeg; from += 15.0) {
+      PoseRun part;
+      for (const PoseError& e : runs[d].errors) {
+        if (std::abs(e.true_yaw_deg) >= from && std::abs(e.true_yaw_deg) < from + 15.0) part.errors.push_back(e);
+      }
+      std::printf("  %6.3f", figures_of(part).yaw_sd_deg);
+    }
+    std::printf("\n");
+  }
 }
 
 }  // namespace
 
-nlohmann::json measure_pose(int frames, int threads) {
+nlohmann::json measure_pose(int frames, int threads, const std::string& keep, double seconds) {
   const HandStudio studio;
   nlohmann::json result;
   std::printf(
@@ -45,10 +112,26 @@ nlohmann::json measure_pose(int frames, int threads) {
       kMostYawDeg);
   std::printf("distance   frames   lost  yaw sd  yaw bias   p99   flips   x sd     error/claimed\n");
   const auto scenes = static_cast<std::uint64_t>(frames / (kPicturesOfScene * static_cast<int>(kDistancesM.size())));
-  std::uint64_t first = 0;
-  for (const double distance : kDistancesM) {
-    const PoseFigures f = figures_of(run_at(studio, distance, first, scenes, threads));
-    first += scenes;
+  KeptScenes kept(keep);
+  Scenes runs;
+  std::uint64_t next = kept.read(&runs);
+  const TimePoint until =
+      SteadyClock().now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(std::min(seconds, 1e8)));
+  while (next < scenes && SteadyClock().now() < until) {
+    std::vector<Scenes> together(std::min<std::uint64_t>(static_cast<std::uint64_t>(threads), scenes - next));
+    {
+      std::vector<std::jthread> workers;
+      for (std::size_t t = 0; t < together.size(); ++t)
+        workers.emplace_back([&, t] { together[t] = run_scene(studio, next + t, scenes); });
+    }
+    for (const Scenes& scene : together) {
+      kept.write(next++, scene);
+      for (std::size_t d = 0; d < runs.size(); ++d) add(scene[d], &runs[d]);
+    }
+  }
+  for (std::size_t d = 0; d < runs.size(); ++d) {
+    const double distance = kDistancesM[d];
+    const PoseFigures f = figures_of(runs[d]);
     std::printf("%5.1f m  %8d %6d  %5.3f    %5.3f    %5.2f  %4d  %6.3f mm   %5.2f\n", distance, f.frames, f.lost,
                 f.yaw_sd_deg, f.yaw_bias_deg, f.yaw_p99_deg, f.flips, f.x_sd_mm, f.claimed);
     std::fflush(stdout);
@@ -57,6 +140,7 @@ nlohmann::json measure_pose(int frames, int threads) {
         {"frames", f.frames},           {"x_sd_mm", f.x_sd_mm},           {"lost", f.lost},
         {"yaw_p99_deg", f.yaw_p99_deg}, {"error_per_claimed", f.claimed}};
   }
+  print_by_yaw(runs);
   return result;
 }
 

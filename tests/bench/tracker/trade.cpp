@@ -134,32 +134,36 @@ nlohmann::json search_curve(const char* knob, double value, const Wand& wand, co
   const PoseFigures f = figures_of(run);
   std::sort(run.seconds.begin(), run.seconds.end());
   const double median_ms = 1e3 * run.seconds[run.seconds.size() / 2];
-  std::printf("%-22s %6.1f | found %5.1f %%  yaw sd %5.3f deg  x sd %5.3f mm  median %5.2f ms\n", knob, value,
-              100.0 * (f.frames - f.lost) / f.frames, f.yaw_sd_deg, f.x_sd_mm, median_ms);
+  std::printf("%-22s %6.1f | found %5.1f %%  yaw sd %5.3f deg  p99 %5.2f deg  x sd %5.3f mm  median %5.2f ms\n", knob,
+              value, 100.0 * (f.frames - f.lost) / f.frames, f.yaw_sd_deg, f.yaw_p99_deg, f.x_sd_mm, median_ms);
   return {{"knob", knob},
           {"value", value},
           {"found_share", 1.0 - 1.0 * f.lost / f.frames},
           {"yaw_sd_deg", f.yaw_sd_deg},
+          {"yaw_p99_deg", f.yaw_p99_deg},
           {"x_sd_mm", f.x_sd_mm},
+          {"pictures", f.frames},
           {"median_ms", median_ms}};
 }
 
 }  // namespace
 
-nlohmann::json measure_trade(bool quick) {
+nlohmann::json measure_trade(bool quick, const std::string& only, int wanted_scenes) {
+  const auto asked = [&](const char* knob) { return only.empty() || only == knob; };
   const HandPath sway =
       path_of({{0.0, {0.15, 0.03, 1.0}, 0.5, 0.14, 0.02}, {0.8, {-0.15, 0.03, 1.0}, -0.5, 0.14, -0.02}}, 1.6);
   const HandPath rest = path_of({{0.0, {0.02, 0.03, 1.0}, 0.2, 0.14, 0.02}}, std::nullopt);
   const HandPath far = path_of({{0.0, {0.02, 0.03, 2.0}, 0.2, 0.14, 0.02}}, std::nullopt);
   const double seconds = quick ? 6.0 : 40.0;
-  nlohmann::json points =
-      filter_curve(measured_along(sway, seconds), measured_along(rest, seconds), measured_along(far, seconds));
+  nlohmann::json points = nlohmann::json::array();
+  if (asked("filter"))
+    points = filter_curve(measured_along(sway, seconds), measured_along(rest, seconds), measured_along(far, seconds));
 
-  const int scenes = quick ? 10 : 150;
+  const int scenes = wanted_scenes > 0 ? wanted_scenes : quick ? 10 : 150;
   std::printf("At 2 m, |yaw| to 60 deg, as tag-pose\n");
   for (const bool tiles : {false, true}) {
     for (const double decimate : {1.0, 1.5, 2.0, 3.0, 4.0}) {
-      if (tiles && decimate == 1.0) continue;
+      if (!asked("decimation") || (tiles && decimate == 1.0)) continue;
       DetectorSettings settings;
       settings.decimate = decimate;
       settings.tiles = tiles;
@@ -168,10 +172,12 @@ nlohmann::json measure_trade(bool quick) {
     }
   }
   for (const double scale : {0.7, 1.0, 1.2, 1.4142}) {
+    if (!asked("size")) break;
     const FoldedCard card = FoldedCard().scaled(scale);
     points.push_back(search_curve("tag size, mm", 1e3 * card.tag_size_m, standard_wand(0, card), {}, scenes));
   }
   for (const double fold_deg : {0.01, 15.0, 25.0, 35.0, 45.0, 55.0}) {
+    if (!asked("fold")) break;
     FoldedCard card;
     card.fold_rad = fold_deg * kDegree;
     points.push_back(search_curve("fold, deg", fold_deg, standard_wand(0, card), {}, scenes));

@@ -37,8 +37,7 @@
 
 namespace cyclorama {
 
-/// How many levels of each light a scan shows, and how much longer than the shortest its exposures are: chosen on the
-/// trade of docs/design/photometry.md.
+/// How many levels of each light a scan shows, and how much longer than the shortest its exposures are.
 inline constexpr int kRampSteps = 17;
 inline constexpr std::array<double, 2> kRampExposures = {1.0, 3.0};
 /// Black is some thousandths of white. Cameras that cannot expose so long do what they can.

@@ -13,6 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kShortestSecret = 4;
+constexpr std::size_t kLongSecret = 24;
+constexpr std::size_t kPiece = 16;
 constexpr std::size_t kLargestSecretFile = 256 * 1024;
 constexpr std::size_t kMostSecrets = 4000;
 constexpr std::array<std::string_view, 11> kSecretWords{
@@ -82,6 +84,8 @@ void Redaction::add_secret(std::string_view secret) {
   if (std::find(secrets_.begin(), secrets_.end(), one) != secrets_.end()) return;
   const auto longer = [](const std::string& a, const std::string& b) { return a.size() > b.size(); };
   secrets_.insert(std::upper_bound(secrets_.begin(), secrets_.end(), one, longer), one);
+  if (one.size() < kLongSecret) return;
+  for (std::size_t at = 0; at + kPiece <= one.size(); ++at) pieces_.insert(one.substr(at, kPiece));
 }
 
 void Redaction::add_secrets_of(const fs::path& folder) {
@@ -96,6 +100,26 @@ void Redaction::add_secrets_of(const fs::path& folder) {
       if (!begins_pem(line) && !ends_pem(line)) add_secret(line);
     });
   }
+}
+
+std::string Redaction::without_pieces(const std::string& text) const {
+  if (pieces_.empty()) return text;
+  const std::string_view whole(text);
+  const auto is_piece = [&](std::size_t at) {
+    return at + kPiece <= whole.size() && pieces_.contains(whole.substr(at, kPiece));
+  };
+  std::string result;
+  for (std::size_t at = 0; at < whole.size();) {
+    if (!is_piece(at)) {
+      result += whole[at++];
+      continue;
+    }
+    std::size_t last = at;
+    while (is_piece(last + 1)) ++last;
+    result += kTakenOut;
+    at = last + kPiece;
+  }
+  return result;
 }
 
 std::string Redaction::cleaned(std::string_view text) const {
@@ -124,7 +148,7 @@ std::string Redaction::cleaned(std::string_view text) const {
       at += std::string_view(kTakenOut).size();
     }
   }
-  return result;
+  return without_pieces(result);
 }
 
 }  // namespace cyclorama

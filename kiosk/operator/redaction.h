@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +17,8 @@ namespace cyclorama {
 /// path).
 class Redaction {
  public:
-  /// Texts shorter than 4 bytes are not taken for secrets: every word would be torn.
+  /// Texts shorter than 4 bytes are not taken for secrets: every word would be torn. Of those of 24 bytes and more,
+  /// such as a line of a key, every part of 16 is taken out too.
   void add_secret(std::string_view secret);
   /// Every line of every file of `folder`, and of the folders in it, but of settings, certificates, pictures and warps.
   void add_secrets_of(const std::filesystem::path& folder);
@@ -23,7 +26,10 @@ class Redaction {
   [[nodiscard]] std::size_t count() const { return secrets_.size(); }
 
  private:
-  std::vector<std::string> secrets_;  ///< The longest first.
+  [[nodiscard]] std::string without_pieces(const std::string& text) const;
+
+  std::vector<std::string> secrets_;                ///< The longest first.
+  std::set<std::string, std::less<>> pieces_ = {};  ///< Of the long ones.
 };
 
 inline constexpr const char* kTakenOut = "[taken out]";

@@ -81,6 +81,7 @@ def check_provisioning(source, build, folder):
     assert "hall-3" in (state / "settings/site.toml").read_text()
     assert run(*provision, "install", folder / "no-stick", "--if-there").returncode == 0
     assert run(*provision, "install", folder / "no-stick").returncode == 1
+    assert run(*install).returncode == 0
     return state
 
 

@@ -143,10 +143,10 @@ TEST(LensChoice, refuses_boards_that_all_face_the_camera) {
 
 TEST(LensChoice, says_which_part_of_the_picture_is_not_known) {
   Shown middle;
-  middle.aside = 0.02;
-  middle.near_m = 0.9;
-  middle.far_m = 1.1;
-  middle.noise_px = 0.3;
+  middle.aside = 0.12;
+  middle.near_m = 0.7;
+  middle.far_m = 1.3;
+  middle.noise_px = 0.5;
   const auto choice = choose_lens(shown(true_lens(), 10, 5, middle), kWidth, kHeight);
   const std::string words =
       choice ? (choice->remarks.empty() ? "" : choice->remarks.front()) : choice.error().message();

@@ -47,16 +47,18 @@ TEST(TagSearch, finds_tags_that_decimation_hides_within_a_round_and_keeps_them) 
   std::vector<std::pair<Wand, Pose>> tags;
   std::multiset<int> all;
   for (int i = 0; i < 12; ++i) {
-    // 13 pixels across: too small for the default search, everywhere in the picture.
+    // 13 pixels across: too small for a search of half the picture's size, everywhere in the picture.
     tags.emplace_back(flat_tag(i, 0.05), pose_at(-0.75 + 0.5 * (i % 4), -0.5 + 0.5 * (i / 4), 2.3));
     all.insert(i);
   }
   const GreyImage picture = paint(tags);
-  DetectorSettings whole;
+  DetectorSettings halved;
+  halved.decimate = 2.0;
+  DetectorSettings whole = halved;
   whole.tiles = false;
   TagSearch decimated = search_of(whole);
   EXPECT_LT(ids_in(picture, &decimated).size(), all.size());
-  TagSearch search = search_of();
+  TagSearch search = search_of(halved);
   for (int i = 0; i < TagSearch::kJobs; ++i) ids_in(picture, &search);
   for (int i = 0; i < TagSearch::kJobs; ++i) EXPECT_EQ(ids_in(picture, &search), all) << i;
 }

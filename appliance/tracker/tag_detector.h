@@ -16,7 +16,7 @@ namespace cyclorama {
 /// What the detector trades. The curve "decimation against tags found and milliseconds" is in docs/design/tracker.md.
 struct DetectorSettings {
   std::string family = "tag36h11";  ///< One of tag_families().
-  double decimate = 2.0;            ///< Quads are sought in a picture this many times smaller: 1 to 8; in
+  double decimate = 1.5;            ///< Quads are sought in a picture this many times smaller: 1 to 8; in
                                     ///< effect 1, 1.5 or a whole number, the next lower one.
   bool tiles = true;                ///< Full resolution where tags were, and tile by tile: tag_search.h.
   int threads = 1;                  ///< 1 to 16.

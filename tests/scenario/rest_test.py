@@ -39,7 +39,7 @@ class Visit:
         self.start("tour", "--config", self.folder / "site.toml", "--listen", at[2], "--farm", at[0])
         self.start("display", "--installation", f"{root}/demo/installation.toml", "--tour", at[2], "--listen", at[3],
                    "--run-dir", folder, "--width", "256", "--height", "96", "--refresh-hz", "20")
-        self.start("operator", "--listen", at[5], "--watch", f"tour={at[2]}", "--watch", f"display={at[3]}", "--watch",
+        self.start("operator", "--no-pin", "--listen", at[5], "--watch", f"tour={at[2]}", "--watch", f"display={at[3]}", "--watch",
                    f"head={at[4]}")
 
     def start(self, name, *arguments):

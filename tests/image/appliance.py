@@ -151,6 +151,12 @@ class Appliance(Machine):
     stop = power_off
 
 
+def flashable(folder):
+    """The disk image among what image/build made; the boot partition alone lies beside it."""
+    (raw,) = (path for path in folder.glob("*.raw") if not path.name.endswith(".esp.raw"))
+    return raw
+
+
 def wait_until(condition, seconds, what):
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:

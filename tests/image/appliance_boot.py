@@ -3,7 +3,7 @@
 import re
 import time
 
-from appliance import HEADS, Appliance, Disk, brightness, difference, reference_pictures, save_png
+from appliance import HEADS, Appliance, Disk, brightness, difference, flashable, reference_pictures, save_png
 
 PICTURE_WITHIN_S = 900
 MEAN_TOLERANCE = 1.5   # Code values: two rasterisers, and 10 bits per primary here or there.
@@ -13,8 +13,7 @@ LOOK_EVERY_S = 2
 
 def image_of(options, debug):
     folder = options.out / ("cyclorama-museum-debug" if debug else "cyclorama-museum")
-    (raw,) = folder.glob("*.raw")
-    return raw
+    return flashable(folder)
 
 
 def is_lit(picture):

@@ -17,8 +17,8 @@
 
 namespace cyclorama {
 
-/// How every view is measured. The defaults were chosen on the curves of docs/trade.md (`./bench.sh
-/// calibration-trade`).
+/// How every view is measured. The defaults, all bits of the Gray code and nothing else, hold the goals of registration
+/// (docs/design/calibration.md); what less or more of it is worth, `./bench.sh calibration-trade` measures.
 struct ViewSettings {
   int finest_bit = 0;  ///< As PatternChoice's, all five.
   int base_bit = -1;

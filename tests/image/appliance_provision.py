@@ -6,6 +6,7 @@ from appliance import Appliance, Disk
 from appliance_boot import image_of
 from disk_image import stick
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 GOOD = '[farm]\nheads = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
 BAD = '[farm]\nheds = ["[2001:db8::1]:7401"]\n'
 
@@ -22,10 +23,10 @@ def run(options, folder):
             file = folder / f"{name}.toml"
             file.write_text(site)
             image = folder / f"{name}.img"
-            stick(image, 40, {"cyclorama/site.toml": file})
+            stick(image, 40, {"cyclorama/site.toml": file, "cyclorama/installation.toml": ROOT / "demo/installation.toml"})
             machine.ask("blockdev-add", driver="raw", **{"node-name": name}, **{"read-only": True}, file={"driver": "file", "filename": str(image)})
             machine.ask("device_add", driver="usb-storage", id=name, bus="usb.0", drive=name, removable=True)
-            machine.run(f"for i in $(seq 60); do journalctl -b -o cat -u 'cyclorama-stick@*' | grep -c 'Finished\\|Failed' | grep -qx {plug.number} && break; sleep 2; done", 300)
+            machine.run(f"for i in $(seq 60); do journalctl -b -o cat -u 'cyclorama-provision@*' | grep -c 'Finished\\|Failed' | grep -qx {plug.number} && break; sleep 2; done", 300)
             plug.number += 1
             machine.ask("device_del", id=name)
         plug.number = 1
@@ -39,10 +40,10 @@ def run(options, folder):
         expect("without a stick", "cat /etc/cyclorama/site.toml", "[::1]:7401")
         plug("good", GOOD)
         expect("a good stick", "cat /etc/cyclorama/site.toml", "Hall 3")
-        expect("a good stick, report", "cat /var/lib/cyclorama/provisioning", "taken")
+        expect("a good stick, report", "cat /var/lib/cyclorama/provisioning.json", "installed")
         plug("bad", BAD)
         expect("a bad stick", "cat /etc/cyclorama/site.toml", "Hall 3")
-        expect("a bad stick, report", "cat /var/lib/cyclorama/provisioning", "heds")
+        expect("a bad stick, report", "cat /var/lib/cyclorama/provisioning.json", "heds")
         machine.run("touch /var/lib/cyclorama/factory-reset; sync; sleep 1")
     finally:
         machine.power_off()

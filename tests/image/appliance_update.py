@@ -46,7 +46,7 @@ def started(disk, extra=()):
 def wait_for_update(machine, seconds=900):
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
-        _, said = machine.run("cat /var/lib/cyclorama/update 2>/dev/null")
+        _, said = machine.run("cat /var/lib/cyclorama/update.json 2>/dev/null")
         if said:
             return said
         time.sleep(2)
@@ -78,10 +78,10 @@ def run(options, folder):
     for cut in range(options.cuts):
         other = disk.copy(folder / "cut")
         machine = started(other, good)
-        machine.run("until systemctl is-active -q 'cyclorama-stick@*' || [ -e /var/lib/cyclorama/update ]; do sleep 0.2; done", 300)
+        machine.run("until systemctl is-active -q 'cyclorama-update@*' || [ -e /var/lib/cyclorama/update.json ]; do sleep 0.2; done", 300)
         after = chance.uniform(0, options.longest_update_s)
         time.sleep(after)
-        _, until = machine.run("cat /var/lib/cyclorama/update 2>/dev/null; bootctl --no-pager list 2>/dev/null | grep -c 'id:'", 60)
+        _, until = machine.run("cat /var/lib/cyclorama/update.json 2>/dev/null; bootctl --no-pager list 2>/dev/null | grep -c 'id:'", 60)
         machine.power_off()
         figures["power_cuts"] += 1
         machine = started(other)

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The appliance's scripts that take what strangers bring: settings are taken whole or refused with a reason, also when power is
-cut between two steps; an update without our signature, or damaged, is refused.
+"""The appliance's scripts that take what strangers bring: at a start, settings are taken whole or refused with a reason; an
+update without our signature, or damaged, is refused. What a stick's settings may be is provision_test's to show.
 
 Run: scripts_test.py SOURCE_ROOT BUILD_FOLDER
 """
+import json
 import os
 import pathlib
 import shutil
@@ -30,15 +31,23 @@ class Computer:
         for name in ("systemctl", "chown"):
             (stubs / name).write_text("#!/bin/sh\nexit 0\n")
             (stubs / name).chmod(0o755)
-        self.environment = {"PATH": f"{stubs}:{build}/bin:{os.environ['PATH']}", "CYCLORAMA_STATE": str(self.state), "CYCLORAMA_DEFAULTS": str(self.defaults),
+        self.environment = {"PATH": f"{stubs}:{build}/bin:{os.environ['PATH']}", "CYCLORAMA_STATE": str(self.state), "CYCLORAMA_DEFAULTS": str(self.defaults), "CYCLORAMA_PROGRAMS": f"{build}/bin",
                             "CYCLORAMA_UPDATE_KEY": str(folder / "update.pub"), "CYCLORAMA_OS_RELEASE": str(folder / "os-release")}
 
-    def run(self, script, *arguments):
-        return subprocess.run(["sh", str(self.scripts / script), *map(str, arguments)], env=self.environment, capture_output=True, text=True).returncode
+    def run(self, script, *arguments, **environment):
+        return subprocess.run(["sh", str(self.scripts / script), *map(str, arguments)], env=self.environment | environment, capture_output=True, text=True).returncode
+
+    def start_with(self, folder):
+        """A start, with the folder's files as systemd credentials."""
+        with tempfile.TemporaryDirectory() as credentials:
+            for file in folder.iterdir():
+                shutil.copy(file, f"{credentials}/cyclorama.{file.name}")
+            self.run("find-settings", CREDENTIALS_DIRECTORY=credentials)
 
     def report(self, name="provisioning"):
-        file = self.state / name
-        return file.read_text() if file.exists() else ""
+        """All that it says, one text; it is JSON."""
+        file = self.state / f"{name}.json"
+        return json.dumps(json.loads(file.read_text())) if file.exists() else ""
 
     def site(self):
         return (self.state / "settings/site.toml").read_text()
@@ -52,36 +61,32 @@ def expect(what, is_so, found=""):
 def check_settings(computer, folder):
     bad = 0
     computer.run("find-settings")
-    bad += expect("a new computer has the image's settings", '"[::1]:7401"' in computer.site())
-    stick = folder / "stick"
-    stick.mkdir()
-    (stick / "site.toml").write_text(GOOD)
-    (stick / "key.pem").write_text("secret")
-    (stick / "notes.txt").write_text("not a setting")
-    (stick / "link.toml").symlink_to("/etc/shadow")
-    computer.run("take-settings", stick)
-    bad += expect("good settings are taken", computer.site() == GOOD and "taken" in computer.report(), computer.report())
-    taken = sorted(path.name for path in (computer.state / "settings").iterdir())
-    bad += expect("what is no setting, and links, stay away", "notes.txt" not in taken and "link.toml" not in taken, str(taken))
-    bad += expect("what the stick lacks is the image's", "installation.toml" in taken and "tracker.toml" in taken, str(taken))
-    bad += expect("nobody else reads a key", (computer.state / "settings/key.pem").stat().st_mode & 0o777 == 0o640)
+    bad += expect("a new computer has the image's settings", '"[::1]:7401"' in computer.site(), computer.report())
+    given = folder / "given"
+    given.mkdir()
+    (given / "site.toml").write_text(GOOD)
+    shutil.copy(computer.defaults / "installation.toml", given)
+    computer.start_with(given)
+    bad += expect("good settings are taken", computer.site() == GOOD and "installed" in computer.report(), computer.report())
+    computer.run("find-settings")
+    bad += expect("they stay at the next start", computer.site() == GOOD, computer.report())
     for name, file, text, word in (("a wrong key", "site.toml", '[farm]\nheds = ["a"]\n', "heds"), ("no TOML", "site.toml", "\0\1\2", "site.toml"),
                                    ("a wrong wall", "installation.toml", "[wall]\nshape = 'torus'\n", "installation.toml"),
                                    ("a wrong camera", "tracker.toml", "[camera]\nkind = 'film'\n", "film")):
         wrong = folder / "wrong"
-        wrong.mkdir()
+        shutil.copytree(given, wrong)
         (wrong / file).write_text(text)
-        status = computer.run("take-settings", wrong)
-        bad += expect(f"{name} is refused with a reason", status == 1 and "refused" in computer.report() and word in computer.report(), computer.report())
+        computer.start_with(wrong)
+        bad += expect(f"{name} is refused with a reason", "refused" in computer.report() and word in computer.report(), computer.report())
         bad += expect(f"{name} changes nothing", computer.site() == GOOD)
         shutil.rmtree(wrong)
-    large = folder / "large"
-    large.mkdir()
-    with open(large / "wall.obj", "wb") as file:
+    with open(given / "wall.obj", "wb") as file:
         file.truncate(65 << 20)
-    bad += expect("a file that is too large is refused", computer.run("take-settings", large) == 1 and "larger" in computer.report(), computer.report())
-    # Power is cut after the old folder went aside.
-    (computer.state / "settings").rename(computer.state / "settings.old")
+    computer.start_with(given)
+    bad += expect("a file that is too large is refused", "refused" in computer.report() and "wall.obj" in computer.report(), computer.report())
+    # Power was cut while others were being made.
+    (computer.state / "staging").mkdir(exist_ok=True)
+    (computer.state / "staging/site.toml").write_text("half a fi")
     computer.run("find-settings")
     bad += expect("a cut while settings are taken loses none", computer.site() == GOOD)
     return bad

@@ -111,6 +111,20 @@ def check_tidy(build, folder):
     assert done.returncode == 0 and sorted(p.name for p in kept.iterdir()) == ["0", "3", "current"], list(kept.iterdir())
 
 
+def check_projectors(source, build, folder):
+    """Where none has a network address there is nothing to keep, and nothing wrong; to switch none is a mistake."""
+    site = folder / "hours.toml"
+    site.write_text('[farm]\nheads = ["[::1]:7401"]\n')
+    projectors = [build / "bin/cyclorama-projectors", "--installation", source / "demo/installation.toml"]
+    keeper = subprocess.Popen([*map(str, projectors), "keep", "--config", site], stderr=subprocess.PIPE, text=True)
+    assert "none is switched" in keeper.stderr.readline()
+    assert keeper.poll() is None
+    keeper.terminate()
+    assert keeper.wait(30) == 0, keeper.returncode
+    on = run(*projectors, "on")
+    assert on.returncode != 0 and "no projector is named" in on.stderr, on.stderr
+
+
 def main(source, build):
     source, build = pathlib.Path(source), pathlib.Path(build)
     with tempfile.TemporaryDirectory() as name:
@@ -119,6 +133,7 @@ def main(source, build):
         state = check_provisioning(source, build, folder)
         check_doctor(build, folder, state)
         check_tidy(build, folder)
+        check_projectors(source, build, folder)
     print("care: ok")
     return 0
 

@@ -60,9 +60,7 @@ Result<std::vector<NamedProjector>> projectors_of(const Options& options) {
       projectors.push_back({projector.name, {projector.pjlink->address, std::move(own)}});
     }
   }
-  if (!projectors.empty()) return projectors;
-  return Error(ErrorCode::kInvalidArgument,
-               "no projector is named; write HOST, or --installation with a [[projector]] that has pjlink = \"HOST\"");
+  return projectors;
 }
 
 /// Until it is as wished, or on its way there: one that cools down takes no command for a minute or two.
@@ -120,6 +118,7 @@ Status keep_hours(const Options& options, const std::vector<NamedProjector>& pro
   if (options.config.empty())
     return Error(ErrorCode::kInvalidArgument, "keep needs --config, the museum's site.toml with its [hours]");
   TRY_ASSIGN(const OpeningHours hours, read_opening_hours(std::filesystem::path(options.config)));
+  if (projectors.empty()) log(LogLevel::kNotice, "no projector has pjlink = \"HOST\": none is switched");
   std::vector<Kept> all;
   for (const NamedProjector& projector : projectors) all.push_back({projector, {}, {}});
   const SteadyClock clock;
@@ -143,7 +142,14 @@ Status keep_hours(const Options& options, const std::vector<NamedProjector>& pro
 
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const std::vector<NamedProjector> projectors, projectors_of(options));
-  return options.command == "keep" ? keep_hours(options, projectors, stop) : switch_or_ask(options, projectors, stop);
+  const bool is_keep = options.command == "keep";
+  // A museum whose projectors have no network is nothing wrong; a command for nobody is.
+  if (projectors.empty() && (!is_keep || options.installation.empty())) {
+    return Error(ErrorCode::kInvalidArgument,
+                 "no projector is named; write HOST, or --installation with a [[projector]] that has pjlink = "
+                 "\"HOST\"");
+  }
+  return is_keep ? keep_hours(options, projectors, stop) : switch_or_ask(options, projectors, stop);
 }
 
 }  // namespace

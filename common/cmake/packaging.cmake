@@ -40,7 +40,7 @@ Render a scene, measure it, make a grotto to try with.")
 set(units_of_farm cyclorama-farm.service)
 set(units_of_node cyclorama-node.service)
 set(units_of_museum cyclorama-tour.service cyclorama-tracker.service cyclorama-display.service cyclorama-operator.service
-  cyclorama-projectors.service cyclorama-hand.service cyclorama-settings.path cyclorama-tidy.timer)
+  cyclorama-projectors.service cyclorama-hand.service cyclorama-settings.path)
 set(settings_of_farm /etc/cyclorama/farm.toml /etc/logrotate.d/cyclorama-farm)
 set(settings_of_node /etc/cyclorama/node.toml)
 string(TIMESTAMP CYCLORAMA_CHANGED "%a, %d %b %Y %H:%M:%S +0000" UTC)

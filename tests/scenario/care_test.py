@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """The programs that look after a museum, by their exit codes: cyclorama-provision with the display's and the tracker's own
-checks, cyclorama-health, cyclorama doctor, cyclorama-tidy.
+checks, cyclorama-health, cyclorama doctor.
 
 Run: care_test.py SOURCE_ROOT BUILD_FOLDER
 """
@@ -101,16 +101,6 @@ def check_doctor(build, folder, state):
         assert "its program does not run" in network.stdout, network.stdout
 
 
-def check_tidy(build, folder):
-    kept = folder / "calibrations"
-    for number in range(4):
-        (kept / str(number)).mkdir(parents=True)
-        (kept / str(number) / "photo").write_bytes(bytes(600_000))
-    (kept / "current").symlink_to("0")
-    done = run(build / "bin/cyclorama-tidy", kept, folder / "nowhere", "--most-mb", 1.3, "--keep", 1)
-    assert done.returncode == 0 and sorted(p.name for p in kept.iterdir()) == ["0", "3", "current"], list(kept.iterdir())
-
-
 def check_projectors(source, build, folder):
     """Where none has a network address there is nothing to keep, and nothing wrong; to switch none is a mistake."""
     site = folder / "hours.toml"
@@ -132,7 +122,6 @@ def main(source, build):
         check_health(build, folder)
         state = check_provisioning(source, build, folder)
         check_doctor(build, folder, state)
-        check_tidy(build, folder)
         check_projectors(source, build, folder)
     print("care: ok")
     return 0

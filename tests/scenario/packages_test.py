@@ -20,9 +20,9 @@ import time
 
 SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand", "calibrator"], "tools": []}
 # They do one thing when it is needed, and end.
-HELPERS = {"museum": ["provision-esp", "provision@", "settings", "tidy"]}
+HELPERS = {"museum": ["provision-esp", "provision@", "settings"]}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
-            "museum": ["cyclorama", "cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-provision", "cyclorama-tidy", "cyclorama-tour", "cyclorama-tracker"],
+            "museum": ["cyclorama", "cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-provision", "cyclorama-tour", "cyclorama-tracker"],
             "tools": ["cyclorama-balance", "cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
 problems = []
 

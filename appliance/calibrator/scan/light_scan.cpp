@@ -154,9 +154,8 @@ class LightScanning {
   }
 
   Result<ScanPhotograph> photographed(double exposure_s) {
-    if (stop_.stop_requested()) return cancelled();
     ++scan_.pictures;
-    return camera_.photograph(exposure_s);
+    return take_photograph(camera_, exposure_s, stop_);
   }
 
   [[nodiscard]] Result<CameraCells> cells_of(const ScanView& view) const {

@@ -164,6 +164,8 @@ Result<std::vector<Correspondence>> decode_places(std::span<const std::byte> byt
   }
   const ScanIdentity::Projector& format = identity.projectors.at(projector);
   const auto is_within = [](float value, int size) { return value >= 0.0f && value <= static_cast<float>(size); };
+  // Which of the camera's pixels it is: there is none at the very end.
+  const auto is_pixel = [](float value, int size) { return value >= 0.0f && value < static_cast<float>(size); };
   std::vector<Correspondence> places((bytes.size() - kMagic.size()) / kPlaceBytes);
   const std::byte* from = bytes.data() + kMagic.size();
   for (Correspondence& c : places) {
@@ -171,7 +173,7 @@ Result<std::vector<Correspondence>> decode_places(std::span<const std::byte> byt
     std::memcpy(numbers, from, kPlaceBytes);
     from += kPlaceBytes;
     c = {numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], static_cast<std::uint32_t>(projector)};
-    if (!is_within(c.camera_u, identity.camera_width_px) || !is_within(c.camera_v, identity.camera_height_px) ||
+    if (!is_pixel(c.camera_u, identity.camera_width_px) || !is_pixel(c.camera_v, identity.camera_height_px) ||
         !is_within(c.projector_x, format.width_px) || !is_within(c.projector_y, format.height_px) ||
         !(c.sigma_px > 0.0f && c.sigma_px < 1e6f)) {
       return bad("it holds a place outside of the pictures");

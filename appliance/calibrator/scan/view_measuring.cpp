@@ -102,13 +102,7 @@ class ViewMeasuring {
     TRY(screen_.show(order_.projector, drawn(set_, picture)));
     Photo mean(camera_.width_px(), camera_.height_px());
     for (int i = 0; i < times; ++i) {
-      if (stop_.stop_requested()) return cancelled();
-      TRY_ASSIGN(const ScanPhotograph photograph, camera_.photograph(exposure_s_));
-      if (photograph.width() != mean.width() || photograph.height() != mean.height()) {
-        return Error(ErrorCode::kBadData,
-                     fmt::format("camera '{}' gave a photograph of {}x{} instead of {}x{}; plug it in again",
-                                 camera_.id(), photograph.width(), photograph.height(), mean.width(), mean.height()));
-      }
+      TRY_ASSIGN(const ScanPhotograph photograph, take_photograph(camera_, exposure_s_, stop_));
       ++pictures_;
       if (listener_) listener_(name_of(picture), fraction, photograph);
       const Photo photo = photo_of(photograph);
@@ -194,6 +188,17 @@ Photo photo_of(const ScanPhotograph& photograph) {
   for (std::size_t i = 0; i < photo.data().size(); ++i)
     photo.data()[i] = (codes[3 * i] + codes[3 * i + 1] + codes[3 * i + 2]) * (1.0f / 3.0f);
   return photo;
+}
+
+Result<ScanPhotograph> take_photograph(ScanCamera& camera, double exposure_s, const std::stop_token& stop) {
+  if (stop.stop_requested()) return cancelled();
+  TRY_ASSIGN(ScanPhotograph photograph, camera.photograph(exposure_s));
+  if (photograph.width() != camera.width_px() || photograph.height() != camera.height_px()) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("camera '{}' gave a photograph of {}x{} instead of {}x{}; plug it in again", camera.id(),
+                             photograph.width(), photograph.height(), camera.width_px(), camera.height_px()));
+  }
+  return photograph;
 }
 
 Result<ScanView> measure_view(const ViewOrder& order, const ViewSettings& settings, PatternScreen& screen,

@@ -48,6 +48,10 @@ struct ViewOrder {
 /// Codes as Photo: mean of the channels.
 [[nodiscard]] Photo photo_of(const ScanPhotograph& photograph);
 
+/// One of the size that the camera told. kUnavailable  `stop` was requested, with "cancelled".     kBadData  it has
+/// another size than before. Others as ScanCamera::photograph().
+Result<ScanPhotograph> take_photograph(ScanCamera& camera, double exposure_s, const std::stop_token& stop);
+
 /// All other projectors must be dark; this one is, afterwards. A view in which the projector lights nothing has no
 /// places and exposure 0, and is no error: projectors do not reach everywhere.
 /// kUnavailable  `stop` was requested, with "cancelled"; else the devices' errors, and of next_exposure(). Blocks.

@@ -142,6 +142,15 @@ TEST(ScanManifest, names_the_place_of_a_mistake) {
   EXPECT_THAT(refused.error().message(), HasSubstr("m: /views/0/direction"));
 }
 
+TEST(ScanPlaces, at_the_very_end_of_the_cameras_picture_are_no_pixels_and_refused) {
+  const Correspondence last{639.5f, 479.5f, 320.0f, 200.0f, 0.1f, 0};
+  EXPECT_TRUE(decode_places(encode_places({&last, 1}), identity(), 0).has_value());
+  for (const Correspondence& place :
+       {Correspondence{640.0f, 1.0f, 1.0f, 1.0f, 0.1f, 0}, Correspondence{1.0f, 480.0f, 1.0f, 1.0f, 0.1f, 0}}) {
+    EXPECT_FALSE(decode_places(encode_places({&place, 1}), identity(), 0).has_value());
+  }
+}
+
 TEST(ScanPlaces, outside_of_the_pictures_are_refused) {
   for (const Correspondence& place :
        {Correspondence{-1.0f, 1.0f, 1.0f, 1.0f, 0.1f, 0}, Correspondence{1.0f, 481.0f, 1.0f, 1.0f, 0.1f, 0},

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "appliance/calibrator/scan/light_scan.h"
 #include "appliance/calibrator/scan/simulated_devices.h"
 #include "drivers/simulated_room/presets.h"
 #include "drivers/turnplate/simulated/simulated_turnplate.h"
@@ -32,6 +33,7 @@ class TroubledCamera final : public ScanCamera {
     const int number = taken++;
     if (number >= unplugged_from) return Error(ErrorCode::kUnavailable, "camera 'usb-1' is gone; plug it in again");
     if (number == cancel_at) stop.request_stop();
+    if (number >= smaller_from) return ScanPhotograph(width_px() / 2, height_px() / 2);
     TRY_ASSIGN(ScanPhotograph photograph, camera_->photograph(exposure_s));
     if (number >= person_from && number < person_until) {
       // Walks from the left to the right, a third of the picture wide.
@@ -49,6 +51,7 @@ class TroubledCamera final : public ScanCamera {
   int person_from = 1 << 30;
   int person_until = 1 << 30;
   int cancel_at = -1;
+  int smaller_from = 1 << 30;
   std::stop_source stop;
 
  private:
@@ -231,6 +234,18 @@ TEST_F(WallScanTest, names_a_projector_that_stays_dark_and_measures_only_it_once
   const auto lit = scan();
   ASSERT_TRUE(lit.has_value()) << lit.error().message();
   EXPECT_LT(camera_.taken - before, before + 100);
+}
+
+TEST_F(WallScanTest, refuses_a_camera_whose_photographs_have_become_smaller_when_it_measures_light_too) {
+  const auto whole = scan();
+  ASSERT_TRUE(whole.has_value()) << whole.error().message();
+  camera_.smaller_from = camera_.taken;
+  const auto light = scan_light(museum_.installation(), whole->views, settings_.view.exposure,
+                                {screen_, camera_, plate_}, nullptr, camera_.stop.get_token());
+  ASSERT_FALSE(light.has_value());
+  EXPECT_EQ(light.error().code(), ErrorCode::kBadData);
+  EXPECT_THAT(light.error().message(), HasSubstr("instead of"));
+  EXPECT_THAT(screen_.lit, Each(false));
 }
 
 TEST_F(WallScanTest, homes_a_plate_that_stalled_once_and_gives_up_on_one_that_stalls_always) {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "common/base/check.h"
-#include "drivers/simulated_room/sensor.h"
+#include "drivers/simulated_room/true_sensor.h"
 
 namespace cyclorama {
 namespace {

@@ -12,8 +12,8 @@
 #include "drivers/simulated_room/gaussian_blur.h"
 #include "drivers/simulated_room/parallel_rows.h"
 #include "drivers/simulated_room/projector_light.h"
-#include "drivers/simulated_room/sensor.h"
 #include "drivers/simulated_room/true_museum.h"
+#include "drivers/simulated_room/true_sensor.h"
 
 namespace cyclorama {
 namespace {
@@ -42,7 +42,7 @@ RgbImage to_8_bits(const RgbPhotograph& photograph, int bits) { return shortened
 
 struct SimulatedMuseum::State {
   TrueMuseum truth;
-  Sensor sensor;
+  TrueSensor sensor;
   int threads;
   std::vector<Showing> showing;
   double now_s = 0.0;

@@ -49,7 +49,7 @@ SimulatedShow::SimulatedShow(TrueMuseum museum, std::vector<FixedCamera> cameras
       ambient_lux_(museum_.truth().ambient_lux),
       threads_(std::max(threads, 1)) {
   for (const FixedCamera& camera : cameras_) {
-    Eye eye{pixel_directions(camera.optics.lens, threads_), {}, Sensor(camera.optics), {}, {}};
+    Eye eye{pixel_directions(camera.optics.lens, threads_), {}, TrueSensor(camera.optics), {}, {}};
     for (const Eigen::Vector3d& d : eye.directions) {
       const double cosine = d.z() > 0.0 ? d.z() / d.norm() : 0.0;
       eye.vignetting.push_back(static_cast<float>(std::pow(cosine, camera.optics.vignetting_exponent)));

@@ -16,8 +16,8 @@
 
 #include "drivers/simulated_room/camera_table.h"
 #include "drivers/simulated_room/projector_light.h"
-#include "drivers/simulated_room/sensor.h"
 #include "drivers/simulated_room/simulated_museum.h"
+#include "drivers/simulated_room/true_sensor.h"
 
 namespace cyclorama {
 
@@ -61,7 +61,7 @@ class SimulatedShow {
   struct Eye {
     std::vector<Eigen::Vector3d> directions;
     std::vector<float> vignetting;
-    Sensor sensor;
+    TrueSensor sensor;
     std::optional<CameraTable> table;    ///< Of the room without people.
     std::optional<CameraTable> peopled;  ///< With them.
   };

@@ -16,8 +16,8 @@
 #include "common/base/result.h"
 #include "common/room/installation.h"
 #include "drivers/simulated_room/relief.h"
-#include "drivers/simulated_room/response_curve.h"
 #include "drivers/simulated_room/true_lens.h"
+#include "drivers/simulated_room/true_response.h"
 
 namespace cyclorama {
 

@@ -45,7 +45,7 @@ Decoded decoded_of(const SimulatedMuseum& museum, const CameraTable& table, std:
 /// One stop of the plate.
 class Stop {
  public:
-  Stop(SimulatedMuseum* museum, const LightScan& scan, int* photographs)
+  Stop(SimulatedMuseum* museum, const MuseumLightOptions& scan, int* photographs)
       : museum_(*museum), scan_(scan), photographs_(*photographs) {}
 
   Result<std::vector<ProjectorView>> views(std::span<const Eigen::Vector3d> directions) {
@@ -92,7 +92,7 @@ class Stop {
 
  private:
   SimulatedMuseum& museum_;
-  const LightScan& scan_;
+  const MuseumLightOptions& scan_;
   int& photographs_;
 };
 
@@ -166,8 +166,8 @@ MeasuredMap true_map(const TrueMuseum& museum, std::size_t projector, int cell_p
   return map;
 }
 
-Result<LightScanResult> scan_light(SimulatedMuseum* museum, const LightScan& scan) {
-  LightScanResult result;
+Result<MuseumLight> photograph_light(SimulatedMuseum* museum, const MuseumLightOptions& scan) {
+  MuseumLight result;
   result.input.camera_width_px = museum->camera_width_px();
   result.input.camera_height_px = museum->camera_height_px();
   result.input.code_step = 1.0 / ((1 << museum->camera_bits()) - 1);

@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-struct LightScan {
+struct MuseumLightOptions {
   int ramp_steps = kRampSteps;
   std::vector<double> exposures{kRampExposures.begin(), kRampExposures.end()};  ///< In parts of white's.
   double black_exposure = kBlackExposure;                                       ///< Likewise.
@@ -24,12 +24,13 @@ struct LightScan {
 /// Each projector's map as the truth has it, continued a little past the wall's rim as a measured one is.
 MeasuredMap true_map(const TrueMuseum& museum, std::size_t projector, int cell_px);
 
-struct LightScanResult {
+struct MuseumLight {
   PhotometryInput input;
   int photographs = 0;
   double white_exposure_s = 0.0;
 };
-Result<LightScanResult> scan_light(SimulatedMuseum* museum, const LightScan& scan = {});
+/// Black, white and ramps, as scan_light() of appliance/calibrator/scan photographs them.
+Result<MuseumLight> photograph_light(SimulatedMuseum* museum, const MuseumLightOptions& scan = {});
 
 /// Of every projector, channel and code of 8 bits, above black, in parts of full scale: the worst channel's root mean
 /// square.

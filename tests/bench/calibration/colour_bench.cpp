@@ -53,9 +53,9 @@ int rooms(bool is_quick) {
   for (const std::string& room : preset_names()) {
     auto museum = museum_of(room, 1, is_quick);
     if (!museum) return failed(room, museum.error());
-    LightScan scan;
+    MuseumLightOptions scan;
     if (is_quick) scan.cell_px = 16;
-    const auto scanned = scan_light(&*museum, scan);
+    const auto scanned = photograph_light(&*museum, scan);
     if (!scanned) return failed(room, scanned.error());
     const auto start = std::chrono::steady_clock::now();
     const auto result = photometry(scanned->input);
@@ -125,12 +125,12 @@ int trade(bool is_quick) {
   for (const int bits : {8, 12}) {
     auto museum = small_museum("cylinder126", 2, bits);
     if (!museum) return failed("cylinder126", museum.error());
-    LightScan scan;
+    MuseumLightOptions scan;
     scan.ramp_steps = 33;
     scan.exposures = {1.0, 1.5, 3.0, 9.0};
     scan.angles_deg = {-36.0, 0.0, 36.0};
     scan.cell_px = 16;
-    const auto scanned = scan_light(&*museum, scan);
+    const auto scanned = photograph_light(&*museum, scan);
     if (!scanned) return failed("cylinder126", scanned.error());
     for (const int steps : {5, 9, 17, 33}) {
       for (const auto& factors : exposures) {
@@ -158,10 +158,10 @@ int slopes(bool is_quick) {
   for (const char* const room : {"cylinder126", "plane", "corner"}) {
     auto museum = small_museum(room, 1, 12);
     if (!museum) return failed(room, museum.error());
-    LightScan scan;
+    MuseumLightOptions scan;
     scan.cell_px = 16;
     scan.ramp_steps = 9;
-    const auto scanned = scan_light(&*museum, scan);
+    const auto scanned = photograph_light(&*museum, scan);
     if (!scanned) return failed(room, scanned.error());
     for (const double slope : {0.0, 0.005, 0.01, 0.02, 0.04}) {
       PhotometryOptions options;
@@ -182,9 +182,9 @@ int slopes(bool is_quick) {
 int pictures(const std::filesystem::path& folder) {
   auto museum = museum_of("cylinder126", 1, true);
   if (!museum) return failed("cylinder126", museum.error());
-  LightScan scan;
+  MuseumLightOptions scan;
   scan.cell_px = 16;
-  const auto scanned = scan_light(&*museum, scan);
+  const auto scanned = photograph_light(&*museum, scan);
   if (!scanned) return failed("cylinder126", scanned.error());
   const auto result = photometry(scanned->input);
   if (!result) return failed("cylinder126", result.error());

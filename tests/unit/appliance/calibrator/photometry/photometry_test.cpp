@@ -139,10 +139,10 @@ TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
   ASSERT_TRUE(preset);
   auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
   ASSERT_TRUE(museum);
-  LightScan scan;
+  MuseumLightOptions scan;
   scan.cell_px = 16;
   scan.angles_deg = {-36.0, 0.0, 36.0};
-  const auto scanned = scan_light(&*museum, scan);
+  const auto scanned = photograph_light(&*museum, scan);
   ASSERT_TRUE(scanned) << scanned.error().message();
   const auto result = photometry(scanned->input);
   ASSERT_TRUE(result) << result.error().message();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/simulated_room/sensor.h"
+#include "drivers/simulated_room/true_sensor.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct Moments {
 
 /// Of many readings of the same charge, in electrons.
 Moments read(const TrueCamera& camera, float electrons, int rows) {
-  const Sensor sensor(camera);
+  const TrueSensor sensor(camera);
   constexpr std::size_t kWidth = 1000;
   const std::vector<float> row(kWidth, electrons);
   std::vector<std::uint16_t> codes(kWidth);
@@ -43,7 +43,7 @@ Moments read(const TrueCamera& camera, float electrons, int rows) {
 }
 
 // z-tests against the closed form: variance = electrons (shot) + read^2, plus rounding's 1/12.
-TEST(Sensor, noise_has_the_mean_and_variance_of_shot_and_read_noise) {
+TEST(TrueSensor, noise_has_the_mean_and_variance_of_shot_and_read_noise) {
   TrueCamera camera = linear_camera();
   camera.has_shot_noise = true;
   camera.read_noise_e = 12.0;
@@ -58,13 +58,13 @@ TEST(Sensor, noise_has_the_mean_and_variance_of_shot_and_read_noise) {
   }
 }
 
-TEST(Sensor, a_camera_without_noise_gives_the_response_rounded) {
+TEST(TrueSensor, a_camera_without_noise_gives_the_response_rounded) {
   for (const int bits : {8, 10, 12, 16}) {
     TrueCamera camera = linear_camera();
     camera.bits = bits;
     camera.pedestal = 0.0;
     camera.response = {0.7, 0.05};
-    const Sensor sensor(camera);
+    const TrueSensor sensor(camera);
     std::vector<float> row;
     for (int i = 0; i <= 1000; ++i) row.push_back(22.0f * static_cast<float>(i));
     std::vector<std::uint16_t> codes(row.size());
@@ -79,10 +79,10 @@ TEST(Sensor, a_camera_without_noise_gives_the_response_rounded) {
   }
 }
 
-TEST(Sensor, the_same_stream_has_the_same_noise_and_another_has_another) {
+TEST(TrueSensor, the_same_stream_has_the_same_noise_and_another_has_another) {
   TrueCamera camera = linear_camera();
   camera.read_noise_e = 50.0;
-  const Sensor sensor(camera);
+  const TrueSensor sensor(camera);
   const std::vector<float> row(64, 5000.0f);
   std::vector<std::uint16_t> a(64);
   std::vector<std::uint16_t> b(64);
@@ -94,10 +94,10 @@ TEST(Sensor, the_same_stream_has_the_same_noise_and_another_has_another) {
 }
 
 // Neighbours that knew of each other would make blur of noise.
-TEST(Sensor, neighbours_noise_is_independent) {
+TEST(TrueSensor, neighbours_noise_is_independent) {
   TrueCamera camera = linear_camera();
   camera.read_noise_e = 200.0;
-  const Sensor sensor(camera);
+  const TrueSensor sensor(camera);
   constexpr std::size_t kCount = 200000;
   const std::vector<float> row(kCount, 9000.0f);
   std::vector<std::uint16_t> codes(kCount);

@@ -13,9 +13,9 @@
 namespace cyclorama {
 
 /// Reentrant.
-class Sensor {
+class TrueSensor {
  public:
-  explicit Sensor(const TrueCamera& camera);
+  explicit TrueSensor(const TrueCamera& camera);
 
   /// One row of one channel: `electrons` to every `stride`th of `codes`. The same `stream` gives the same noise; no two
   /// rows, channels or photographs should share one.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/simulated_room/response_curve.h"
+#include "drivers/simulated_room/true_response.h"
 
 #include <algorithm>
 #include <cmath>

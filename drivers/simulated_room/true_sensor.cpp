@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/simulated_room/sensor.h"
+#include "drivers/simulated_room/true_sensor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +47,7 @@ std::span<const float> normal_quantiles() {
   return quantiles;
 }
 
-Sensor::Sensor(const TrueCamera& camera)
+TrueSensor::TrueSensor(const TrueCamera& camera)
     : full_well_e_(static_cast<float>(camera.full_well_e)),
       read_variance_(static_cast<float>(camera.read_noise_e * camera.read_noise_e)),
       has_shot_noise_(camera.has_shot_noise),
@@ -60,13 +60,13 @@ Sensor::Sensor(const TrueCamera& camera)
   codes_.push_back(codes_.back());
 }
 
-double Sensor::expected_code(double electrons) const {
+double TrueSensor::expected_code(double electrons) const {
   return static_cast<double>(largest_code_) *
          response_.at(electrons / static_cast<double>(full_well_e_) + static_cast<double>(pedestal_));
 }
 
-void Sensor::read_row(std::span<const float> electrons, std::uint64_t stream, std::uint16_t* codes,
-                      std::size_t stride) const {
+void TrueSensor::read_row(std::span<const float> electrons, std::uint64_t stream, std::uint16_t* codes,
+                          std::size_t stride) const {
   const std::span<const float> quantiles = normal_quantiles();
   const bool is_noisy = has_shot_noise_ || read_variance_ > 0.0f;
   std::uint64_t bits = 0;

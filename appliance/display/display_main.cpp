@@ -5,9 +5,9 @@
 #include <thread>
 
 #include "appliance/display/attract_picture.h"
+#include "appliance/display/calibrated_heads.h"
 #include "appliance/display/display.h"
 #include "appliance/display/display_settings.h"
-#include "appliance/display/measured_head.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -84,15 +84,11 @@ class StateLog {
   bool was_healthy_ = true;
 };
 
-/// What is read at the start, read now.
+/// What is read at the start, read now. A calibration that is broken is no reason not to start.
 Status check(const DisplayOptions& display) {
-  Installation room = display.installation;
-  const Projection picture = room.projection(display.width_px, display.height_px);
-  for (std::size_t i = 0; i < room.projectors.size(); ++i) {
-    InstalledProjector& projector = room.projectors[i];
-    if (room.stereo) projector.lens = lens_of_an_eye(projector.lens, room.stereo->packing);
-    if (projector.warp) TRY(measured_head(room, i, picture.shape));
-  }
+  const Projection picture = display.installation.projection(display.width_px, display.height_px);
+  TRY(picture.validate());
+  TRY(planned_heads(display.installation, picture.shape));
   if (!display.attract_picture.empty()) TRY(attract_frame(picture.shape, display.attract_picture));
   return Done{};
 }

@@ -29,6 +29,8 @@ class HeadChange {
   [[nodiscard]] const std::vector<HeadPainter>& painters() const { return now_->painters; }
   /// Draws a head with what is to be seen now, into its framebuffer, which is bound: as HeadPainter::draw().
   void draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share, Eye eye) const;
+  [[nodiscard]] std::size_t count() const { return depths_bits_.size(); }
+  [[nodiscard]] int depth_bits(std::size_t head) const { return depths_bits_[head]; }
   void set_depth(std::size_t head, int depth_bits);
   /// Makes the driver compile what is needed, in the bound framebuffer of that head; with `may_change` also what mixes
   /// two sets.
@@ -46,7 +48,7 @@ class HeadChange {
   HeadPrograms programs_;
   Texels texels_;
   HeadMailbox& mailbox_;
-  std::vector<int> depths_bits_;
+  std::vector<int> depths_bits_;  // That the painters dither to.
   std::unique_ptr<HeadSet> now_;
   std::unique_ptr<HeadSet> next_;  // Null but during a change.
   TimePoint began_at_{};           // To show both; zero: not yet.

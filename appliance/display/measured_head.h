@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "appliance/display/head_painter.h"
+#include "appliance/display/head_upload.h"
 #include "common/room/installation.h"
 
 namespace cyclorama {

@@ -31,7 +31,6 @@ Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, HeadPlans pla
   const Texels texels = may_change ? Texels::kHalves : texels_for(gl, *plans);
   TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
   std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
-  for (const HeadPlan& plan : *plans) presenter->depths_bits_.push_back(plan.depth_bits);
   TRY_ASSIGN(presenter->heads_, HeadChange::make(gl, texels, std::move(plans), &mailbox->plans));
   for (const HeadPainter& painter : presenter->heads_->painters())
     presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
@@ -46,7 +45,7 @@ Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, HeadPlans pla
 Status Presenter::warm_up(bool may_change) {
   TRY(attract_.upload(attract_frame_));
   TRY(panorama_.upload(attract_frame_));
-  for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
+  for (std::size_t head = 0; head < heads_->count(); ++head) {
     TRY(output_.draw_to(head));
     heads_->warm_up(head, {&panorama_, 0.0}, {&attract_, 0.0}, may_change);
   }
@@ -102,10 +101,9 @@ Status Presenter::refresh() {
 
 /// What hangs on a head may be changed for another device while this runs.
 void Presenter::notice_depths() {
-  for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
+  for (std::size_t head = 0; head < heads_->count(); ++head) {
     const HeadShown& shown = output_.shown()[head];
-    if (shown.light == HeadShown::Light::kDark || shown.depth_bits == depths_bits_[head]) continue;
-    depths_bits_[head] = shown.depth_bits;
+    if (shown.light == HeadShown::Light::kDark || shown.depth_bits == heads_->depth_bits(head)) continue;
     heads_->set_depth(head, shown.depth_bits);
     is_drawn_ = false;
   }
@@ -115,7 +113,7 @@ void Presenter::tell_heads() {
   HeadRefresh told;
   if (frame_ != nullptr && drawn_share_ < 1.0 && !patterns_->is_open())
     told.picture_at = frame_->shutter_ns != 0 ? from_nanoseconds(frame_->shutter_ns) : frame_->begun_at;
-  for (told.head = 0; told.head < depths_bits_.size(); ++told.head) {
+  for (told.head = 0; told.head < heads_->count(); ++told.head) {
     told.shown = output_.shown()[told.head];
     mailbox_.head_refreshes.push(told);
   }
@@ -196,7 +194,7 @@ Status Presenter::draw_heads() {
   const Eye now = eye_at(shared_.coming());
   const TurnedPicture shown{&panorama_, shift_.angle_rad};
   const TurnedPicture attract{&attract_, 0.0};  // It belongs to no heading.
-  for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
+  for (std::size_t head = 0; head < heads_->count(); ++head) {
     TRY(output_.draw_to(head));
     heads_->draw(head, shown, attract, share, now);
     show_watcher(head);
@@ -207,7 +205,7 @@ Status Presenter::draw_heads() {
 }
 
 Status Presenter::draw_patterns() {
-  for (std::size_t head = 0; head < depths_bits_.size(); ++head) {
+  for (std::size_t head = 0; head < heads_->count(); ++head) {
     if (!patterns_->needs_drawing(head) && !mailbox_.heads[head].is_wanted()) continue;
     TRY(output_.draw_to(head));
     patterns_->draw(head);

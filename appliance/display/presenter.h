@@ -79,7 +79,6 @@ class Presenter {
   PanoramaTexture panorama_;
   std::unique_ptr<HeadChange> heads_;
   std::unique_ptr<PatternShow> patterns_;
-  std::vector<int> depths_bits_;  // That the painters dither to.
   std::vector<RgbaImage> read_backs_;
   AttractFade fade_;
   Frame attract_frame_;

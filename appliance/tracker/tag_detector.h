@@ -13,7 +13,7 @@
 
 namespace cyclorama {
 
-/// What the detector trades. The curve "decimation against tags found and milliseconds" is in docs/design/tracker.md.
+/// What the detector trades. The curve "decimation against tags found and milliseconds" is in docs/trade.md.
 struct DetectorSettings {
   std::string family = "tag36h11";  ///< One of tag_families().
   double decimate = 1.5;            ///< Quads are sought in a picture this many times smaller: 1 to 8; in

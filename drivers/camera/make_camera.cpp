@@ -73,8 +73,7 @@ Made make_v4l2_camera(const CameraSpec& spec, const Clock& clock) {
     if (key != "memory" || (value != "mapped" && value != "dma_buf")) {
       return spec.refused(
           "knows the options width_px, height_px, frames_per_second, exposure_ms, gain=held or automatic, "
-          "memory=mapped "
-          "or dma_buf");
+          "memory=mapped or dma_buf");
     }
     options.memory = value == "dma_buf" ? BufferMemory::kDmaBuf : BufferMemory::kMapped;
   }

@@ -56,7 +56,8 @@ void add_options(CLI::App& app, Options* options) {
       ->excludes(budget);
   app.add_option("--guard-deg", options->guard_deg, "Degrees rendered beyond each side of the wall, for quick turns")
       ->check(CLI::Range(0.0, 90.0));
-  app.add_flag("--check", options->is_check, "Only read the settings, say what is wrong with them, and end");
+  app.add_flag("--check", options->is_check,
+               "Read the settings and all files that they name, and end: 0 if it would start");
   app.add_option("--state", options->state, "Keep the visitor's place in this folder, and go on there after a restart")
       ->type_name("FOLDER");
   app.add_option("--record", options->record,

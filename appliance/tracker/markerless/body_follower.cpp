@@ -8,8 +8,6 @@
 namespace cyclorama {
 namespace {
 
-/// Of an adult's head; a child of six has 0.145.
-constexpr double kHeadM = 0.155;
 constexpr double kLeastHeadM = 0.13;
 constexpr double kMostHeadM = 0.18;
 constexpr double kMostUprightRad = 0.14;

@@ -80,12 +80,14 @@ class BodyFollower {
   std::optional<BodyPose> miss(TimePoint at);
   void forget();
 
+  /// Of an adult's head; a child of six has 0.145.
+  static constexpr double kHeadM = 0.155;
   BodySettings settings_;
   BodyPhase phase_ = BodyPhase::kNobody;
   std::optional<CellRect> region_;
   std::optional<BodyShape> shape_;
   std::vector<Standing> arriving_;
-  double head_m_ = 0.155;
+  double head_m_ = kHeadM;
   double upright_rad_ = 0.0;
   double chest_ = 0.0;  ///< Of the visitor: the chest's width over the head's; 0 while it is not known.
   Filtered x_, depth_, lean_;

@@ -18,13 +18,13 @@ constexpr double kHeadFrom = 0.3;
 constexpr double kHeadTo = 0.95;
 
 double score_at(const SummedShare& share, double u, double top, double w) {
-  const double head = share.mean(u - 0.38 * w, top + 0.1 * w, u + 0.38 * w, top + 1.15 * w, 0.0);
+  const double head = share.mean(u - 0.38 * w, top + 0.1 * w, u + 0.38 * w, top + 1.15 * w);
   if (head < 0.5) return 0.0;
-  const double chest = share.mean(u - 0.9 * w, top + 1.8 * w, u + 0.9 * w, top + 2.7 * w, 0.0);
+  const double chest = share.mean(u - 0.9 * w, top + 1.8 * w, u + 0.9 * w, top + 2.7 * w);
   if (chest < 0.4) return 0.0;
-  const double above = 1.0 - share.mean(u - 0.5 * w, top - 0.4 * w, u + 0.5 * w, top - 0.06 * w, 0.0);
-  const double left = 1.0 - share.mean(u - 1.15 * w, top, u - 0.62 * w, top + 0.95 * w, 0.0);
-  const double right = 1.0 - share.mean(u + 0.62 * w, top, u + 1.15 * w, top + 0.95 * w, 0.0);
+  const double above = 1.0 - share.mean(u - 0.5 * w, top - 0.4 * w, u + 0.5 * w, top - 0.06 * w);
+  const double left = 1.0 - share.mean(u - 1.15 * w, top, u - 0.62 * w, top + 0.95 * w);
+  const double right = 1.0 - share.mean(u + 0.62 * w, top, u + 1.15 * w, top + 0.95 * w);
   // One side may be taken by somebody behind.
   const double sides = 0.65 * std::max(left, right) + 0.35 * std::min(left, right);
   return head * std::min(1.0, 1.1 * chest) * above * sides;
@@ -142,7 +142,7 @@ SummedShare::SummedShare(const Image<float, 1>& share)
   }
 }
 
-double SummedShare::mean(double left, double top, double right, double bottom, double outside) const {
+double SummedShare::mean(double left, double top, double right, double bottom) const {
   // Whole cells whose middle is inside.
   const int x0 = static_cast<int>(std::lround(left)), x1 = std::max(x0 + 1, static_cast<int>(std::lround(right)));
   const int y0 = static_cast<int>(std::lround(top)), y1 = std::max(y0 + 1, static_cast<int>(std::lround(bottom)));
@@ -152,8 +152,7 @@ double SummedShare::mean(double left, double top, double right, double bottom, d
   const auto at = [&](int x, int y) {
     return sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_ + 1) + static_cast<std::size_t>(x)];
   };
-  const double within = static_cast<double>(r - l) * static_cast<double>(b - t);
-  return (at(r, b) - at(l, b) - at(r, t) + at(l, t) + outside * (all - within)) / all;
+  return (at(r, b) - at(l, b) - at(r, t) + at(l, t)) / all;
 }
 
 std::optional<HeadPlace> find_head_near(const SummedShare& share, const HeadPlace& near) {

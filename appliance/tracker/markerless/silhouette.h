@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What stands before the room, and where in it heads and shoulders are.
 ///
-///          ╭─╮    above: empty          A head is known by its surroundings: something, with nothing above and nothing
-///     side │h│ side: empty              on one side at least, on something 2.6 times as wide. All boxes are in units
-///     of
-///        ╭─┴─┴─╮                        the head's width, which is what a depth is read from: heads differ least.
+///          ╭─╮    above: empty     A head is known by its surroundings: something, with nothing above and nothing
+///     side │h│ side: empty         on one side at least, on something 2.6 times as wide. All boxes are in units
+///        ╭─┴─┴─╮                   of the head's width, which is what a depth is read from: heads differ least.
 ///        │chest│
 ///
 /// Cells count from 0 at the picture's left and upper edge; a cell's middle is at +0.5.
@@ -54,8 +53,8 @@ struct HeadPlace {
 class SummedShare {
  public:
   explicit SummedShare(const Image<float, 1>& share);
-  /// Mean over a box in cells; what is outside of the picture counts as `outside`.
-  [[nodiscard]] double mean(double left, double top, double right, double bottom, double outside) const;
+  /// Mean over a box in cells; outside of the picture there is nobody.
+  [[nodiscard]] double mean(double left, double top, double right, double bottom) const;
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
 

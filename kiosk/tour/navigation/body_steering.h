@@ -4,9 +4,8 @@
 ///        ═══════════════ wall ═══════════════
 ///                       ▣ camera                 The pose is that of a "tag" worn on the body: its place is where the
 ///             back  ◄── + ──► forward            visitor stands, and its turn about the camera's z is the lean. The
-///                       ☺ mark on the floor      visitor's right is the camera's -x, as with the wand
-///                       (tag_steering.h);
-///                                                leaning to the right is a turn against the clock in the picture.
+///                       ☺ mark on the floor      visitor's right is the camera's -x, as in tag_steering.h; leaning to
+///                                                the right is a turn against the clock in the picture.
 #pragma once
 
 #include "kiosk/tour/navigation/tag_steering.h"

@@ -46,9 +46,8 @@ struct TourSettings {
   std::optional<TlsFiles> tls{};  ///< Towards the farm.
   PictureSettings picture;
   NavigationSettings navigation;
-  bool record = false;  ///< Not of the file: keep the walk, to be taken.
-  std::optional<KeptPlace>
-      resume{};  ///< Not of the file: where the visitor was when the tour ended without meaning to.
+  bool record = false;                ///< Not of the file: keep the walk, to be taken.
+  std::optional<KeptPlace> resume{};  ///< Not of the file: where the visitor was when the tour ended unasked.
 };
 
 /// The guard band that a turn at full speed eats up within 0.2 s: a frame's whole way and the next frame's wait at 10

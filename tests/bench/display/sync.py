@@ -12,12 +12,13 @@ import argparse
 import bisect
 import json
 import pathlib
-import re
 import signal
-import subprocess
 import sys
 import tempfile
 import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from small_show import Processes, installation  # noqa: E402
 
 WARM_UP_S = 10
 # Ahead by, faster by, refreshes. What a museum has is the first two columns' thousandth.
@@ -26,25 +27,6 @@ DISPLAYS = [
     {"skew-ms": -1234.5, "drift-ppm": 60, "refresh-hz": 60},
     {"skew-ms": 86.4, "drift-ppm": -45, "refresh-hz": 59.97},
 ]
-WALL = """name = "A wall of three computers"
-[wall]
-shape = "cylinder"
-radius_m = 3.0
-arc_deg = 126
-bottom_m = 0.4
-top_m = 2.9
-[visitor]
-eye_m = [0.0, 1.65, 0.0]
-[[projector]]
-name = "head-{0}"
-width_px = 320
-height_px = 240
-field_of_view_deg = 60
-lens_shift_fraction = [0.0, -0.36]
-position_m = [0.0, 2.75, 0.4]
-pan_deg = {1}
-tilt_deg = -3
-"""
 
 
 class Log:
@@ -105,44 +87,25 @@ def compare(logs):
 
 
 def run(build, seconds, folder):
-    children, logs = [], []
-
-    def start(*command, **options):
-        children.append(subprocess.Popen([str(word) for word in command], text=True, **options))
-        return children[-1]
-
-    try:
-        farm = start(build / "tests/test-farm", stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        port = farm.stdout.readline().split()[1]
-        tour = start(build / "bin/cyclorama-tour", "--listen", "[::1]:0", "--farm", f"[::1]:{port}", "--samples", 1,
-                     stderr=subprocess.PIPE)
-        address = None
-        while address is None:
-            line = tour.stderr.readline()
-            if not line:
-                sys.exit("the tour did not start")
-            found = re.search(r"\(port (\d+)\)", line)
-            address = found and f"[::1]:{found[1]}"
+    displays, logs = [], []
+    with Processes(build) as processes:
+        farm, address = processes.start_tour()
         for n, display in enumerate(DISPLAYS):
-            (folder / f"room-{n}.toml").write_text(WALL.format(n, 52 * (n - 1)), encoding="utf-8")
+            (folder / f"room-{n}.toml").write_text(installation(f"head-{n}", 52 * (n - 1)), encoding="utf-8")
             options = [word for name, value in display.items() for word in (f"--{name}", value)]
             logs.append(folder / f"display-{n}.log")
-            start(build / "tests/test-display", "--installation", folder / f"room-{n}.toml", "--tour", address, "--width",
-                  512, "--log", logs[-1], *options)
+            displays.append(processes.start("tests/test-display", "--installation", folder / f"room-{n}.toml", "--tour", address,
+                                            "--width", 512, "--log", logs[-1], *options))
         farm.stdin.write(address + "\n")
         farm.stdin.flush()
         time.sleep(WARM_UP_S + 2 + seconds)
         farm.send_signal(signal.SIGTERM)
         told = farm.communicate(timeout=30)[0].splitlines()
-        for child in children[2:]:
+        for child in displays:
             child.send_signal(signal.SIGTERM)
-        for child in children[2:]:
+        for child in displays:
             if child.wait(timeout=30) != 0:
                 sys.exit("a display failed")
-    finally:
-        for child in children:
-            child.kill()
-            child.wait()
     return [Log(path) for path in logs], told
 
 

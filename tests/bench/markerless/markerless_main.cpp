@@ -4,13 +4,13 @@
 // With --recording VIDEO: what it makes of a recording, in which nothing is known but that people walk there.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "appliance/tracker/markerless/body_tracker.h"
+#include "common/base/cpu_time.h"
 #include "common/image/png.h"
 #include "drivers/camera/make_camera.h"
 #include "tests/doubles/visitor_stories.h"
@@ -21,11 +21,6 @@ namespace {
 constexpr double kDegree = 0.017453292519943295;
 constexpr double kPicturesPerS = 30.0;
 
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 TimePoint at_time(double s) {
   return TimePoint(std::chrono::seconds(1000)) + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
 }
@@ -121,9 +116,9 @@ struct Runner {
   std::optional<BodyPose> last{};
 
   void see(const GreyImage& picture, const Pinhole& lens, double t, const RenderedVisitor& truth) {
-    const double begin = thread_seconds();
+    const double begin = thread_cpu_seconds();
     const auto pose = tracker.update(picture, lens, at_time(t));
-    figures.seconds.push_back(thread_seconds() - begin);
+    figures.seconds.push_back(thread_cpu_seconds() - begin);
     const bool stands = t > 5.5;
     if (stands) ++figures.pictures;
     if (pose && t < 4.0) ++figures.strangers;

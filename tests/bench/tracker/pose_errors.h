@@ -2,20 +2,14 @@
 /// Runs rendered sequences through the tracker's own search and pose, and keeps the errors.
 #pragma once
 
-#include <ctime>
-
 #include "appliance/tracker/overlay.h"
 #include "appliance/tracker/tag_search.h"
 #include "appliance/tracker/tag_tracking.h"
+#include "common/base/cpu_time.h"
 #include "tests/bench/tracker/rendered_hand.h"
 
 namespace cyclorama {
 
-inline double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 inline TimePoint after(double seconds) {
   return TimePoint(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1000.0 + seconds)));
 }
@@ -41,11 +35,11 @@ inline void add_scene(const HandStudio& studio, const HandScene& scene, std::uin
   TrackingState state;
   for (int i = 0; i < kPicturesOfScene; ++i) {
     const GreyImage picture = studio.picture(scene, i, number * kPicturesOfScene + static_cast<std::uint64_t>(i));
-    const double began = thread_seconds();
+    const double began = thread_cpu_seconds();
     const auto found = search->search(picture);
     const TrackingResult result = track(settings, state, found ? *found : std::vector<TagDetection>{}, studio.lens(),
                                         after(static_cast<double>(number) * 10.0 + i / HandScene::kPicturesPerSecond));
-    run->seconds.push_back(thread_seconds() - began);
+    run->seconds.push_back(thread_cpu_seconds() - began);
     state = result.state;
     ++run->pictures;
     if (!result.tag) continue;

@@ -17,7 +17,6 @@ import json
 import mmap
 import pathlib
 import random
-import re
 import socket
 import struct
 import subprocess
@@ -26,25 +25,9 @@ import tempfile
 import threading
 import time
 
-WALL = """name = "One projector"
-[wall]
-shape = "cylinder"
-radius_m = 3.0
-arc_deg = 126
-bottom_m = 0.4
-top_m = 2.9
-[visitor]
-eye_m = [0.0, 1.65, 0.0]
-[[projector]]
-name = "head"
-width_px = 320
-height_px = 240
-field_of_view_deg = 60
-lens_shift_fraction = [0.0, -0.36]
-position_m = [0.0, 2.75, 0.4]
-pan_deg = 0
-tilt_deg = -3
-"""
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from small_show import Processes, installation  # noqa: E402
+
 TURN_DEG = 25
 STEP_S = 0.002  # The turn itself: the wand begins to turn, and the clock runs.
 HELD_S = 0.4  # Turned for so long; then straight until all is at rest again.
@@ -135,49 +118,27 @@ def quantile(values, part):
 
 
 def measure(build, camera_hz, refresh_hz, seconds, folder):
-    children = []
-
-    def start(*command, **options):
-        children.append(subprocess.Popen([str(word) for word in command], text=True, **options))
-        return children[-1]
-
     text, turns, loop_s = hand(camera_hz)
     (folder / "hand.toml").write_text(text, encoding="utf-8")
-    (folder / "room.toml").write_text(WALL, encoding="utf-8")
+    (folder / "room.toml").write_text(installation("head"), encoding="utf-8")
     poses = Poses()
     poses.start()
     picture = folder / "head-head.picture"
-    picture.unlink(missing_ok=True)
-    try:
-        farm = start(build / "tests/test-farm", "--striped", stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        port = farm.stdout.readline().split()[1]
-        tour = start(build / "bin/cyclorama-tour", "--listen", "[::1]:0", "--farm", f"[::1]:{port}", "--samples", 1,
-                     stderr=subprocess.PIPE)
-        address = None
-        while address is None:
-            line = tour.stderr.readline()
-            if not line:
-                sys.exit("the tour did not start")
-            found = re.search(r"\(port (\d+)\)", line)
-            address = found and f"[::1]:{found[1]}"
-        threading.Thread(target=lambda: tour.stderr.read(), daemon=True).start()
-        start(build / "bin/cyclorama-display", "--installation", folder / "room.toml", "--tour", address, "--width", 768,
-              "--run-dir", folder, "--refresh-hz", refresh_hz, stderr=subprocess.DEVNULL)
-        start(build / "bin/cyclorama-tracker", "--camera", f"simulated:{folder}/hand.toml", "--tour", address, "--listen", "[::1]:0",
-              "--osc", f"[::1]:{poses.socket.getsockname()[1]}", stderr=subprocess.DEVNULL)
+    with Processes(build) as processes:
+        _, address = processes.start_tour("--striped")
+        processes.start("bin/cyclorama-display", "--installation", folder / "room.toml", "--tour", address, "--width", 768,
+                        "--run-dir", folder, "--refresh-hz", refresh_hz, stderr=subprocess.DEVNULL)
+        processes.start("bin/cyclorama-tracker", "--camera", f"simulated:{folder}/hand.toml", "--tour", address,
+                        "--listen", "[::1]:0", "--osc", f"[::1]:{poses.socket.getsockname()[1]}", stderr=subprocess.DEVNULL)
         while not picture.exists():
             time.sleep(0.05)
         head = Head(picture)
         head.start()
         time.sleep(seconds + 3)
-        for child in children:
+        for child in processes.children:
             if child.poll() is not None:
                 sys.exit(f"{child.args[0]} ended")
         head.going = poses.going = False
-    finally:
-        for child in reversed(children):
-            child.kill()
-            child.wait()
     return turns, loop_s, poses.rows, head.changes
 
 
@@ -218,8 +179,8 @@ def main():
     print(f"{'camera':<9}{'turns':>6}{'not seen':>10}{'p50':>9}{'p95':>9}{'max':>9}   of p50: until the shutter, tracker, tour and display;  plainly seen p95")
     for camera_hz in args.camera_hz or [30, 60]:
         with tempfile.TemporaryDirectory() as folder:
-            rows, unquiet = latencies(*(lambda m: (m[0], m[1], camera_hz, m[2], m[3]))(
-                measure(args.build.resolve(), camera_hz, args.refresh_hz, seconds, pathlib.Path(folder))))
+            turns, loop_s, poses, changes = measure(args.build.resolve(), camera_hz, args.refresh_hz, seconds, pathlib.Path(folder))
+        rows, unquiet = latencies(turns, loop_s, camera_hz, poses, changes)
         seen = [row for row in rows if row]
         if not seen:
             sys.exit("no turn was seen at rest: is the machine too busy?")

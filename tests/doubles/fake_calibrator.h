@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A calibrator that tells what a test wants, and remembers what it was asked.
+/// A calibrator that measures nothing: it tells what a test wants, and remembers what it was asked.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -15,7 +15,25 @@
 
 namespace cyclorama {
 
-/// Listens on [::1] as long as it lives. Thread-safe.
+/// `steps` patterns, each with `jpeg`, and a good end.
+inline std::vector<wire::CalibrateProgress> told_calibration(int steps, const std::string& jpeg) {
+  std::vector<wire::CalibrateProgress> messages;
+  for (int step = 0; step < steps; ++step) {
+    wire::CalibrateProgress& message = messages.emplace_back();
+    message.set_step("shows pattern " + std::to_string(step + 1) + " of " + std::to_string(steps));
+    message.set_fraction(static_cast<double>(step) / steps);
+    message.set_jpeg(jpeg);
+  }
+  wire::CalibrateProgress& last = messages.emplace_back();
+  last.set_step("done");
+  last.set_fraction(1.0);
+  last.mutable_done()->set_date("2026-11-22");
+  last.mutable_done()->set_registration_p95_px(0.31);
+  last.mutable_done()->add_remarks("Projector 'right' overlaps by 3 degrees only; turn it to the left.");
+  return messages;
+}
+
+/// Listens on [::1] as long as it lives. Thread-safe, but for what is set before it is asked.
 class FakeCalibrator final : private wire::Calibrator::Service {
  public:
   FakeCalibrator() {
@@ -39,25 +57,29 @@ class FakeCalibrator final : private wire::Calibrator::Service {
   }
 
   // Set before, read after.
-  std::vector<wire::CalibrateProgress> messages;
-  bool goes_on_for_ever = false;  ///< After the messages, until it is cancelled.
+  std::vector<wire::CalibrateProgress> messages = told_calibration(4, "a picture");
+  Duration step_takes = Duration::zero();  ///< Passes after each message.
+  std::atomic<bool> is_held{false};        ///< Goes no further than that, until it is cancelled.
   grpc::Status end = grpc::Status::OK;
-  std::string restored_date;  ///< Empty: there is none.
+  std::string restored_date = "2026-10-01";  ///< Empty: there is none.
   std::vector<wire::CalibrateOrder> orders;
 
  private:
   grpc::Status Calibrate(grpc::ServerContext* context, const wire::CalibrateOrder* order,
                          grpc::ServerWriter<wire::CalibrateProgress>* writer) override {
-    {
-      const std::lock_guard lock(mutex_);
-      orders.push_back(*order);
-      changed_.notify_all();
-    }
-    for (const wire::CalibrateProgress& message : messages) writer->Write(message);
     std::unique_lock lock(mutex_);
-    while (goes_on_for_ever && !context->IsCancelled()) changed_.wait_for(lock, std::chrono::milliseconds(10));
-    was_cancelled_ = context->IsCancelled();
+    orders.push_back(*order);
     changed_.notify_all();
+    for (const wire::CalibrateProgress& message : messages) {
+      writer->Write(message);
+      const TimePoint until = SteadyClock().now() + step_takes;
+      while ((is_held || SteadyClock().now() < until) && !context->IsCancelled())
+        changed_.wait_for(lock, std::chrono::milliseconds(2));
+      if (!context->IsCancelled()) continue;
+      was_cancelled_ = true;
+      changed_.notify_all();
+      return grpc::Status::CANCELLED;
+    }
     return end;
   }
   grpc::Status Restore(grpc::ServerContext*, const wire::RestoreOrder*, wire::RestoreAnswer* answer) override {

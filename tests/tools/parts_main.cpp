@@ -7,8 +7,8 @@
 
 #include "common/image/jpeg.h"
 #include "common/process/program.h"
+#include "tests/doubles/fake_calibrator.h"
 #include "tests/doubles/fake_process.h"
-#include "tests/doubles/stepped_calibrator.h"
 
 namespace cyclorama {
 namespace {
@@ -37,7 +37,7 @@ struct Parts {
   FakeProcess tour{"tour"};
   FakeProcess display{"display"};
   FakeProcess tracker{"tracker"};
-  SteppedCalibrator calibrator{8, 1500ms};
+  FakeCalibrator calibrator;
 
   explicit Parts(bool is_unwell) {
     tour.inspection.set_state("Visiting 'The grotto', 19.8 frames a second, 1 display, steered by a wand.", true);
@@ -83,7 +83,9 @@ struct Parts {
     tracker.inspection.set_gauge("frames_per_second", is_unwell ? 0.0 : 30.0);
     tracker.inspection.set_picture("camera", std::make_shared<const RgbImage>(vaults(640, 480, 0.4)));
     const auto jpeg = JpegEncoder().encode(vaults(640, 480, 2.0), JpegOptions{});
-    if (jpeg) calibrator.jpeg.assign(reinterpret_cast<const char*>(jpeg->data()), jpeg->size());
+    CHECK(jpeg);
+    calibrator.messages = told_calibration(8, {reinterpret_cast<const char*>(jpeg->data()), jpeg->size()});
+    calibrator.step_takes = 1500ms;
   }
 };
 

@@ -92,7 +92,7 @@ TEST_F(Calibrating, orders_what_was_asked) {
 
 TEST_F(Calibrating, cancels_the_call_when_it_is_told_to_stop) {
   calibrator_.messages = {step("show patterns", 0.2)};
-  calibrator_.goes_on_for_ever = true;
+  calibrator_.is_held = true;
   const std::jthread killer([this] {
     EXPECT_TRUE(calibrator_.wait_for_order());
     ::kill(::getpid(), SIGINT);
@@ -122,6 +122,7 @@ TEST_F(Calibrating, fails_with_the_calibrators_own_words) {
 }
 
 TEST_F(Calibrating, goes_back_to_the_calibration_of_before) {
+  calibrator_.restored_date.clear();
   const Outcome none = run({"--restore"});
   ASSERT_FALSE(none.status);
   EXPECT_EQ(none.status.error().code(), ErrorCode::kNotFound);

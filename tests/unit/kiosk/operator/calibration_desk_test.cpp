@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/doubles/stepped_calibrator.h"
+#include "tests/doubles/fake_calibrator.h"
 
 namespace cyclorama {
 namespace {
@@ -15,11 +15,10 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 
 struct Desk {
-  SteppedCalibrator calibrator;
+  FakeCalibrator calibrator;
   std::unique_ptr<CalibrationDesk> desk;
 
   Desk() {
-    calibrator.jpeg = "a picture";
     auto made = CalibrationDesk::make(calibrator.address());
     CHECK(made);
     desk = *std::move(made);
@@ -64,7 +63,8 @@ TEST(CalibrationDesk, cancels_and_runs_one_at_a_time) {
 
 TEST(CalibrationDesk, says_why_one_failed) {
   Desk desk;
-  desk.calibrator.is_broken = true;
+  desk.calibrator.messages.resize(1);
+  desk.calibrator.end = to_grpc(Error(ErrorCode::kUnavailable, "projector 'left' is dark; switch it on"));
   ASSERT_TRUE(desk.desk->start({}));
   const auto end = desk.end();
   EXPECT_EQ(end["state"], "failed");
@@ -87,7 +87,7 @@ TEST(CalibrationDesk, brings_the_one_of_before_back) {
   const auto date = desk.desk->restore();
   ASSERT_TRUE(date);
   EXPECT_EQ(*date, "2026-10-01");
-  desk.calibrator.has_before = false;
+  desk.calibrator.restored_date.clear();
   const auto none = desk.desk->restore();
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code(), ErrorCode::kNotFound);
@@ -100,8 +100,7 @@ TEST(CalibrationDesk, ends_at_once_with_a_calibration_that_runs) {
   const TimePoint deadline = SteadyClock().now() + 20s;
   while (desk.desk->picture().empty() && SteadyClock().now() < deadline) std::this_thread::yield();
   desk.desk.reset();
-  while (!desk.calibrator.was_cancelled && SteadyClock().now() < deadline) std::this_thread::yield();
-  EXPECT_TRUE(desk.calibrator.was_cancelled);
+  EXPECT_TRUE(desk.calibrator.wait_for_cancel());
 }
 
 TEST(CalibrationWish, is_read_strictly) {

@@ -13,7 +13,7 @@
 #include "kiosk/operator/page_server.h"
 #include "tests/doubles/fake_process.h"
 #include "tests/doubles/museum_stick.h"
-#include "tests/doubles/stepped_calibrator.h"
+#include "tests/doubles/fake_calibrator.h"
 
 namespace cyclorama {
 namespace {
@@ -47,7 +47,7 @@ std::map<std::string, std::string> unzipped(const std::string& bytes) {
 struct Page {
   MuseumStick stick;
   FakeProcess tour{"tour"};
-  SteppedCalibrator calibrator;
+  FakeCalibrator calibrator;
   SteadyClock clock;
   fs::path keep;
   std::optional<PageCertificate> certificate;

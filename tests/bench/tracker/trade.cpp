@@ -121,7 +121,7 @@ nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vect
 }
 
 nlohmann::json search_curve(const char* knob, double value, const Wand& wand, const DetectorSettings& settings,
-                            int scenes) {
+                            int scenes, double distance_m = 2.0) {
   TrackingSettings tracking;
   tracking.patterns.wands = {wand};
   const HandStudio studio(wand);
@@ -129,15 +129,21 @@ nlohmann::json search_curve(const char* knob, double value, const Wand& wand, co
   for (int i = 0; i < scenes; ++i) {
     auto search = TagSearch::create(settings);
     const auto number = static_cast<std::uint64_t>(i);
-    add_scene(studio, HandScene::sampled(number, 2.0, 60.0), number, tracking, &*search, &run);
+    add_scene(studio, HandScene::sampled(number, distance_m, 60.0), number, tracking, &*search, &run);
   }
   const PoseFigures f = figures_of(run);
   std::sort(run.seconds.begin(), run.seconds.end());
   const double median_ms = 1e3 * run.seconds[run.seconds.size() / 2];
-  std::printf("%-22s %6.1f | found %5.1f %%  yaw sd %5.3f deg  p99 %5.2f deg  x sd %5.3f mm  median %5.2f ms\n", knob,
-              value, 100.0 * (f.frames - f.lost) / f.frames, f.yaw_sd_deg, f.yaw_p99_deg, f.x_sd_mm, median_ms);
+  std::printf(
+      "%-18s %5.1f at %.1f m | found %5.1f %%  yaw sd %5.3f deg  p99 %5.2f deg  flips %3d  x sd %5.3f mm  median %5.2f "
+      "ms\n",
+      knob, value, distance_m, 100.0 * (f.frames - f.lost) / f.frames, f.yaw_sd_deg, f.yaw_p99_deg, f.flips, f.x_sd_mm,
+      median_ms);
+  std::fflush(stdout);
   return {{"knob", knob},
           {"value", value},
+          {"distance_m", distance_m},
+          {"flips", f.flips},
           {"found_share", 1.0 - 1.0 * f.lost / f.frames},
           {"yaw_sd_deg", f.yaw_sd_deg},
           {"yaw_p99_deg", f.yaw_p99_deg},
@@ -160,7 +166,7 @@ nlohmann::json measure_trade(bool quick, const std::string& only, int wanted_sce
     points = filter_curve(measured_along(sway, seconds), measured_along(rest, seconds), measured_along(far, seconds));
 
   const int scenes = wanted_scenes > 0 ? wanted_scenes : quick ? 10 : 150;
-  std::printf("At 2 m, |yaw| to 60 deg, as tag-pose\n");
+  std::printf("|yaw| to 60 deg, as tag-pose\n");
   for (const bool tiles : {false, true}) {
     for (const double decimate : {1.0, 1.5, 2.0, 3.0, 4.0}) {
       if (!asked("decimation") || (tiles && decimate == 1.0)) continue;
@@ -174,13 +180,17 @@ nlohmann::json measure_trade(bool quick, const std::string& only, int wanted_sce
   for (const double scale : {0.7, 1.0, 1.2, 1.4142}) {
     if (!asked("size")) break;
     const FoldedCard card = FoldedCard().scaled(scale);
-    points.push_back(search_curve("tag size, mm", 1e3 * card.tag_size_m, standard_wand(0, card), {}, scenes));
+    for (const double distance_m : {2.0, 2.5}) {
+      points.push_back(
+          search_curve("tag size, mm", 1e3 * card.tag_size_m, standard_wand(0, card), {}, scenes, distance_m));
+    }
   }
   for (const double fold_deg : {0.01, 15.0, 25.0, 35.0, 45.0, 55.0}) {
     if (!asked("fold")) break;
     FoldedCard card;
     card.fold_rad = fold_deg * kDegree;
-    points.push_back(search_curve("fold, deg", fold_deg, standard_wand(0, card), {}, scenes));
+    for (const double distance_m : {2.0, 2.5})
+      points.push_back(search_curve("fold, deg", fold_deg, standard_wand(0, card), {}, scenes, distance_m));
   }
   return {{"points", points}};
 }

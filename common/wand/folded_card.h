@@ -20,7 +20,7 @@ struct FoldedCard {
   double panel_width_m = 0.090;
   double panel_height_m = 0.092;
   double tag_size_m = 0.070;
-  double fold_rad = 0.6108652381980153;  ///< 35°; docs/design/tracker.md says why.
+  double fold_rad = 0.4363323129985824;  ///< 25°; docs/design/tracker.md says why.
 
   [[nodiscard]] double lid_depth_m() const;
   /// From the middle of the lid to the end of its longer edge.

@@ -189,7 +189,7 @@ nlohmann::json measure_speed(int pictures) {
                                 {"tracked", tracked},
                                 {"pictures", pictures}};
     std::printf("%-34s median %.2f ms, p99 %.2f ms, tracked %d\n",
-                tiles ? "full resolution where a tag was" : "decimation 2 everywhere", one["median_ms"].get<double>(),
+                tiles ? "full resolution where a tag was" : "the whole picture, decimated", one["median_ms"].get<double>(),
                 one["p99_ms"].get<double>(), tracked);
     if (tiles) {
       result.update(one);

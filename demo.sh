@@ -137,7 +137,7 @@ for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --head "$(at 1)" --t
 start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" "${picture[@]}"
 start display cyclorama-display --installation "$installation" --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --width "${size%x*}" --height "${size#*x}" --refresh-hz 20
 start simulated-room cyclorama-simulated-room --installation "$installation" --run-dir "$run_dir" --listen "$(at 5)" --rate-hz 6
-start tracker cyclorama-tracker --camera "${camera:-simulated}" --decimate 2 --tour "$(at 2)" --listen "$(at 4)"
+start tracker cyclorama-tracker --camera "${camera:-simulated}" --tour "$(at 2)" --listen "$(at 4)"
 [ "$headless" = 1 ] || start operator cyclorama-operator --no-pin --listen "[::1]:$page_port" "${watch[@]}"
 
 if [ "$headless" = 1 ]; then

@@ -66,7 +66,7 @@ Display::Display(DisplayOptions options, const Clock& clock)
       clock_(clock),
       reporter_(&inspection_, names_of(options_.installation.projectors)),
       mailbox_(options_.installation.projectors.size()),
-      patterns_(modes_of(options_.installation.projectors), &mailbox_.patterns),
+      patterns_(modes_of(options_.installation.projectors), &mailbox_.patterns, options_.patterns_idle),
       tour_clock_(options_.system_clock) {}
 
 Display::~Display() { patterns_.stop(); }

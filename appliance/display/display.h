@@ -33,8 +33,9 @@ struct DisplayOptions {
   double refresh_hz = 30.0;
   OutputChoice output;
   int decode_threads = 2;
-  std::filesystem::path calibration;      ///< Its folder; empty: the heads draw as the installation says.
-  std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: an evening sky.
+  Duration patterns_idle = std::chrono::minutes(10);  ///< A calibration that orders nothing for so long is ended.
+  std::filesystem::path calibration;                  ///< Its folder; empty: the heads draw as the installation says.
+  std::filesystem::path attract_picture;              ///< PNG or JPEG; empty: an evening sky.
   AttractTimes attract_times;
   OpeningHours hours;  ///< The heads are dark outside of them.
   SystemClock system_clock = std::chrono::system_clock::now;

@@ -37,8 +37,11 @@ Result<std::shared_ptr<const RgbaImage>> picture_of(const std::string& png, cons
 void PatternService::tend() {
   mailbox_.replaced.take();
   PatternsShown shown;
-  if (!mailbox_.shown.take(&shown)) return;
+  const bool has_news = mailbox_.shown.take(&shown);
+  if (!has_news && !is_open_) return;
   const std::lock_guard lock(mutex_);
+  if (waiting_ != nullptr && SteadyClock().now() > waits_since_ + idle_) waiting_->TryCancel();
+  if (!has_news) return;
   shown_ = shown;
   changed_.notify_all();
 }
@@ -66,7 +69,7 @@ grpc::Status PatternService::serve(grpc::ServerContext* context, Stream* stream)
   std::vector<PatternWall::Head> heads(heads_.size());
   put(true, heads);
   wire::PatternOrder order;
-  while (stream->Read(&order)) {
+  while (read(context, stream, &order)) {
     if (const Status taken = take(order, &heads); !taken) return to_grpc(taken.error());
     const Result<TimePoint> shown = wait_for(put(true, heads), *context);
     if (!shown) return to_grpc(shown.error());
@@ -76,6 +79,18 @@ grpc::Status PatternService::serve(grpc::ServerContext* context, Stream* stream)
     if (!stream->Write(answer)) break;
   }
   return grpc::Status::OK;
+}
+
+bool PatternService::read(grpc::ServerContext* context, Stream* stream, wire::PatternOrder* ret) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_ = context;
+    waits_since_ = SteadyClock().now();
+  }
+  const bool has_order = stream->Read(ret);
+  const std::lock_guard lock(mutex_);
+  waiting_ = nullptr;
+  return has_order;
 }
 
 /// All of an order, or nothing of it.

@@ -18,11 +18,15 @@ namespace cyclorama {
 /// gRPC's threads. Thread-safe, but tend().
 class PatternService final : public wire::PatternScreen::Service {
  public:
-  /// `heads`: the output's, in order. Borrows the mailbox. A head that shows nothing for `patience` is away.
-  PatternService(std::vector<HeadMode> heads, PatternMailbox* mailbox, Duration patience = std::chrono::seconds(10))
-      : heads_(std::move(heads)), mailbox_(*mailbox), patience_(patience) {}
+  /// `heads`: the output's, in order. Borrows the mailbox. A call without an order for `idle` is ended: whoever turns
+  /// the plate by hand may take his time, but a calibration that hangs must not keep the wall from visitors. A head
+  /// that shows nothing for `patience` is away.
+  PatternService(std::vector<HeadMode> heads, PatternMailbox* mailbox, Duration idle,
+                 Duration patience = std::chrono::seconds(10))
+      : heads_(std::move(heads)), mailbox_(*mailbox), idle_(idle), patience_(patience) {}
 
-  /// Hears from the presenter, and frees what it is done with. By one thread, at each refresh.
+  /// Hears from the presenter, frees what it is done with, and ends a call that is idle. By one thread, at each
+  /// refresh.
   void tend();
   /// The presenter is about to end: nobody waits for it any more.
   void stop();
@@ -35,16 +39,20 @@ class PatternService final : public wire::PatternScreen::Service {
   grpc::Status serve(grpc::ServerContext* context, Stream* stream);
   Status take(const wire::PatternOrder& order, std::vector<PatternWall::Head>* heads) const;
   std::uint64_t put(bool is_open, std::vector<PatternWall::Head> heads);
+  bool read(grpc::ServerContext* context, Stream* stream, wire::PatternOrder* ret);
   Result<TimePoint> wait_for(std::uint64_t order, const grpc::ServerContext& context);
 
   const std::vector<HeadMode> heads_;
   PatternMailbox& mailbox_;
+  const Duration idle_;
   const Duration patience_;
   std::atomic<bool> is_open_{false};
   std::uint64_t order_ = 0;  // Of the newest wall; the one stream's.
-  std::mutex mutex_;         // Guards the two below; never taken by the present thread.
+  std::mutex mutex_;         // Guards the rest; never taken by the present thread.
   PatternsShown shown_;
   bool stops_ = false;
+  grpc::ServerContext* waiting_ = nullptr;  // The call that waits for an order,
+  TimePoint waits_since_{};                 // and since when.
   std::condition_variable changed_;
 };
 

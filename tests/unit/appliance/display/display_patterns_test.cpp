@@ -98,6 +98,7 @@ class DisplayingPatterns : public ::testing::Test {
     options.width_px = 512;
     options.refresh_hz = 60.0;
     options.attract_times.fade = std::chrono::milliseconds(50);
+    options.patterns_idle = patterns_idle_;
     options.hours = *OpeningHours::parse({"Tue 10:00-18:00"}, "UTC");
     options.system_clock = [this] { return std::chrono::system_clock::now() + system_ahead_.load(); };
     set_hour(12);
@@ -159,6 +160,7 @@ class DisplayingPatterns : public ::testing::Test {
   }
   std::string state() { return display_->inspection().status().state(); }
 
+  Duration patterns_idle_ = std::chrono::minutes(10);
   SteadyClock clock_;
   std::atomic<std::chrono::nanoseconds> system_ahead_{};
   std::filesystem::path run_dir_;
@@ -273,6 +275,26 @@ TEST_F(DisplayingPatterns, wake_the_heads_at_night_and_let_them_sleep_again) {
   EXPECT_TRUE(wait_until([&] { return state().find("Sleeps") != std::string::npos; }));
   ASSERT_TRUE(wait_until_still());
   EXPECT_THAT(head("middle").data(), Each(0));
+}
+
+class DisplayingPatternsIdly : public DisplayingPatterns {
+ protected:
+  DisplayingPatternsIdly() { patterns_idle_ = std::chrono::milliseconds(400); }
+};
+
+TEST_F(DisplayingPatternsIdly, a_calibration_that_hangs_gives_the_wall_back) {
+  show_frame(1, 1);
+  const std::vector<RgbImage> show = heads();
+  Patterns patterns(display_->port());
+  for (unsigned n = 1; n <= 4; ++n) {  // Longer than `idle` in all.
+    ASSERT_TRUE(patterns.show(n, {{"middle", png_of(noise(n))}})) << n;
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  }
+  EXPECT_TRUE(wait_until([&] { return heads() == show; }));
+  EXPECT_FALSE(patterns.show(5, {{"middle", png_of(noise(5))}}));
+  EXPECT_EQ(patterns.end().error_code(), grpc::StatusCode::CANCELLED);
+  Patterns next(display_->port());
+  EXPECT_TRUE(next.show(1, {{"left", png_of(noise(1))}}));
 }
 
 TEST_F(DisplayingPatterns, end_with_the_display) {

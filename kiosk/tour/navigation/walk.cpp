@@ -80,6 +80,9 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
       ramped({walker.velocity_m_per_s.y(), walker.acceleration_m_per_s2.y()}, wanted.y(), seconds, limits.forward());
   next.velocity_m_per_s = {sideways.speed, ahead.speed};
   next.acceleration_m_per_s2 = {sideways.acceleration, ahead.acceleration};
+  // Two ramps that began at different times can be fast at once; together they are a walk all the same.
+  const double fastest = std::max(limits.forward_m_per_s, limits.sideways_m_per_s);
+  if (const double speed = next.velocity_m_per_s.norm(); speed > fastest) next.velocity_m_per_s *= fastest / speed;
   const Vector2d mean = 0.5 * (walker.velocity_m_per_s + next.velocity_m_per_s);
   if (mean.isZero(0.0)) return next;
 

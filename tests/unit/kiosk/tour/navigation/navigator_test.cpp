@@ -48,16 +48,15 @@ struct Walk {
     const WalkLimits& limits = settings.limits;
     ASSERT_TRUE(after.place_m.allFinite() && after.velocity_m_per_s.allFinite());
     ASSERT_TRUE(std::isfinite(after.heading_rad) && std::isfinite(after.turn_rate_rad_per_s));
-    ASSERT_LE(after.velocity_m_per_s.cwiseAbs().maxCoeff(), limits.forward_m_per_s + 1e-9);
-    ASSERT_LE((after.place_m - before.place_m).norm(),
-              (1.05 * limits.forward_m_per_s * seconds + 1e-4) * site.walking_scale);
+    ASSERT_LE(after.velocity_m_per_s.norm(), limits.forward_m_per_s + 1e-9);
+    ASSERT_LE((after.place_m - before.place_m).norm(), (limits.forward_m_per_s * seconds + 1e-9) * site.walking_scale);
     ASSERT_LE(std::abs(after.turn_rate_rad_per_s), limits.turn_rad_per_s + 1e-9);
     ASSERT_LE(std::abs(after.heading_rad - before.heading_rad), limits.turn_rad_per_s * seconds + 1e-9);
     ASSERT_LE(std::abs(after.turn_rate_rad_per_s - before.turn_rate_rad_per_s),
               limits.turn_acceleration_rad_per_s2 * seconds + 1e-6);
-    // Only a wall may stop faster than the limit; nothing may push faster.
-    const Vector2d change = after.velocity_m_per_s.cwiseAbs() - before.velocity_m_per_s.cwiseAbs();
-    ASSERT_LE(change.maxCoeff(), limits.acceleration_m_per_s2 * seconds + 1e-6);
+    // Only a wall may stop faster than the limit, or lead along itself; nothing may push faster.
+    ASSERT_LE(after.velocity_m_per_s.norm() - before.velocity_m_per_s.norm(),
+              std::numbers::sqrt2 * limits.acceleration_m_per_s2 * seconds + 1e-6);
     if (site.area) {
       ASSERT_TRUE(site.area->allows(after.place_m));
       if (is_far_from_walls(before.place_m)) {
@@ -265,26 +264,34 @@ TEST(Navigator, turns_but_does_not_walk_without_an_area) {
   EXPECT_GT(walk.state.walker.heading_rad, 0.1);
 }
 
-TEST(Navigator, keeps_every_limit_for_100000_random_steps) {
+/// Hands that appear, jump, vanish and are joined by keys, ticks of all lengths, a clock that goes back.
+void walk_at_random(unsigned seed, double scale) {
+  Walk walk;
+  walk.site.walking_scale = scale;
+  walk.settings.guide_after = 3s;
+  walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0}};
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_int_distribution<int> dice(0, 999);
+  TagPose pose = tag_at(0, 1, 0);
+  bool tag = true;
+  for (int i = 0; i < 20'000 && !::testing::Test::HasFatalFailure(); ++i) {
+    const int n = dice(random);
+    if (n < 10) pose = tag_at(normal(random), 1.0 + normal(random), 2.0 * normal(random));
+    if (n == 11) tag = !tag;
+    if (tag && n % 2 == 0) walk.see(pose);
+    if (n > 990)
+      walk.state = with_keys(std::move(walk.state), {normal(random), normal(random), normal(random)}, walk.now);
+    if (n == 20) walk.now -= 50ms;
+    walk.step(n == 13 ? Duration(2s) : Duration(std::chrono::microseconds(1 + 30 * n)));
+  }
+}
+
+TEST(Navigator, keeps_every_limit_for_600000_random_steps) {
   for (const double scale : {1.0, 0.01, 30.0}) {
-    Walk walk;
-    walk.site.walking_scale = scale;
-    walk.settings.guide_after = 3s;
-    walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0}};
-    std::mt19937 random(11);
-    std::normal_distribution<double> normal;
-    std::uniform_int_distribution<int> dice(0, 999);
-    TagPose pose = tag_at(0, 1, 0);
-    bool tag = true;
-    for (int i = 0; i < 100'000 && !::testing::Test::HasFatalFailure(); ++i) {
-      const int n = dice(random);
-      if (n < 10) pose = tag_at(normal(random), 1.0 + normal(random), 2.0 * normal(random));
-      if (n == 11) tag = !tag;
-      if (tag && n % 2 == 0) walk.see(pose);
-      if (n > 990)
-        walk.state = with_keys(std::move(walk.state), {normal(random), normal(random), normal(random)}, walk.now);
-      if (n == 20) walk.now -= 50ms;
-      walk.step(n == 13 ? Duration(2s) : Duration(std::chrono::microseconds(1 + 30 * n)));
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", scale " << scale);
+      ASSERT_NO_FATAL_FAILURE(walk_at_random(seed, scale));
     }
   }
 }

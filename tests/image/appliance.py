@@ -88,6 +88,10 @@ class Appliance(Machine):
         for head in range(1, heads):
             self.resize(head, WIDTH, HEIGHT)
 
+    def hmp(self, command):
+        """What QEMU's own monitor answers."""
+        return self.ask("human-monitor-command", **{"command-line": command})
+
     def heads(self):
         """[(width, height, pixels) or None]: what each head shows now."""
         shown = []
@@ -200,10 +204,6 @@ def difference(one, other):
         return None
     differences = [abs(a - b) for a, b in zip(one[2], other[2])]
     return sum(differences) / len(differences), max(differences)
-
-
-def brightness(picture):
-    return 0.0 if picture is None else sum(picture[2][::97]) / max(1, len(picture[2][::97]))
 
 
 def save_png(picture, file):

@@ -1,15 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the image offers to an attacker: each service's exposure by systemd's own measure, set-user-id files and users against
-the checked lists beside this file, and on a running Debug image what listens and how much memory is taken."""
+"""What the image offers to an attacker: each service's exposure by systemd's own measure; set-user-id files, users, running programs
+with their capabilities, and what listens against the checked lists beside this file; a scan of the computer's ports from the network."""
 import pathlib
 import re
+import socket
 import subprocess
+import time
 
 from appliance import Appliance, Disk
-from appliance_boot import image_of, wait_for_pictures
+from appliance_boot import attract_pictures, image_of, wait_for_pictures
 
 HERE = pathlib.Path(__file__).resolve().parent
 MOST_EXPOSED = 2.0
+OPERATOR_PORT = 8443
+SCANNED = [*range(1, 1025), 2049, 3306, 3389, 4352, 5355, 5432, 5900, 6000, *range(7380, 7430), 8000, 8080, OPERATOR_PORT, 9090, 19531, 50051]
+SCAN_FROM = "127.0.7.77"  # Loopback of the tests' machine; nothing else uses it.
+FIRST_SCAN_PORT = 20000
+ANSWERS_WITHIN_S = 20
+# Not the debug shell's own, and no threads of the kernel's.
+PROCESSES = """for p in /proc/[0-9]*; do
+  if grep -q cyclorama-debug-shell $p/cgroup || ! readlink -e $p/exe >/dev/null; then continue; fi
+  caps=$(capsh --decode=$(sed -n 's/^CapEff:.//p' $p/status))
+  echo "$(stat -c %U $p) $(cat $p/comm) ${caps#*=}"
+done 2>/dev/null | sort -u"""
 
 
 def exposure(unit):
@@ -26,6 +39,45 @@ def compare(name, found, failed):
         failed.append(f"{name}: '{line}' is in the checked list and not in the image")
 
 
+def scan(machine):
+    """The ports of SCANNED that answer. QEMU's network stands for a neighbour's computer; it knows how each connection fares."""
+    calls, answering = [], set()
+    for number, port in enumerate(SCANNED):
+        machine.hmp(f"hostfwd_add net tcp:{SCAN_FROM}:{FIRST_SCAN_PORT + number}-:{port}")
+    for start in range(0, len(SCANNED), 100):
+        for number in range(start, min(start + 100, len(SCANNED))):
+            call = socket.socket()
+            call.settimeout(5)
+            call.connect((SCAN_FROM, FIRST_SCAN_PORT + number))
+            calls.append(call)
+        time.sleep(ANSWERS_WITHIN_S / 4)
+        for line in machine.hmp("info usernet").splitlines():
+            # Protocol[state]  descriptor  source address and port  destination address and port  ...
+            words = line.split()
+            if words and words[0] == "TCP[ESTABLISHED]":
+                answering.add(int(words[5]))
+        for call in calls:
+            call.close()
+        calls.clear()
+    return sorted(answering & set(SCANNED))
+
+
+def look_at_running(machine, figures):
+    failed = figures["failed"]
+    _, sockets = machine.run("ss -Htulnp | sed -E 's/users:..\"([^\"]*)\".*/\\1/' | awk '{print $1, $5, $NF}' | sort -u", 60)
+    compare("listening", [re.sub(r"%\w+", "", line) for line in sockets.splitlines()], failed)
+    _, running = machine.run(PROCESSES, 300)
+    compare("processes", [line.rstrip() for line in running.splitlines()], failed)
+    _, used = machine.run("free -m | awk '/^Mem/ {print $3}'")
+    figures["memory_used_mb"] = int(used)
+    _, noted = machine.run("journalctl -b -p warning -o short-monotonic --no-hostname --no-pager | tail -n 60", 120)
+    figures["journal_above_notice"] = len(noted.splitlines())
+    print(noted)
+    figures["ports_open"] = scan(machine)
+    if figures["ports_open"] != [OPERATOR_PORT]:
+        failed.append(f"ports that answer: {figures['ports_open']}")
+
+
 def run(options, folder):
     figures = {"failed": []}
     for unit in sorted((HERE.parent.parent / "systemd/units").glob("*.service")):
@@ -33,20 +85,16 @@ def run(options, folder):
         if figures[unit.stem] > MOST_EXPOSED:
             figures["failed"].append(f"{unit.stem}: exposed {figures[unit.stem]}, at most {MOST_EXPOSED}")
     shipped = options.out / "cyclorama-museum"
-    for name in ("setuid", "users"):
+    for name in ("setuid", "users") if shipped.exists() else ():
         compare(name, (shipped / name).read_text().splitlines(), figures["failed"])
     if not options.quick and (options.out / "cyclorama-museum-debug").exists():
+        reference = attract_pictures(options, folder)
         machine = Appliance(Disk(folder / "computer", image_of(options, True)))
         try:
             machine.wait_for_shell(900)
-            wait_for_pictures(machine)
-            _, sockets = machine.run("ss -Htulnp | sed -E 's/users:..\"([^\"]*)\".*/\\1/' | awk '{print $1, $5, $NF}' | sort -u", 60)
-            compare("listening", [re.sub(r"%\w+", "", line) for line in sockets.splitlines()], figures["failed"])
-            _, used = machine.run("free -m | awk '/^Mem/ {print $3}'")
-            figures["memory_used_mb"] = int(used)
-            _, noted = machine.run("journalctl -b -p warning -o short-monotonic --no-hostname --no-pager | tail -n 60", 60)
-            figures["journal_above_notice"] = len(noted.splitlines())
-            print(noted)
+            wait_for_pictures(machine, reference)
+            machine.run("systemctl is-system-running --wait", 600)
+            look_at_running(machine, figures)
         finally:
             machine.power_off()
     return figures

@@ -6,11 +6,12 @@ import subprocess
 import time
 
 from appliance import Appliance, Disk
-from appliance_boot import image_of, is_lit, wait_for_pictures
+from appliance_boot import attract_pictures, image_of, is_as, wait_for_pictures
 from disk_image import BootPartition, place_of, partitions
 
 PATIENCE = 3.0  # So many times as long as an untouched start took, and no picture: it does not start.
 LEAST_S = 120
+AFTERWARDS_S = 30  # Once something was said.
 
 
 def flip_bit(image, offset, bit=3):
@@ -65,13 +66,28 @@ CASES = {
 REASON = re.compile(r"dm-verity.*corrupt\w*|Kernel panic[^\r\n]*|Security Violation|Access [Dd]enied|Bad [Ss]ignature|[Ff]ailed to [^\r\n]{0,80}|[Ee]rror[^\r\n]{0,80}")
 
 
+def watch(machine, reference, seconds):
+    """(what was said against it, whether the show started all the same)."""
+    end = time.monotonic() + seconds
+    is_shown = False
+    is_said = False
+    while time.monotonic() < end and not is_shown:
+        is_shown = is_as(machine.heads()[0], reference)
+        if not is_said and REASON.search(machine.console()):
+            is_said = True
+            end = min(end, time.monotonic() + AFTERWARDS_S)
+        time.sleep(2)
+    return sorted({found[0].strip() for found in REASON.finditer(machine.console())})[:4], is_shown
+
+
 def run(options, folder):
     image = image_of(options, options.debug)
+    reference = attract_pictures(options, folder)
     disk = Disk(folder / "untouched", image)
     machine = Appliance(disk)
     try:
         # The keys are in the firmware from now on.
-        first = wait_for_pictures(machine)
+        first = wait_for_pictures(machine, reference)
     finally:
         machine.power_off()
     untouched_s = min(first.values())
@@ -89,20 +105,14 @@ def run(options, folder):
         shutil.copy(disk.folder / "vars.fd", other.folder / "vars.fd")
         machine = Appliance(other)
         try:
-            end = time.monotonic() + max(LEAST_S, PATIENCE * untouched_s)
-            while time.monotonic() < end and not REASON.search(machine.console()):
-                time.sleep(2)
-            time.sleep(5)
-            picture = machine.heads()[0]
-            said = sorted({found[0].strip() for found in REASON.finditer(machine.console())})[:4]
+            said, is_shown = watch(machine, reference[0], max(LEAST_S, PATIENCE * untouched_s))
         finally:
             machine.power_off()
-        # The firmware's own menu lights a head as well: what was said decides.
-        refused = bool(said)
+        refused = bool(said) and not is_shown
         figures["refused"] += refused
         figures["said"][name] = said
         if not refused:
-            figures["failed"].append(f"{name}: nothing was said against it; the first head is {'lit' if is_lit(picture) else 'dark'}")
-        print(f"{name}: {said or 'NOT REFUSED'}", flush=True)
+            figures["failed"].append(f"{name}: {'the show started' if is_shown else 'nothing was said against it'}; {said}")
+        print(f"{name}: {said if refused else 'NOT REFUSED'}", flush=True)
         shutil.rmtree(case)
     return figures

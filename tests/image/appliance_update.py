@@ -14,6 +14,7 @@ from disk_image import stick
 
 STICK_MB = 700
 START_S = 900
+LONGEST_PAUSE_S = 6
 
 
 def signed(folder, keys):
@@ -43,18 +44,51 @@ def started(disk, extra=()):
     return machine
 
 
+def said_by_update(machine):
+    return machine.run("cat /var/lib/cyclorama/update.json 2>/dev/null")[1]
+
+
 def wait_for_update(machine, seconds=900):
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
-        _, said = machine.run("cat /var/lib/cyclorama/update.json 2>/dev/null")
-        if said:
+        if said := said_by_update(machine):
             return said
         time.sleep(2)
     return "nothing"
 
 
+def cut_while_updating(machine, folder, cuts, chance):
+    """[(seconds since the update began, the disk as a power cut then leaves it)], at random moments of one update. The machine
+    stands still while its disk is copied: what the copy holds is what a killed QEMU leaves."""
+    machine.run("until systemctl is-active -q 'cyclorama-update@*' || systemctl list-units --no-legend 'cyclorama-update@*' | grep -q activating; do sleep 0.2; done", 300)
+    began, states, number = time.monotonic(), [], 0
+    paused_s = 0.0
+    while not said_by_update(machine):
+        time.sleep(chance.uniform(0, LONGEST_PAUSE_S))
+        stopped = time.monotonic()
+        machine.ask("stop")
+        states.append((round(stopped - began - paused_s, 1), machine.disk.copy(folder / f"cut-{number}")))
+        machine.ask("cont")
+        paused_s += time.monotonic() - stopped
+        number += 1
+        if len(states) > 2 * cuts:  # Disks are large.
+            _, dropped = states.pop(chance.randrange(len(states)))
+            shutil.rmtree(dropped.folder)
+    while len(states) > cuts:
+        _, dropped = states.pop(chance.randrange(len(states)))
+        shutil.rmtree(dropped.folder)
+    return states
+
+
+def version_after(disk):
+    machine = started(disk)
+    try:
+        return version(machine)
+    finally:
+        machine.power_off()
+
+
 def run(options, folder):
-    keys = options.keys
     chance = random.Random(8)
     figures = {"updates": 0, "power_cuts": 0, "boots": 0, "rollbacks": 0, "cuts": [], "failed": []}
     next_update = options.out / "next/cyclorama-museum-debug/update"
@@ -63,8 +97,9 @@ def run(options, folder):
     shutil.copytree(next_update, bad_update)
     (root,) = bad_update.glob("*.root.raw")
     flip_bit(root, 1024 + 5)
-    signed(bad_update, keys)
+    signed(bad_update, options.keys)
     bad = stick_of(bad_update, folder / "bad.img")
+    shutil.rmtree(bad_update)
 
     disk = Disk(folder / "computer", image_of(options, True))
     machine = started(disk)
@@ -73,44 +108,35 @@ def run(options, folder):
     machine.run("sync")
     machine.power_off()
     figures["boots"] += 1
-
-    # Cuts: the stick is in the computer at each start, so each start begins the update again, until one gets through.
-    for cut in range(options.cuts):
-        other = disk.copy(folder / "cut")
-        machine = started(other, good)
-        machine.run("until systemctl is-active -q 'cyclorama-update@*' || [ -e /var/lib/cyclorama/update.json ]; do sleep 0.2; done", 300)
-        after = chance.uniform(0, options.longest_update_s)
-        time.sleep(after)
-        _, until = machine.run("cat /var/lib/cyclorama/update.json 2>/dev/null; bootctl --no-pager list 2>/dev/null | grep -c 'id:'", 60)
-        machine.power_off()
-        figures["power_cuts"] += 1
-        machine = started(other)
-        now = version(machine)
-        figures["boots"] += 1
-        figures["cuts"].append({"after_s": round(after, 1), "had_said": until.splitlines()[0] if until else "", "then": now})
-        print(figures["cuts"][-1], flush=True)
-        machine.power_off()
-        shutil.rmtree(folder / "cut")
+    other = disk.copy(folder / "bad-computer")
 
     machine = started(disk, good)
-    print(wait_for_update(machine))
+    states = cut_while_updating(machine, folder, options.cuts, chance)
+    print(said_by_update(machine), flush=True)
     machine.run("sync")
     machine.power_off()
-    machine = started(disk)
-    new = version(machine)
+    figures["boots"] += 1
+    new = version_after(disk)
     figures["boots"] += 1
     figures["updates"] += new != old
     if new == old:
         figures["failed"].append("the good update did not start")
-    machine.power_off()
+    for after_s, cut in states:
+        now = version_after(cut)
+        figures["power_cuts"] += 1
+        figures["boots"] += 1
+        figures["cuts"].append({"after_s": after_s, "then": now})
+        print(figures["cuts"][-1], flush=True)
+        shutil.rmtree(cut.folder)
+        if now not in (old, new):
+            figures["failed"].append(f"power cut after {after_s} s of an update: {now} runs")
 
-    other = Disk(folder / "bad-computer", image_of(options, True))
     machine = started(other, bad)
-    print(wait_for_update(machine))
+    print(wait_for_update(machine), flush=True)
     machine.run("sync")
     machine.power_off()
     machine = started(other)
-    figures["boots"] += 1
+    figures["boots"] += 2
     back = version(machine)
     panics = len(re.findall("Kernel panic", machine.console()))
     if back == old and panics:

@@ -9,7 +9,9 @@
 
 namespace cyclorama {
 namespace {
-constexpr auto kLongestStart = std::chrono::seconds(30);
+// Less than the service's TimeoutStartSec, so that the reason is told. A processor that draws in software compiles the
+// shaders first: 1 s on one that is common, a minute where that is emulated.
+constexpr auto kLongestStart = std::chrono::seconds(150);
 constexpr Duration kLongestRefresh = std::chrono::seconds(2);
 // Less than the service's WatchdogSec, so that the state is told before the process is ended.
 constexpr Duration kLongestOpening = std::chrono::seconds(20);

@@ -5,8 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <new>
+#include <vector>
 
 #include "tests/doubles/manual_clock.h"
 #include "tests/doubles/painted_head.h"
@@ -122,6 +125,33 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
   delete counted;
   is_counting = false;
   EXPECT_EQ(allocations, 2);
+}
+
+TEST(PresenterStart, tries_its_shaders_on_a_few_pixels_of_each_head) {
+  const ManualClock clock;
+  const auto output = *open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock);
+  const Gl& gl = output->gl();
+  const auto untouched = [&](std::size_t head) {
+    EXPECT_TRUE(output->draw_to(head));
+    std::vector<std::array<std::uint8_t, 4>> pixels(std::size_t{kWidth} * kHeight);
+    gl.ReadPixels(0, 0, kWidth, kHeight, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    return std::ranges::count(pixels, std::array<std::uint8_t, 4>{255, 0, 255, 255});
+  };
+  for (const std::size_t head : {0U, 1U}) {
+    ASSERT_TRUE(output->draw_to(head));
+    gl.ClearColor(1.0f, 0.0f, 1.0f, 1.0f);
+    gl.Clear(GL_COLOR_BUFFER_BIT);
+    ASSERT_EQ(untouched(head), kWidth * kHeight);
+  }
+  const auto plans = std::make_shared<const std::vector<HeadPlan>>(2, plain_head(kWidth, kHeight));
+  PresentMailbox mailbox(2);
+  const auto presenter =
+      Presenter::make(output.get(), plans, true, *frame_of(0, plain(32, 16, 0)), AttractTimes{}, &mailbox, &clock);
+  ASSERT_TRUE(presenter) << presenter.error().message();
+  for (const std::size_t head : {0U, 1U}) {
+    EXPECT_GT(untouched(head), kWidth * kHeight * 9 / 10);
+    EXPECT_LT(untouched(head), kWidth * kHeight);  // It did draw.
+  }
 }
 
 TEST_F(Presenting, shows_each_frame_whole_and_never_two_at_once) {

@@ -125,11 +125,35 @@ def check_update(computer, folder):
     return bad
 
 
+def check_wishes(computer, folder):
+    """What the operator page may wish of root: two things, by a file's name."""
+    bad = 0
+    wishes = folder / "wishes"
+    wishes.mkdir()
+    called = folder / "called"
+    (folder / "stubs/systemctl").write_text(f'#!/bin/sh\necho "$@" >>{called}\n')
+    stick = folder / "sdz1"
+    where = {"CYCLORAMA_WISHES": str(wishes), "CYCLORAMA_STICK": str(stick)}
+
+    def wish(name):
+        called.write_text("")
+        (wishes / name).write_text("\n")
+        return computer.run("wish", name, **where)
+    stick.write_text("")
+    bad += expect("a wished update looks at the stick", wish("update") == 0 and "cyclorama-update@sdz1.service" in called.read_text(), called.read_text())
+    bad += expect("a wished reset starts anew", wish("factory-reset") == 0 and called.read_text() == "reboot\n", called.read_text())
+    bad += expect("and leaves word for cyclorama-var", (computer.state / "factory-reset").exists())
+    bad += expect("another wish is refused", wish("poweroff") == 1 and called.read_text() == "", called.read_text())
+    bad += expect("a wish is granted once", list(wishes.iterdir()) == [])
+    bad += expect("an update without a stick says so", computer.run("update", "") == 0 and "no stick" in computer.report("update"), computer.report("update"))
+    return bad
+
+
 def main(source, build):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         computer = Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder)
-        bad = check_settings(computer, folder) + check_update(computer, folder)
+        bad = check_settings(computer, folder) + check_update(computer, folder) + check_wishes(computer, folder)
     print("scripts: ok" if bad == 0 else f"scripts: {bad} failed")
     return 1 if bad else 0
 

@@ -165,6 +165,7 @@ Result<Photometry> photometry(const PhotometryInput& input, const PhotometryOpti
   result.camera_corner = std::exp(lighting.vignetting.sum());
   result.step_unexplained = lighting.unexplained;
   remark_on(input, lighting, colours, &result);
+  result.lighting = std::make_shared<const WallLighting>(lighting);
   return result;
 }
 

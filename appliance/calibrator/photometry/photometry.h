@@ -26,6 +26,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,8 @@ struct PhotometricHead {
   double brightness = 0.0;                                  ///< Of its middle, in parts of the brightest projector's.
 };
 
+struct WallLighting;
+
 struct Photometry {
   std::vector<PhotometricHead> heads;                  ///< As PhotometryInput::projectors.
   Eigen::Matrix3d wall = Eigen::Matrix3d::Identity();  ///< The common primaries, as PhotometricHead::primaries.
@@ -73,6 +76,7 @@ struct Photometry {
   double light_kept = 0.0;
   double light_kept_flat = 0.0;
   double step_unexplained = 0.0;     ///< Relative rms of what the model leaves of the readings of white.
+  std::shared_ptr<const WallLighting> lighting;  ///< What masks were made from: light_file.h keeps it.
   std::vector<std::string> remarks;  ///< For the installer: what is not as it could be, and what to do.
 };
 

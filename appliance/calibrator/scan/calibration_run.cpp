@@ -4,6 +4,7 @@
 #include <ctime>
 #include <optional>
 
+#include "appliance/calibrator/photometry/light_file.h"
 #include "appliance/calibrator/report/report_page.h"
 #include "appliance/calibrator/scan/light_scan.h"
 #include "appliance/calibrator/solve/calibration_file.h"
@@ -79,6 +80,11 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   if (stop.stop_requested()) return cancelled();
   tell("writes the calibration", kSolvePart);
   TRY(save_calibration(folder, outcome.calibration, colours));
+  if (outcome.light && outcome.light->lighting) {
+    const auto own = calibration_folder(folder, date);
+    if (const auto kept = write_light(own, outcome.calibration.projectors, *outcome.light->lighting); !kept)
+      remarks.push_back("the light was not kept for --quick: " + kept.error().message());
+  }
   ReportFindings findings;
   findings.residuals = wall_residuals(scan.measurements, outcome.calibration);
   findings.registration = {outcome.registration.mean_px, outcome.registration.p95_px, outcome.registration.places};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "appliance/calibrator/realign/realignment.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 #include "common/image/jpeg.h"
 #include "common/wire/channel.h"
@@ -66,6 +67,13 @@ Result<CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrd
   listener({"opens camera, turn-plate and projectors", 0.0, nullptr});
   TRY_ASSIGN(CalibrationDevices devices, opener_());
   devices.settings.resume = order.resume();
+  if (order.quick()) {
+    TRY_ASSIGN(RealignmentOutcome realigned,
+               realign_projector(installation_, order.projector(), devices.settings,
+                                 {*devices.screen, *devices.camera, *devices.plate}, folder_, calibration_date(), clock_,
+                                 listener, std::move(stop)));
+    return std::move(realigned.outcome);
+  }
   return run_calibration(installation_, devices.settings, {*devices.screen, *devices.camera, *devices.plate}, folder_,
                          calibration_date(), clock_, listener, std::move(stop));
 }
@@ -75,8 +83,9 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   const std::unique_lock working(busy_, std::try_to_lock);
   if (!working) return refused("a calibration runs already; wait for its end, or cancel it");
   if (stop_.stop_requested()) return {grpc::StatusCode::UNAVAILABLE, "the calibrator stops"};
-  if (request->quick()) {
-    return {grpc::StatusCode::UNIMPLEMENTED, "one projector alone cannot be measured yet; calibrate all of them"};
+  if (request->quick() && (request->projector().empty() || request->resume())) {
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            "a quick calibration is of one projector, which is named, and is not resumed"};
   }
   std::stop_source stop;
   const std::stop_callback process_stops(stop_.get_token(), [&] { stop.request_stop(); });

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A simulated museum that is calibrated, and what somebody does to it afterwards.
+#pragma once
+
+#include <memory>
+
+#include "appliance/calibrator/realign/realignment.h"
+#include "appliance/calibrator/scan/simulated_devices.h"
+#include "drivers/simulated_room/presets.h"
+#include "drivers/turnplate/simulated/simulated_turnplate.h"
+#include "tests/doubles/museum_score.h"
+
+namespace cyclorama {
+
+class PushedMuseum {
+ public:
+  PushedMuseum(Preset preset, double field_of_view_rad, double pitch_rad)
+      : preset_(std::move(preset)), field_of_view_rad_(field_of_view_rad), pitch_rad_(pitch_rad) {}
+
+  [[nodiscard]] const Preset& preset() const { return preset_; }
+  [[nodiscard]] MuseumTruth& truth() { return preset_.truth; }
+
+  /// About an axis through the projector's centre, and to a side; both in its own frame, of any length.
+  void push(std::size_t projector, double angle_rad, const Eigen::Vector3d& axis, double by_m,
+            const Eigen::Vector3d& towards) {
+    auto& pose = preset_.truth.projectors[projector].T_room_projector;
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle_rad, axis.normalized()));
+    pose = {pose.rotation() * turn, pose.translation() + by_m * (pose.rotation() * towards.normalized())};
+  }
+  void turn_lens(std::size_t projector, double zoom, double shift_px) {
+    TrueProjector& p = preset_.truth.projectors[projector];
+    Pinhole lens = p.lens.pinhole();
+    lens.focal_px *= zoom;
+    lens.centre_v_px += shift_px;
+    p.lens = TrueLens(lens);
+  }
+  /// The tripod is put back on its marks, as people do.
+  void put_plate_elsewhere(const Eigen::Vector3d& by_m, double heading_rad) {
+    auto& pose = preset_.truth.plate.T_room_plate;
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitY()));
+    pose = {pose.rotation() * turn, pose.translation() + by_m};
+  }
+
+  /// A museum as it is now, with its devices, for `body`(museum, devices, settings).
+  template <typename Body>
+  Status inside(const Body& body) const {
+    TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::make(preset_.installation, preset_.truth));
+    SimulatedPatternScreen screen(&museum);
+    SimulatedScanCamera camera(&museum, PhotographColour::kGrey);
+    SimulatedScanCamera colour_camera(&museum, PhotographColour::kColour);
+    SimulatedTurnplate plate(&museum);
+    ScanSettings settings;
+    settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), field_of_view_rad_);
+    settings.pitch_rad = pitch_rad_;
+    body(museum, ScanDevices{screen, camera, plate, &colour_camera}, settings);
+    return Done{};
+  }
+
+ private:
+  Preset preset_;
+  double field_of_view_rad_;
+  double pitch_rad_;
+};
+
+/// By the truth, of what a folder's calibration says.
+inline MuseumScore score_of(const SimulatedMuseum& museum, const Calibration& calibration) {
+  return museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
+    return calibration.projectors[p].map.direction_at(pixel);
+  });
+}
+
+}  // namespace cyclorama

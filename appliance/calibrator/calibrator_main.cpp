@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "appliance/calibrator/scan/frame_scan_camera.h"
+#include "appliance/calibrator/scan/known_lens.h"
 #include "appliance/calibrator/scan/remote_pattern_screen.h"
 #include "appliance/calibrator/scan/simulated_devices.h"
 #include "appliance/calibrator/service/calibrator_service.h"
@@ -33,6 +34,7 @@ struct Options {
   std::string camera = "v4l2:";
   std::string turnplate = "manual";
   std::vector<std::string> displays;
+  std::string lens;
   double field_of_view_deg = 70.0;
   double pitch_deg = 0.0;
   double settle_ms = 100.0;
@@ -64,7 +66,12 @@ void add_options(CLI::App& app, Options* ret) {
                  "projectors")
       ->type_name("[NAMES=]HOST:PORT")
       ->allow_extra_args(false);
-  app.add_option("--field-of-view-deg", ret->field_of_view_deg, "Of the width of the camera's picture")
+  app.add_option("--lens", ret->lens,
+                 "What 'cyclorama calibrate-camera' wrote of this camera; without it, camera.json in FOLDER where that "
+                 "is of it")
+      ->type_name("FILE");
+  app.add_option("--field-of-view-deg", ret->field_of_view_deg,
+                 "Of the width of the camera's picture, where its lens is not known")
       ->check(CLI::Range(5.0, 150.0))
       ->capture_default_str();
   app.add_option("--pitch-deg", ret->pitch_deg, "How far the camera looks up, about")
@@ -80,9 +87,12 @@ void add_options(CLI::App& app, Options* ret) {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-ScanSettings settings_for(const Options& options, const ScanCamera& camera) {
+Result<ScanSettings> settings_for(const Options& options, const ScanCamera& camera) {
   ScanSettings settings;
-  settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), options.field_of_view_deg * kDegree);
+  TRY_ASSIGN(const std::optional<MeasuredLens> known,
+             known_lens(options.lens, options.folder, camera.id(), camera.width_px(), camera.height_px()));
+  settings.camera =
+      known ? *known : data_sheet_lens(camera.width_px(), camera.height_px(), options.field_of_view_deg * kDegree);
   settings.pitch_rad = options.pitch_deg * kDegree;
   settings.view.exposure.longest = ExposureTime(1e-3 * options.longest_exposure_ms);
   return settings;
@@ -95,7 +105,7 @@ DeviceOpener simulated_opener(const Options& options, std::shared_ptr<SimulatedM
     devices.plate = std::make_unique<SimulatedTurnplate>(museum.get());
     devices.camera = std::make_unique<SimulatedScanCamera>(museum.get(), PhotographColour::kGrey);
     devices.screen = std::make_unique<SimulatedPatternScreen>(museum.get());
-    devices.settings = settings_for(options, *devices.camera);
+    TRY_ASSIGN(devices.settings, settings_for(options, *devices.camera));
     return devices;
   };
 }
@@ -122,7 +132,7 @@ Result<DeviceOpener> real_opener(const Options& options, const Installation& ins
     TRY_ASSIGN(devices.camera, FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
     const auto settle = std::chrono::milliseconds(static_cast<int>(options.settle_ms));
     TRY_ASSIGN(devices.screen, RemotePatternScreen::open(projectors, displays, settle));
-    devices.settings = settings_for(options, *devices.camera);
+    TRY_ASSIGN(devices.settings, settings_for(options, *devices.camera));
     return devices;
   });
 }

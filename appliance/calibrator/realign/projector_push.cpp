@@ -17,6 +17,11 @@ constexpr double kFloor_px = 0.1;  // Of a sample: what wall and lens models lea
 // Of a picture 1920 pixels wide. Wall and lens were fitted to where it lit before, and are a little worse beside that.
 constexpr double kWorstFit_px = 0.7;
 constexpr double kWorseFit = 3.0;
+// Who pushes a projector farther has taken it down. A lens that was turned looks much as if the projector were nearer
+// to the wall, so what asks for such a push is first asked about the lens, which then may stand off its place by this.
+constexpr double kMostMoved_m = 0.3;
+constexpr double kMostTurned_rad = 0.26;
+constexpr double kOffPlace_m = 0.02;
 
 // Turn (in the projector's frame), place, and of the lens: focal length (relative), centre (in picture widths).
 constexpr int kPose = 6;
@@ -68,7 +73,13 @@ double trimmed_rms(const FittedProjector& projector, const std::vector<Sample>& 
 }
 
 /// Levenberg and Marquardt with Cauchy's weights, in `free` numbers. Writes the pose's covariance.
-std::optional<FittedProjector> fitted(const FittedProjector& from, const std::vector<Sample>& samples, int free) {
+/// `place_sigma_m` holds its place where it was; 0: nothing does.
+std::optional<FittedProjector> fitted(const FittedProjector& from, const std::vector<Sample>& samples, int free,
+                                      double place_sigma_m = 0.0) {
+  const double hold = place_sigma_m > 0.0 ? 1.0 / (place_sigma_m * place_sigma_m) : 0.0;
+  const auto away = [&](const FittedProjector& projector) -> Eigen::Vector3d {
+    return projector.T_eye_projector.translation() - from.T_eye_projector.translation();
+  };
   FittedProjector best = from;
   double damping = 1e-6;
   // What is seen may be far from where it begins: then the weights' scale is, and becomes that of the noise.
@@ -100,8 +111,13 @@ std::optional<FittedProjector> fitted(const FittedProjector& from, const std::ve
       right -= weight * jacobian.transpose() * *error;
       cost += cost_of(*error, sample.sigma_px);
     }
+    for (int i = 3; i < kPose; ++i) {
+      normal(i, i) += hold;
+      right(i) -= hold * away(best)(i - 3);
+    }
+    cost += hold * away(best).squaredNorm();
     const auto total = [&](const FittedProjector& projector) {
-      double sum = 0.0;
+      double sum = hold * away(projector).squaredNorm();
       for (const Sample& sample : samples) {
         const auto error = error_px(projector, sample);
         sum += error ? cost_of(*error, sample.sigma_px) : 1e6;
@@ -185,11 +201,12 @@ std::optional<PushFinding> find_push(const FittedProjector& before, const Measur
   finding.turned_rad = stood->T_eye_projector.rotation().angularDistance(stands->T_eye_projector.rotation());
   finding.moved_m = (stands->T_eye_projector.translation() - stood->T_eye_projector.translation()).norm();
   const double worst_px = kWorseFit * finding.before_px + kWorstFit_px * map.width_px / 1920.0;
-  if (finding.after_px <= worst_px) {
+  const bool is_explained = finding.after_px <= worst_px;
+  if (is_explained && finding.moved_m <= kMostMoved_m && finding.turned_rad <= kMostTurned_rad) {
     finding.verdict = PushVerdict::kPushed;
     return finding;
   }
-  const auto turned = fitted(*stands, now, kWithLens);
+  const auto turned = fitted(*stood, now, kWithLens, kOffPlace_m);
   if (!turned) return finding;
   finding.with_lens_px = trimmed_rms(*turned, now);
   finding.zoom = turned->lens.values[MeasuredLens::kFocal] / stood->lens.values[MeasuredLens::kFocal];

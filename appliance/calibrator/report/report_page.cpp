@@ -15,7 +15,6 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kMostPhotographBytes = std::size_t{8} << 20;
 constexpr const char* kHead = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <title>Calibration</title>
@@ -27,7 +26,8 @@ td:first-child, th:first-child { text-align: left; } tr.chosen { background: #e8
 svg { width: 100%; height: auto; background: #fafafa; } svg text { font: 12px system-ui, sans-serif; fill: #777; }
 svg text.name { font-size: 16px; font-weight: 600; fill: #222; } .grid { stroke: #ddd; fill: none; }
 .key span { display: inline-block; margin-right: 1.2em; } .key i { display: inline-block; width: 1em; height: 1em; vertical-align: -.15em; margin-right: .35em; }
-figure { margin: 1em 0; } img { max-width: 100%; } .remarks { background: #fff8e1; padding: .6em 1em .6em 2em; }
+.pairs { display: grid; grid-template-columns: 1fr 1fr; gap: .5em; } figure { margin: .5em 0; } img { max-width: 100%; }
+figcaption { font-size: .85em; color: #555; } .remarks { background: #fff8e1; padding: .6em 1em .6em 2em; }
 </style></head><body>
 )";
 
@@ -157,12 +157,18 @@ std::string report_page(const Calibration& calibration, const ReportFindings& fi
   }
   page += projectors_table(calibration);
   page += plots(calibration, findings);
-  if (!findings.photographs.empty()) page += "<h2>Seams</h2>\n";
+  if (!findings.photographs.empty()) {
+    page +=
+        "<h2>Seams</h2>\n<p>Photographs of the wall where two projectors meet, before and after: lines every two "
+        "degrees as the sweet spot sees them, which should go on through the seam, and white, which should be even. "
+        "The camera's own distortion and vignetting are in them.</p>\n<div class=\"pairs\">\n";
+  }
   for (const ReportFindings::Photograph& photograph : findings.photographs) {
     page += fmt::format(
         "<figure><img alt=\"{0}\" src=\"data:image/jpeg;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
         html_text(photograph.caption), base64(photograph.jpeg));
   }
+  if (!findings.photographs.empty()) page += "</div>\n";
   page += plate_table(calibration.plate);
   if (calibration.wall) {
     const ModelChoice& wall = *calibration.wall;
@@ -198,16 +204,6 @@ std::vector<WallResidual> wall_residuals(const Measurements& measurements, const
     }
   }
   return residuals;
-}
-
-std::vector<ReportFindings::Photograph> seam_photographs(const std::filesystem::path& own_folder) {
-  std::vector<ReportFindings::Photograph> photographs;
-  for (const auto& [file, caption] :
-       {std::pair{"seam-before.jpg", "The wall before"}, std::pair{"seam-after.jpg", "The wall after"}}) {
-    auto jpeg = read_file(own_folder / file, kMostPhotographBytes);
-    if (jpeg) photographs.push_back({caption, *std::move(jpeg)});
-  }
-  return photographs;
 }
 
 Result<std::filesystem::path> write_report(const std::filesystem::path& folder, const Calibration& calibration,

@@ -33,7 +33,7 @@ struct ReportFindings {
     std::string caption;
     std::vector<std::byte> jpeg;
   };
-  std::vector<Photograph> photographs;
+  std::vector<Photograph> photographs;  ///< In twos, side by side: before and after.
 };
 
 /// Pure; reentrant.
@@ -43,9 +43,6 @@ struct ReportFindings {
 /// calibration is of these measurements.
 [[nodiscard]] std::vector<WallResidual> wall_residuals(const Measurements& measurements, const Calibration& calibration,
                                                        std::size_t most = 6000);
-
-/// seam-before.jpg and seam-after.jpg of a calibration's own folder; those that are there.
-[[nodiscard]] std::vector<ReportFindings::Photograph> seam_photographs(const std::filesystem::path& own_folder);
 
 /// FOLDER/calibrations/DATE/report.html, and its path. kSystem  errno says why.
 Result<std::filesystem::path> write_report(const std::filesystem::path& folder, const Calibration& calibration,

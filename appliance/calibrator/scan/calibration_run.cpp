@@ -7,13 +7,15 @@
 #include "appliance/calibrator/photometry/light_file.h"
 #include "appliance/calibrator/report/report_page.h"
 #include "appliance/calibrator/scan/light_scan.h"
+#include "appliance/calibrator/scan/seam_photographs.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 
 namespace cyclorama {
 namespace {
 constexpr double kWallPart = 0.7;  // Of the bar.
 constexpr double kLightPart = 0.9;
-constexpr double kSolvePart = 0.98;
+constexpr double kSolvePart = 0.94;
+constexpr double kSeamPart = 0.98;
 
 /// What is not there yet, its maps, comes from the calibration.
 Result<Photometry> photometry_of(LightScan light, const Calibration& calibration) {
@@ -27,6 +29,28 @@ std::vector<CalibratedColour> colours_of(const Photometry& photometry, const Cal
   for (std::size_t p = 0; p < photometry.heads.size(); ++p)
     colours.push_back({calibration.projectors[p].name, photometry.heads[p].mask, photometry.heads[p].colour});
   return colours;
+}
+
+/// How the wall looks by the calibration of before, or by installation.toml alone, and how it will.
+Result<SeamPhotographs> seams_before_and_after(const Installation& installation, const ScanSettings& settings,
+                                               const ScanDevices& devices, const std::filesystem::path& folder,
+                                               const std::vector<ScanView>& views, const Calibration* previous,
+                                               const Calibration& calibration,
+                                               const std::vector<CalibratedColour>& colours,
+                                               const ScanListener& listener, std::stop_token stop) {
+  std::vector<CalibratedColour> old_colours;
+  if (previous != nullptr) {
+    // Colours that cannot be read would not be drawn either.
+    if (auto read = read_colours(calibration_folder(folder, previous->date))) old_colours = *std::move(read);
+  }
+  double exposure_s = settings.view.exposure.longest.count();
+  for (const ScanView& view : views) {
+    if (view.exposure_s > 0.0) exposure_s = std::min(exposure_s, view.exposure_s);
+  }
+  const DrawnBy before{previous == nullptr ? "before, by installation.toml" : "before, of " + previous->date, previous,
+                       old_colours};
+  return photograph_seams(installation, before, {"after", &calibration, colours}, exposure_s, devices, listener,
+                          std::move(stop));
 }
 
 }  // namespace
@@ -75,17 +99,29 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
     scan.remarks.push_back("brightness and colours stay as they were: " + found.error().message());
   }
   outcome.solve_s = to_seconds(clock.now() - begun);
+  ReportFindings findings;
+  if (settings.with_seams) {
+    begun = clock.now();
+    auto seams = seams_before_and_after(installation, settings, devices, folder, scan.views, options.previous,
+                                        outcome.calibration, colours, part(kSolvePart, kSeamPart), stop);
+    outcome.seams_s = to_seconds(clock.now() - begun);
+    if (seams) {
+      outcome.pictures += seams->pictures;
+      findings.photographs = std::move(seams->photographs);
+    } else {
+      scan.remarks.push_back("the seams were not photographed: " + seams.error().message());
+    }
+  }
   auto& remarks = outcome.calibration.remarks;
   remarks.insert(remarks.begin(), scan.remarks.begin(), scan.remarks.end());
   if (stop.stop_requested()) return cancelled();
-  tell("writes the calibration", kSolvePart);
+  tell("writes the calibration", kSeamPart);
   TRY(save_calibration(folder, outcome.calibration, colours));
   if (outcome.light && outcome.light->lighting) {
     const auto own = calibration_folder(folder, date);
     if (const auto kept = write_light(own, outcome.calibration.projectors, *outcome.light->lighting); !kept)
       remarks.push_back("the light was not kept for --quick: " + kept.error().message());
   }
-  ReportFindings findings;
   findings.residuals = wall_residuals(scan.measurements, outcome.calibration);
   findings.registration = {outcome.registration.mean_px, outcome.registration.p95_px, outcome.registration.places};
   if (auto report = write_report(folder, outcome.calibration, findings)) {

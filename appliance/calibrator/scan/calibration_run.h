@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// One calibration from beginning to end:
 ///
-///     scan_wall() ─▶ scan_light() ─▶ calibrate() ─▶ photometry() ─▶ save_calibration()
-///         │ FOLDER/scan: what was seen, to go on with               FOLDER/calibration.json, FOLDER/calibrations/DATE/
+///     scan_wall() ─▶ scan_light() ─▶ calibrate() ─▶ photometry() ─▶ photograph_seams() ─▶ save_calibration()
+///         │ FOLDER/scan: what was seen, to go on with                   FOLDER/calibration.json, FOLDER/calibrations/DATE/
 #pragma once
 
 #include <filesystem>
@@ -27,10 +27,12 @@ struct CalibrationOutcome {
   int retries = 0;
   double scan_s = 0.0;  ///< By the clock that was given: of a simulated museum these are its computer's, not its own.
   double solve_s = 0.0;
+  double seams_s = 0.0;
 };
 
 /// `date` names the calibration: "2026-11-22T13-05-00Z". The one of before is never replaced by a worse one.
-/// Where brightness and colour cannot be found, the geometry is all that is written, and a remark says what to do.
+/// Where brightness and colour cannot be found, the geometry is all that is written, and a remark says what to do;
+/// likewise where seams cannot be photographed.
 /// Errors of scan_wall(), scan_light(), calibrate() and save_calibration(), each with its remedy; the calibration that
 /// counts is the one of before then. Blocks, for minutes.
 Result<CalibrationOutcome> run_calibration(const Installation& installation, const ScanSettings& settings,

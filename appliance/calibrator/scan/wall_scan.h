@@ -37,6 +37,7 @@ struct ScanSettings {
   int directions = 0;            ///< As ScanPlanOptions'.
   double most_disturbed = 0.02;  ///< Of the lit pixels; with more the view is measured once more.
   bool resume = false;
+  bool with_seams = true;  ///< Photograph them for the report: some seconds.
   bool with_wall = true;  ///< Find out its shape too, for eyes off the sweet spot: most of the time of solving.
 };
 

@@ -104,23 +104,24 @@ TEST(ReportPage, of_hardly_anything_is_a_page_still_and_says_no_names_as_code) {
   EXPECT_TRUE(is_balanced(report_page(calibration)));
 }
 
-TEST(ReportPage, lies_beside_the_calibrations_maps_and_shows_the_photographs_that_are_there) {
+TEST(ReportPage, lies_beside_the_calibrations_maps_and_shows_photographs) {
   std::string folder = ::testing::TempDir() + "/report.XXXXXX";
   ASSERT_NE(::mkdtemp(folder.data()), nullptr);
   Calibration calibration;
   calibration.date = "2026-01-01T00-00-00Z";
   const std::filesystem::path own = calibration_folder(folder, calibration.date);
   std::filesystem::create_directories(own);
-  EXPECT_TRUE(seam_photographs(own).empty());
-  ASSERT_TRUE(write_file_atomically(own / "seam-after.jpg", std::string_view("jpeg")));
-  const auto photographs = seam_photographs(own);
-  ASSERT_EQ(photographs.size(), 1U);
-  const auto path = write_report(folder, calibration, {{}, {}, photographs});
+  const std::string jpeg = "jpeg";
+  const auto* bytes = reinterpret_cast<const std::byte*>(jpeg.data());
+  const ReportFindings::Photograph photograph{"'left' & 'right'", {bytes, bytes + jpeg.size()}};
+  const auto path = write_report(folder, calibration, {{}, {}, {photograph, photograph}});
   ASSERT_TRUE(path) << path.error().message();
   EXPECT_EQ(*path, own / "report.html");
   const auto page = read_text_file(*path, 1 << 20);
   ASSERT_TRUE(page);
   EXPECT_THAT(*page, HasSubstr("anBlZw=="));
+  EXPECT_THAT(*page, Not(HasSubstr("'left' & 'right'")));
+  EXPECT_TRUE(is_balanced(*page));
   std::filesystem::remove_all(folder);
 }
 

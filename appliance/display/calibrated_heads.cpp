@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "appliance/calibrator/continuous/corrected_map.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 #include "appliance/calibrator/solve/measured_blend.h"
 #include "appliance/display/measured_head.h"
@@ -63,6 +64,40 @@ Status add_colours(std::vector<CalibratedColour> colours, const Installation& in
   return Done{};
 }
 
+/// Beyond this a mask is carried along: by less its ramps hardly differ.
+constexpr double kCarryMasksFrom_px = 2.0;
+
+/// Whether any projector moved by so much that masks are to be carried along. No correction, one of another
+/// calibration, or one that cannot be read: all stays as it was measured.
+bool correct_maps(const std::filesystem::path& folder, const Installation& installation, Calibration* calibration,
+                  std::vector<std::string>* corrected) {
+  const auto show = read_show(folder / kCorrectionFile);
+  if (!show || show->calibration != calibration->date) return false;
+  double most_px = 0.0;
+  for (const ShowFile::Projector& projector : show->projectors) {
+    const auto found = std::ranges::find(calibration->projectors, projector.name, &CalibratedProjector::name);
+    if (found == calibration->projectors.end()) continue;
+    const double px = moved_px(projector, installation.wall);
+    if (px <= 0.0) continue;
+    found->map = corrected_map(found->map, projector, installation.wall, installation.sweet_spot);
+    corrected->push_back(projector.name);
+    most_px = std::max(most_px, px);
+  }
+  return most_px > kCarryMasksFrom_px;
+}
+
+/// What was measured of a head's brightness stays its pixels'; how it shares the wall with others goes by where they
+/// shine now.
+void carry(const MaskImage& share_before, const MaskImage& share_now, MaskImage* mask) {
+  if (mask->width() != share_now.width() || mask->height() != share_now.height() || share_before.empty()) return;
+  for (std::size_t i = 0; i < mask->data().size(); ++i) {
+    const float before = share_before.data()[i];
+    const float now = share_now.data()[i];
+    float& weight = mask->data()[i];
+    weight = before > 1e-3f ? std::clamp(weight * now / before, 0.0f, 1.0f) : now;
+  }
+}
+
 }  // namespace
 
 Result<std::vector<HeadPlan>> planned_heads(const Installation& of, const PictureShape& picture) {
@@ -97,14 +132,22 @@ Result<CalibratedHeads> calibrated_heads(const std::filesystem::path& folder, co
   CHECK(planned.size() == installation.projectors.size());
   TRY_ASSIGN(Calibration calibration, read_calibration(folder));
   TRY_ASSIGN(const std::vector<CalibratedColour> colours, read_colours(calibration_folder(folder, calibration.date)));
+  Calibration scanned = calibration;
+  std::vector<std::string> corrected;
+  const bool has_moved = correct_maps(folder, installation, &calibration, &corrected);
   TRY_ASSIGN(const std::vector<const MeasuredMap*> maps, maps_of(&calibration, installation));
   if (std::ranges::all_of(maps, [](const MeasuredMap* map) { return map == nullptr; })) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("the calibration of {} knows none of this installation's projectors; calibrate again",
                              calibration.date));
   }
-  std::vector<MaskImage> masks = measured_blend_masks(maps, picture);
-  CalibratedHeads made{std::move(planned), calibration.date, {}};
+  const std::vector<MaskImage> masks = measured_blend_masks(maps, picture);
+  std::vector<MaskImage> masks_before;
+  if (has_moved && !colours.empty()) {
+    TRY_ASSIGN(const std::vector<const MeasuredMap*> maps_before, maps_of(&scanned, installation));
+    masks_before = measured_blend_masks(maps_before, picture);
+  }
+  CalibratedHeads made{std::move(planned), calibration.date, {}, std::move(corrected)};
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const std::string& name = installation.projectors[i].name;
     if (maps[i] == nullptr) {
@@ -115,10 +158,12 @@ Result<CalibratedHeads> calibrated_heads(const std::filesystem::path& folder, co
     auto warp = warp_of(*maps[i], picture);
     if (!warp) return std::move(warp).error().while_doing(fmt::format("projector '{}'", name));
     head.warp = *std::move(warp);
-    head.mask = std::move(masks[i]);
+    head.mask = masks[i];
     head.colour = {};
     head.picture = picture;
     TRY(add_colours(colours, installation, i, &head));
+    const bool has_measured_mask = std::ranges::find(colours, name, &CalibratedColour::name) != colours.end();
+    if (!masks_before.empty() && has_measured_mask) carry(masks_before[i], masks[i], &head.mask);
   }
   return made;
 }

@@ -7,6 +7,7 @@
 
 #include <utility>
 
+#include "appliance/calibrator/continuous/show_file.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 #include "common/base/file.h"
 
@@ -33,7 +34,8 @@ CalibrationWatch::CalibrationWatch(std::filesystem::path folder, Installation in
       planned_(std::move(planned)) {}
 
 std::string CalibrationWatch::mark() const {
-  return mark_of(folder_ / kFile) + (colours_folder_.empty() ? "" : mark_of(colours_folder_ / "colours.json"));
+  return mark_of(folder_ / kFile) + mark_of(folder_ / kCorrectionFile) +
+         (colours_folder_.empty() ? "" : mark_of(colours_folder_ / "colours.json"));
 }
 
 /// Before anything else is read, so that a change meanwhile is read next.
@@ -45,7 +47,7 @@ void CalibrationWatch::find_colours() {
 }
 
 Result<CalibratedHeads> CalibrationWatch::read() {
-  const std::string file_mark = mark_of(folder_ / kFile);
+  const std::string file_mark = mark_of(folder_ / kFile) + mark_of(folder_ / kCorrectionFile);
   find_colours();
   mark_ = file_mark + (colours_folder_.empty() ? "" : mark_of(colours_folder_ / "colours.json"));
   return calibrated_heads(folder_, installation_, picture_, planned_);
@@ -68,6 +70,7 @@ void CalibrationWatch::look_until(const std::stop_token& stop) {
     if (heads) {
       news->date = std::move(heads->date);
       news->lacking = std::move(heads->lacking);
+      news->corrected = std::move(heads->corrected);
       for (const HeadPlan& head : heads->heads) news->footprints.emplace_back(head.warp, head.mask);
       news->set = std::make_unique<HeadSet>(std::make_shared<const std::vector<HeadPlan>>(std::move(heads->heads)));
     } else {

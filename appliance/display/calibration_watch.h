@@ -19,9 +19,10 @@ namespace cyclorama {
 
 /// What a change of the calibration comes to, made ready for the presenter.
 struct CalibrationNews {
-  std::optional<Error> trouble;      ///< Why it cannot be used; then the rest is empty.
-  std::string date;                  ///< The calibration's.
-  std::vector<std::string> lacking;  ///< As CalibratedHeads.
+  std::optional<Error> trouble;        ///< Why it cannot be used; then the rest is empty.
+  std::string date;                    ///< The calibration's.
+  std::vector<std::string> lacking;    ///< As CalibratedHeads,
+  std::vector<std::string> corrected;  ///< and these.
   std::unique_ptr<HeadSet> set;
   std::vector<HeadFootprint> footprints;
 };

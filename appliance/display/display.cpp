@@ -76,7 +76,6 @@ Status Display::prepare() {
   TRY(wanted_.validate());
   TRY_ASSIGN(std::vector<HeadPlan> heads, first_heads());
   TRY_ASSIGN(channel_, make_channel(options_.tour));
-  TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_, &patterns_}));
   describe(heads);
   footprints_ = footprints(heads);
   ShownByHeads shown{footprints_, wanted_.shape, wanted_.stacked() == 2};
@@ -88,12 +87,15 @@ Status Display::prepare() {
     choice.is_awake = &is_awake_;
     return make_output(choice, options_.installation, options_.refresh_hz, clock_);
   };
-  plan.heads = std::move(heads);
   plan.may_change = watch_ != nullptr;
   plan.attract = attract_frame(wanted_.shape);
   if (!options_.attract_picture.empty()) {
     TRY_ASSIGN(plan.attract, attract_frame(wanted_.shape, options_.attract_picture));
   }
+  history_ = std::make_unique<ShownHistory>(plan.attract, std::make_shared<const std::vector<HeadPlan>>(heads));
+  showing_ = std::make_unique<ShownService>(names_of(options_.installation.projectors), history_.get(), &clock_);
+  TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_, &patterns_, showing_.get()}));
+  plan.heads = std::move(heads);
   plan.times = options_.attract_times;
   TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_));
   note_output();
@@ -118,14 +120,16 @@ Result<std::vector<HeadPlan>> Display::first_heads() {
     refuse_calibration(calibrated.error());
     return planned;
   }
-  describe_calibration(calibrated->date, calibrated->lacking);
+  describe_calibration(calibrated->date, calibrated->lacking, calibrated->corrected);
   return std::move(calibrated->heads);
 }
 
-void Display::describe_calibration(const std::string& date, const std::vector<std::string>& lacking) {
+void Display::describe_calibration(const std::string& date, const std::vector<std::string>& lacking,
+                                   const std::vector<std::string>& corrected) {
   misfit_.reset();
   std::string text = date;
   for (const std::string& name : lacking) text += fmt::format("; '{}' as installed: it was not seen", printable(name));
+  for (const std::string& name : corrected) text += fmt::format("; '{}' from where it stands now", printable(name));
   inspection_.set_fact("calibration", std::move(text));
   inspection_.set_fact("calibration_refused", "");
 }
@@ -139,20 +143,37 @@ void Display::refuse_calibration(const Error& why) {
 /// The heads move over once a frame is decoded for them; that the tour sends one is why it is dialled anew.
 void Display::keep_calibration() {
   if (watch_ == nullptr) return;
-  mailbox_.plans.replaced.take();
+  if (mailbox_.plans.replaced.take() != nullptr) history_->heads_changed();
   const std::unique_ptr<CalibrationNews> news = watch_->take();
   if (news == nullptr) return;
   if (news->trouble) return refuse_calibration(*news->trouble);
-  describe_calibration(news->date, news->lacking);
+  describe_calibration(news->date, news->lacking, news->corrected);
   describe(*news->set->plans);
-  hang_up();
-  dial_at_ = clock_.now();
+  const bool is_decoded = is_decoded_for(news->footprints);
+  if (!is_decoded) {
+    hang_up();
+    dial_at_ = clock_.now();
+  }
   std::vector<HeadFootprint> both = std::exchange(footprints_, news->footprints);
   both.insert(both.end(), footprints_.begin(), footprints_.end());
   news->set->needs_frames_after = assembler_->set_heads(std::move(both));
-  news->set->latest_at = clock_.now() + kForAFrame;
-  mailbox_.plans.wanted.put(std::move(news->set));
+  news->set->latest_at = clock_.now() + (is_decoded ? Duration::zero() : kForAFrame);
+  const HeadPlans plans = news->set->plans;
+  history_->heads_wanted(plans, mailbox_.plans.wanted.put(std::move(news->set)) != nullptr);
   inspection_.count("calibrations_taken");
+}
+
+/// Whether all that the heads will show of the picture that stands is there already: a correction moves them by less
+/// than is decoded around what they show.
+bool Display::is_decoded_for(const std::vector<HeadFootprint>& heads) const {
+  const ShownParts now = shown_parts(footprints_, wanted_.shape, wanted_.shape);
+  const ShownParts then = shown_parts(heads, wanted_.shape, wanted_.shape);
+  return std::ranges::all_of(then.parts, [&](const PixelRect& part) {
+    return std::ranges::any_of(now.parts, [&](const PixelRect& known) {
+      return known.y == part.y && known.height == part.height && known.x <= part.x &&
+             part.x + part.width <= known.x + known.width;
+    });
+  });
 }
 
 void Display::describe(const std::vector<HeadPlan>& heads) {
@@ -209,6 +230,7 @@ void Display::frame_ready(Frame frame) {
     const std::lock_guard lock(mutex_);
     newest_ready_ = std::max(newest_ready_, frame.order);
     mailbox_.is_failing = false;
+    history_->frame_ready(frame);
     unseen = mailbox_.frames.put(std::make_unique<Frame>(std::move(frame)));
     if (unseen != nullptr) add_drop(unseen->number, kPassedOver);
   }
@@ -307,6 +329,7 @@ void Display::ask_for_time() {
 void Display::report_refreshes() {
   while (const auto event = mailbox_.refreshes.pop()) {
     if (options_.on_refresh) options_.on_refresh(*event);
+    history_->refreshed(*event, is_awake_ && !patterns_.is_open());
     if (event->shared_refresh) tour_clock_.drawn_ahead(event->drawn_ahead);
     auto presented = reporter_.take(*event);
     if (!presented || stream_ == nullptr || event->frame_order <= reported_after_) continue;

@@ -16,6 +16,7 @@
 #include "appliance/display/present_thread.h"
 #include "appliance/display/refresh_reporter.h"
 #include "appliance/display/show_stream.h"
+#include "appliance/display/shown_service.h"
 #include "appliance/display/tour_clock.h"
 #include "common/opening/opening_hours.h"
 #include "common/room/installation.h"
@@ -27,7 +28,7 @@ namespace cyclorama {
 struct DisplayOptions {
   Installation installation;
   std::string tour;                ///< HOST:PORT that is dialled.
-  std::string listen = "[::1]:0";  ///< HOST:PORT of inspection and patterns.
+  std::string listen = "[::1]:0";  ///< HOST:PORT of inspection, patterns and what is shown.
   int width_px = 1024;             ///< Of the picture that is asked for.
   int height_px = 0;               ///< 0: as high as square pixels make it.
   double refresh_hz = 30.0;
@@ -70,7 +71,8 @@ class Display : private FrameSink {
   Status prepare();
   Result<std::vector<HeadPlan>> first_heads();
   void describe(const std::vector<HeadPlan>& heads);
-  void describe_calibration(const std::string& date, const std::vector<std::string>& lacking);
+  void describe_calibration(const std::string& date, const std::vector<std::string>& lacking,
+                            const std::vector<std::string>& corrected);
   void refuse_calibration(const Error& why);
   void on_message(wire::ShowMessage message);
   void frame_ready(Frame frame) override;
@@ -87,6 +89,7 @@ class Display : private FrameSink {
   void report_drops();
   void serve_watchers();
   void tell_state();
+  [[nodiscard]] bool is_decoded_for(const std::vector<HeadFootprint>& heads) const;
   [[nodiscard]] std::string step_sentence() const;
   [[nodiscard]] std::string calibration_sentence() const;
 
@@ -98,6 +101,8 @@ class Display : private FrameSink {
   RefreshReporter reporter_;
   PresentMailbox mailbox_;
   PatternService patterns_;
+  std::unique_ptr<ShownHistory> history_;  // Made in prepare(), before anybody may ask.
+  std::unique_ptr<ShownService> showing_;
   TourClock tour_clock_;
   std::shared_ptr<grpc::Channel> channel_;
   wire::DisplayHello hello_;

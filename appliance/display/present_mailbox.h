@@ -40,7 +40,8 @@ struct RefreshEvent {
   std::int64_t heading_shutter_ns = 0;  ///< Of a heading that this refresh shows first; else 0.
   bool is_past_guard = false;
   double attract_share = 0.0;  ///< 1: nothing but the attract picture is seen.
-  double heading_rad = 0.0;    ///< That the picture was turned to.
+  double heading_rad = 0.0;    ///< That the picture was turned to,
+  double turn_rad = 0.0;       ///< and by how much.
   // While several displays show the tour (shared_refresh.h):
   std::optional<std::int64_t> shared_refresh;
   ShowAt frame_due;        ///< When what is seen here first was to be seen: the frame, or one that it passed over,

@@ -192,6 +192,7 @@ void Presenter::turn_to_due_heading(RefreshEvent* ret_event) {
                              : YawShift{};
   if (shift.angle_rad != shift_.angle_rad) is_drawn_ = false;
   shift_ = shift;
+  ret_event->turn_rad = shift.angle_rad;
 }
 
 Status Presenter::draw_heads() {

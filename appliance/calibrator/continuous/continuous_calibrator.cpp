@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "appliance/calibrator/continuous/continuous_state.h"
 #include "common/base/check.h"
@@ -22,6 +23,8 @@ constexpr int kStubborn = 6;  // Surprises that nobody's move explains: the filt
 constexpr int kLeastPatches = 12;
 constexpr double kMostBlown = 0.25;
 constexpr double kDarkest = 0.004;  // Mean light predicted, of the camera's full scale.
+constexpr Duration kRealignsFor = std::chrono::seconds(10);
+constexpr double kRealignsFrom_px = 0.05;
 constexpr double kGainShare = 0.2;  // How quickly a camera's gain follows.
 
 }  // namespace
@@ -215,7 +218,9 @@ void ContinuousCalibrator::State::correct_drift(TimePoint now, ShowReport* repor
     const auto was = applied.projectors[i].T_room_projector;
     one.off_px = motion[i].rms_px(step_between(was, wanted));
     if (one.hold != Hold::kNone || std::ranges::any_of(surprises, [](int n) { return n > 0; })) continue;
-    if (one.off_px < options.correct_from_px || one.off_px < options.correct_from_sigmas * one.sigma_px) continue;
+    const bool is_wanted = realigns_until && now < *realigns_until;
+    if (one.off_px < (is_wanted ? kRealignsFrom_px : options.correct_from_px)) continue;
+    if (one.off_px < options.correct_from_sigmas * one.sigma_px) continue;
     applied.projectors[i].T_room_projector = wanted;
     report->corrections.push_back({i, was, wanted, one.off_px, one.sigma_px, false});
     report->log.push_back(fmt::format("{}: projector '{}' drifted: corrected by {:.2f} px, sure to {:.2f} px",
@@ -271,15 +276,42 @@ Result<ContinuousCalibrator> ContinuousCalibrator::make(const ShowCalibration& c
   return ContinuousCalibrator(std::make_unique<State>(calibration, options));
 }
 
+Result<ContinuousCalibrator> ContinuousCalibrator::resume(const ShowCalibration& applied,
+                                                          const ShowCalibration& believed,
+                                                          const ContinuousOptions& options) {
+  TRY(applied.validate());
+  TRY(believed.validate());
+  if (applied.projectors.size() != believed.projectors.size() || applied.cameras.size() != believed.cameras.size())
+    return Error(ErrorCode::kInvalidArgument, "what is applied and what is believed are of two rooms");
+  auto state = std::make_unique<State>(applied, options);
+  state->believed = believed;
+  state->reference = believed;
+  state->is_settled = true;
+  return ContinuousCalibrator(std::move(state));
+}
+
+void ContinuousCalibrator::realign() { state_->wants_realignment = true; }
+bool ContinuousCalibrator::is_settled() const { return state_->is_settled; }
+
 ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
   State& state = *state_;
   ShowReport report;
+  if (std::exchange(state.wants_realignment, false)) {
+    state.realigns_until = moment.now + kRealignsFor;
+    state.fruitless = 0;
+    std::fill_n(state.surprises.begin(), state.projectors(), kStubborn);  // Cameras hold the room together.
+    state.loosen();
+  }
   if (!state.begun_at) {
     state.begun_at = moment.now;
     std::ranges::fill(state.measured_at, moment.now);
   }
   for (const ShownPicture& shown : moment.shown) {
-    if (shown.projector < state.timelines.size()) state.timelines[shown.projector].add(shown);
+    if (shown.projector >= state.timelines.size()) continue;
+    const BrownParameters& lens = state.believed.projectors[shown.projector].lens;
+    const bool is_its =
+        !shown.picture || (shown.picture->width() == lens.width_px && shown.picture->height() == lens.height_px);
+    if (is_its) state.timelines[shown.projector].add(shown);
   }
   const double passed = state.stepped_at ? std::chrono::duration<double>(moment.now - *state.stepped_at).count() : 0.0;
   for (PoseFilter& filter : state.filters) filter.predict(passed);

@@ -91,11 +91,20 @@ class ContinuousCalibrator {
  public:
   /// Errors of ShowCalibration::validate().
   static Result<ContinuousCalibrator> make(const ShowCalibration& calibration, const ContinuousOptions& options = {});
+  /// Goes on where another one was when it ended, in mid-recovery too: `applied` is what displays draw for, `believed`
+  /// where everything was believed to stand, so what the scan left over need not be learned again. Errors alike.
+  static Result<ContinuousCalibrator> resume(const ShowCalibration& applied, const ShowCalibration& believed,
+                                             const ContinuousOptions& options = {});
   ContinuousCalibrator(ContinuousCalibrator&&) noexcept;
   ContinuousCalibrator& operator=(ContinuousCalibrator&&) noexcept;
   ~ContinuousCalibrator();
 
   ShowReport step(const ShowMoment& moment);
+  /// Somebody wants it now: for ten seconds every projector is searched for as if nothing were known of late, and what
+  /// is found is corrected from 0.05 px on.
+  void realign();
+  /// Whether what the scan left over has been learned.
+  [[nodiscard]] bool is_settled() const;
 
   /// Where all is believed to be.
   [[nodiscard]] const ShowCalibration& believed() const;

@@ -32,6 +32,8 @@ struct ContinuousCalibrator::State {
   std::optional<TimePoint> begun_at;
   std::optional<TimePoint> stepped_at;
   bool is_settled = false;
+  bool wants_realignment = false;
+  std::optional<TimePoint> realigns_until;
   int fruitless = 0;  ///< Searches in a row that found nothing.
 
   [[nodiscard]] std::size_t bodies() const { return filters.size(); }

@@ -143,6 +143,18 @@ Result<PatternDisplay> parse_pattern_display(const std::string& text) {
   return display;
 }
 
+Result<std::size_t> display_of(const std::string& projector, const std::vector<PatternDisplay>& displays) {
+  std::vector<std::size_t> drives;
+  for (std::size_t d = 0; d < displays.size(); ++d) {
+    const auto& names = displays[d].projectors;
+    if (names.empty() || std::find(names.begin(), names.end(), projector) != names.end()) drives.push_back(d);
+  }
+  if (drives.size() == 1) return drives.front();
+  return Error(ErrorCode::kInvalidArgument,
+               fmt::format("projector '{}' belongs to {} displays; name each at one --display NAMES=HOST:PORT",
+                           projector, drives.size()));
+}
+
 RemotePatternScreen::RemotePatternScreen(std::vector<Head> heads, std::vector<std::unique_ptr<Stream>> streams,
                                          std::chrono::milliseconds settle)
     : heads_(std::move(heads)), streams_(std::move(streams)), settle_(settle) {}
@@ -153,17 +165,8 @@ Result<std::unique_ptr<RemotePatternScreen>> RemotePatternScreen::open(
     std::chrono::milliseconds settle) {
   std::vector<Head> heads;
   for (const InstalledProjector& projector : projectors) {
-    std::vector<std::size_t> drives;
-    for (std::size_t d = 0; d < displays.size(); ++d) {
-      const auto& names = displays[d].projectors;
-      if (names.empty() || std::find(names.begin(), names.end(), projector.name) != names.end()) drives.push_back(d);
-    }
-    if (drives.size() != 1) {
-      return Error(ErrorCode::kInvalidArgument,
-                   fmt::format("projector '{}' belongs to {} displays; name each at one --display NAMES=HOST:PORT",
-                               projector.name, drives.size()));
-    }
-    heads.push_back({projector.name, projector.lens.width_px, projector.lens.height_px, drives.front()});
+    TRY_ASSIGN(const std::size_t display, display_of(projector.name, displays));
+    heads.push_back({projector.name, projector.lens.width_px, projector.lens.height_px, display});
   }
   std::vector<std::unique_ptr<Stream>> streams;
   for (const PatternDisplay& display : displays) {

@@ -20,6 +20,9 @@ struct PatternDisplay {
 /// "HOST:PORT", or "left,middle=HOST:PORT". kInvalidArgument  another form.
 Result<PatternDisplay> parse_pattern_display(const std::string& text);
 
+/// Which of the displays drives a projector. kInvalidArgument  none, or two.
+Result<std::size_t> display_of(const std::string& projector, const std::vector<PatternDisplay>& displays);
+
 /// The heads of displays elsewhere, by the service PatternScreen (common/wire/calibration.proto). Thread-bound.
 class RemotePatternScreen final : public PatternScreen {
  public:

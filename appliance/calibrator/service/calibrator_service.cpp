@@ -51,15 +51,34 @@ void CalibratorService::stop() { stop_.request_stop(); }
 
 std::string CalibratorService::state() const {
   const std::lock_guard lock(mutex_);
-  return state_;
+  return also_.empty() ? state_ : state_ + "; " + also_;
 }
 
 void CalibratorService::say(std::string sentence, bool is_healthy) {
   {
     const std::lock_guard lock(mutex_);
-    state_ = sentence;
+    state_ = std::move(sentence);
+    is_healthy_ = is_healthy;
   }
-  inspection_->set_state(std::move(sentence), is_healthy);
+  tell();
+}
+
+void CalibratorService::also(std::string sentence, bool is_healthy) {
+  {
+    const std::lock_guard lock(mutex_);
+    also_ = std::move(sentence);
+    is_also_healthy_ = is_healthy;
+  }
+  tell();
+}
+
+void CalibratorService::tell() {
+  bool is_healthy = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_healthy = is_healthy_ && is_also_healthy_;
+  }
+  inspection_->set_state(state(), is_healthy);
 }
 
 Result<CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrder& order, const ScanListener& listener,
@@ -87,6 +106,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
     return {grpc::StatusCode::INVALID_ARGUMENT,
             "a quick calibration is of one projector, which is named, and is not resumed"};
   }
+  const std::shared_ptr<void> held = hold_ ? hold_() : nullptr;
   std::stop_source stop;
   const std::stop_callback process_stops(stop_.get_token(), [&] { stop.request_stop(); });
   JpegEncoder encoder;

@@ -31,6 +31,10 @@ class CalibratorService final : public wire::Calibrator::Service {
   CalibratorService(Installation installation, std::filesystem::path folder, DeviceOpener opener, const Clock& clock,
                     InspectionService* inspection);
 
+  /// Before the first call: what is let go of while a calibration runs is held by what `hold` returns.
+  void hold_with(std::function<std::shared_ptr<void>()> hold) { hold_ = std::move(hold); }
+  /// What else the process does, for its state: "keeps 3 projectors in place".
+  void also(std::string sentence, bool is_healthy);
   /// Cancels what runs; later calls are refused. It ends within a picture.
   void stop();
   /// For people: "is calibrating: ...".
@@ -44,6 +48,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   Result<CalibrationOutcome> calibrate(const wire::CalibrateOrder& order, const ScanListener& listener,
                                        std::stop_token stop);
   void say(std::string sentence, bool is_healthy);
+  void tell();
 
   const Installation installation_;
   const std::filesystem::path folder_;
@@ -54,6 +59,10 @@ class CalibratorService final : public wire::Calibrator::Service {
   std::mutex busy_;  ///< Held by the one that works.
   mutable std::mutex mutex_;
   std::string state_;
+  bool is_healthy_ = true;
+  std::string also_;
+  bool is_also_healthy_ = true;
+  std::function<std::shared_ptr<void>()> hold_;
   std::stop_source stop_;
 };
 

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/continuous/show_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include "appliance/calibrator/solve/strict_json.h"
+#include "common/base/file.h"
+
+namespace cyclorama {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+constexpr int kMostPx = 16384;
+constexpr double kFarthest_m = 1e3;
+constexpr std::size_t kMost = 64;
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+
+Json json_of(const BrownParameters& lens) {
+  Json values = Json::array();
+  for (const double value : to_block(lens)) values.push_back(value);
+  return {{"width_px", lens.width_px},
+          {"height_px", lens.height_px},
+          {"focal_u_px_focal_v_px_centre_u_px_centre_v_px_k1_k2_p1_p2_k3", std::move(values)}};
+}
+
+template <typename Body>
+Json json_of(const RigidTransform<frame::Room, Body>& T) {
+  const Eigen::Quaterniond& q = T.rotation();
+  const Eigen::Vector3d& t = T.translation();
+  return {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"place_m", {t.x(), t.y(), t.z()}}};
+}
+
+BrownParameters lens_of(StrictJson json) {
+  const int width = json.integer("width_px", 1, kMostPx);
+  const int height = json.integer("height_px", 1, kMostPx);
+  const auto values =
+      json.numbers("focal_u_px_focal_v_px_centre_u_px_centre_v_px_k1_k2_p1_p2_k3", kBrownValues, kBrownValues);
+  json.refuse_other_keys();
+  BrownBlock block{1.0, 1.0};
+  if (values.size() == block.size()) std::copy(values.begin(), values.end(), block.begin());
+  if (!(block[kFocalU] > 0.0 && block[kFocalV] > 0.0)) json.refuse("has no focal length; place the cameras again");
+  return from_block(block, width, height);
+}
+
+template <typename Body>
+RigidTransform<frame::Room, Body> pose_of(StrictJson json) {
+  std::vector<double> q;
+  for (const StrictJson& value : json.list("rotation_wxyz", 4, 4))
+    q.push_back(value.as_number(-1.0 - 1e-9, 1.0 + 1e-9));
+  std::vector<double> t;
+  for (const StrictJson& value : json.list("place_m", 3, 3)) t.push_back(value.as_number(-kFarthest_m, kFarthest_m));
+  json.refuse_other_keys();
+  if (q.size() != 4 || t.size() != 3) return {};
+  const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
+  if (!(std::abs(turn.norm() - 1.0) < 1e-6)) {
+    json.refuse("is no rotation; place the cameras again");
+    return {};
+  }
+  return {turn, {t[0], t[1], t[2]}};
+}
+
+}  // namespace
+
+std::string show_json(const ShowFile& show) {
+  Json projectors = Json::array();
+  for (const ShowFile::Projector& p : show.projectors) {
+    Json one{
+        {"name", p.name}, {"lens", json_of(p.lens)}, {"scanned", json_of(p.scanned)}, {"applied", json_of(p.applied)}};
+    if (p.believed) one["believed"] = json_of(*p.believed);
+    projectors.push_back(std::move(one));
+  }
+  Json cameras = Json::array();
+  for (const ShowFile::Camera& c : show.cameras)
+    cameras.push_back({{"name", c.name}, {"lens", json_of(c.lens)}, {"place", json_of(c.T_room_camera)}});
+  const Json json{{"version", kVersion},
+                  {"calibration", show.calibration},
+                  {"projectors", std::move(projectors)},
+                  {"cameras", std::move(cameras)}};
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
+  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
+  StrictJson::Mistakes mistakes;
+  StrictJson json(document, name + ": ", &mistakes);
+  ShowFile show;
+  json.integer("version", kVersion, kVersion);
+  show.calibration = json.text("calibration", 100);
+  for (StrictJson one : json.list("projectors", 0, kMost)) {
+    ShowFile::Projector& p = show.projectors.emplace_back();
+    p.name = one.text("name", 200);
+    p.lens = lens_of(one.at("lens"));
+    p.scanned = pose_of<frame::Projector>(one.at("scanned"));
+    p.applied = pose_of<frame::Projector>(one.at("applied"));
+    if (one.has("believed")) p.believed = pose_of<frame::Projector>(one.at("believed"));
+    one.refuse_other_keys();
+  }
+  for (StrictJson one : json.list("cameras", 0, kMost)) {
+    ShowFile::Camera& c = show.cameras.emplace_back();
+    c.name = one.text("name", 200);
+    c.lens = lens_of(one.at("lens"));
+    c.T_room_camera = pose_of<frame::Camera>(one.at("place"));
+    one.refuse_other_keys();
+  }
+  json.refuse_other_keys();
+  if (mistakes.is_any) return Error(ErrorCode::kBadData, mistakes.first);
+  return show;
+}
+
+Result<ShowFile> read_show(const std::filesystem::path& path) {
+  TRY_ASSIGN(const std::string text, read_text_file(path, kMostBytes));
+  return parse_show(text, path.filename().string());
+}
+
+Status write_show(const std::filesystem::path& path, const ShowFile& show) {
+  return write_file_atomically(path, show_json(show));
+}
+
+}  // namespace cyclorama

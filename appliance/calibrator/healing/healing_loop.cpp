@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/healing/healing_loop.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <utility>
+
+#include "common/base/give_way.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kTryAgainAfter = std::chrono::seconds(1);
+constexpr Duration kKeepEvery = std::chrono::minutes(10);
+constexpr std::uintmax_t kLargestLog = std::uintmax_t{1} << 20;
+constexpr int kGivesWay = 10;
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc)};
+}
+
+std::string pose_json(const RigidTransform<frame::Room, frame::Projector>& T) {
+  const Eigen::Quaterniond& q = T.rotation();
+  const Eigen::Vector3d& t = T.translation();
+  return fmt::format(R"({{"rotation_wxyz": [{:.9f}, {:.9f}, {:.9f}, {:.9f}], "place_m": [{:.6f}, {:.6f}, {:.6f}]}})",
+                     q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
+}
+
+}  // namespace
+
+/// What is there while it watches.
+struct HealingLoop::Watching {
+  Watching(ShowFile of, ContinuousCalibrator with, HealingHealth how, std::unique_ptr<ShowRoom> in,
+           std::filesystem::file_time_type at)
+      : show(std::move(of)),
+        calibrator(std::move(with)),
+        health(std::move(how)),
+        room(std::move(in)),
+        calibrated_at(at) {}
+  ShowFile show;
+  ContinuousCalibrator calibrator;
+  HealingHealth health;
+  std::unique_ptr<ShowRoom> room;
+  std::filesystem::file_time_type calibrated_at;
+  std::optional<ShowRecorder> recorder;
+  std::optional<TimePoint> kept_at;
+  bool wants_realignment = false;
+};
+
+HealingLoop::HealingLoop(Installation installation, std::filesystem::path folder, std::unique_ptr<ShowRooms> rooms,
+                         const Clock& clock, InspectionService* inspection, Options options)
+    : installation_(std::move(installation)),
+      folder_(std::move(folder)),
+      rooms_(std::move(rooms)),
+      clock_(clock),
+      inspection_(*inspection),
+      options_(std::move(options)),
+      lacks_("it has only begun"),
+      thread_([this](const std::stop_token& stop) {
+        pthread_setname_np(pthread_self(), "healing");
+        give_way(kGivesWay);
+        run(stop);
+      }) {}
+
+HealingLoop::~HealingLoop() = default;
+
+HealingLoop::Held::Held(HealingLoop* loop) : loop_(*loop) {
+  ++loop_.holders_;
+  working_ = std::unique_lock(loop_.working_);
+  loop_.watching_.reset();
+  loop_.lacks_ = "the wall is being measured";
+  loop_.say("does not watch: the wall is being measured", true);
+}
+
+HealingLoop::Held::~Held() {
+  loop_.lacks_ = "it has only begun";
+  --loop_.holders_;
+}
+
+void HealingLoop::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const TimePoint begun = clock_.now();
+    Duration pause = options_.period;
+    {
+      const std::lock_guard lock(working_);
+      if (holders_ == 0) turn();
+      if (watching_ == nullptr) pause = kTryAgainAfter;
+    }
+    const Duration left = std::max<Duration>(pause - (clock_.now() - begun), std::chrono::milliseconds(10));
+    std::unique_lock lock(mutex_);
+    woken_.wait_for(lock, stop, left, [] { return false; });
+  }
+}
+
+/// One step, or an attempt to begin.
+void HealingLoop::turn() {
+  if (watching_ != nullptr && watching_->calibrated_at != calibrated_at()) watching_.reset();
+  if (watching_ == nullptr) {
+    if (const Status begun = begin(); !begun) {
+      lacks_ = begun.error().message();
+      return say("does not watch the wall: " + lacks_, begun.error().code() == ErrorCode::kNotFound);
+    }
+  }
+  if (const Status stepped = step(); !stepped) {
+    // What was learned of the room stays in watch.json.
+    lacks_ = stepped.error().message();
+    watching_.reset();
+    say("cannot watch the wall: " + lacks_, false);
+  }
+}
+
+Status HealingLoop::begin() {
+  const auto at = calibrated_at();
+  TRY_ASSIGN(ShowFile show, healing_start(folder_, installation_, rooms_->cameras()));
+  const int factor = rooms_->picture_factor();
+  RecordStart start{applied_room(show, installation_, factor), believed_room(show, installation_, factor)};
+  std::optional<ShowRecorder> recorder;
+  if (!options_.record.empty()) {
+    const auto folder = options_.record / utc_now();
+    TRY_ASSIGN(recorder, ShowRecorder::begin(folder, options_.installation_file, start));
+    // As it will be read: the last bits of a rotation are others there.
+    TRY_ASSIGN(const ShowRecord read, ShowRecord::open(folder));
+    start = read.start();
+  }
+  TRY_ASSIGN(ContinuousCalibrator calibrator, start.believed
+                                                  ? ContinuousCalibrator::resume(start.applied, *start.believed)
+                                                  : ContinuousCalibrator::make(start.applied));
+  std::vector<std::string> names;
+  for (const InstalledProjector& projector : installation_.projectors) names.push_back(projector.name);
+  TRY_ASSIGN(std::unique_ptr<ShowRoom> room, rooms_->open());
+  watching_ =
+      std::make_unique<Watching>(std::move(show), std::move(calibrator),
+                                 HealingHealth(std::move(names), static_cast<double>(factor)), std::move(room), at);
+  watching_->recorder = std::move(recorder);
+  return Done{};
+}
+
+Status HealingLoop::step() {
+  Watching& now = *watching_;
+  std::vector<std::string> troubles;
+  TRY_ASSIGN(const ShowMoment moment, now.room->next(&troubles));
+  if (std::exchange(now.wants_realignment, false)) {
+    now.calibrator.realign();
+    if (now.recorder) TRY(now.recorder->add_realignment());
+  }
+  const ShowReport report = now.calibrator.step(moment);
+  if (now.recorder) {
+    if (const Status kept = now.recorder->add(moment, report); !kept) {
+      if (options_.on_line) options_.on_line("recording ends: " + kept.error().message());
+      now.recorder.reset();
+    }
+  }
+  now.health.take(report, moment.now);
+  if (options_.on_line) {
+    for (const std::string& line : report.log) options_.on_line(line);
+  }
+  keep(report);
+  inspection_.set_table(now.health.projectors(moment.now));
+  inspection_.set_table(now.health.history(moment.now));
+  inspection_.add_stage_time("watch", clock_.now() - moment.now);
+  for (const Correction& c : report.corrections) {
+    inspection_.count(c.is_bump ? "watch_bumps" : "watch_drifts");
+  }
+  std::string sentence = now.health.sentence();
+  for (const std::string& trouble : troubles) sentence += "; " + trouble;
+  say(std::move(sentence), now.health.is_well() && troubles.empty());
+  return Done{};
+}
+
+void HealingLoop::keep(const ShowReport& report) {
+  Watching& now = *watching_;
+  const ShowCalibration& applied = now.calibrator.applied();
+  const ShowCalibration& believed = now.calibrator.believed();
+  for (std::size_t i = 0; i < now.show.projectors.size(); ++i) {
+    now.show.projectors[i].applied = applied.projectors[i].T_room_projector;
+    if (now.calibrator.is_settled()) now.show.projectors[i].believed = believed.projectors[i].T_room_projector;
+  }
+  for (std::size_t i = 0; i < now.show.cameras.size(); ++i)
+    now.show.cameras[i].T_room_camera = believed.cameras[i].T_room_camera;
+  const bool has_corrected = !report.corrections.empty();
+  const bool is_calm = std::ranges::all_of(report.projectors, [](const auto& p) { return p.hold == Hold::kNone; });
+  const bool is_due =
+      is_calm && now.calibrator.is_settled() && (!now.kept_at || clock_.now() > *now.kept_at + kKeepEvery);
+  if (!has_corrected && !is_due) return;
+  now.kept_at = clock_.now();
+  const Status written = write_state(has_corrected);
+  if (!written && options_.on_line) options_.on_line("what was found cannot be kept: " + written.error().message());
+  log_corrections(report);
+}
+
+Status HealingLoop::write_state(bool with_correction) {
+  const ShowFile& show = watching_->show;
+  if (with_correction) {
+    ShowFile correction = show;
+    correction.cameras.clear();
+    for (ShowFile::Projector& projector : correction.projectors) projector.believed.reset();
+    TRY(write_show(folder_ / kCorrectionFile, correction));
+  }
+  return write_show(folder_ / kWatchFile, show);
+}
+
+void HealingLoop::log_corrections(const ShowReport& report) {
+  if (report.corrections.empty()) return;
+  const std::filesystem::path path = folder_ / "corrections.log";
+  std::error_code ignored;
+  if (std::filesystem::file_size(path, ignored) > kLargestLog && !ignored)
+    std::filesystem::rename(path, folder_ / "corrections.log.1", ignored);
+  std::FILE* const file = std::fopen(path.c_str(), "ae");
+  if (file == nullptr) return;
+  const double pixels = rooms_->picture_factor();
+  for (const Correction& c : report.corrections) {
+    fmt::print(
+        file,
+        R"({{"at": "{}", "projector": {}, "kind": "{}", "moved_px": {:.3f}, "sigma_px": {:.3f}, "before": {}, "after": {}}})",
+        utc_now(), c.projector + 1, c.is_bump ? "bump" : "drift", pixels * c.moved_px, pixels * c.sigma_px,
+        pose_json(c.before), pose_json(c.after));
+    fmt::print(file, "\n");
+  }
+  std::fclose(file);
+}
+
+Status HealingLoop::realign() {
+  // Who holds the loop keeps its lock for minutes.
+  if (holders_ > 0) return Error(ErrorCode::kUnavailable, "the wall is being measured");
+  const std::lock_guard lock(working_);
+  if (watching_ == nullptr) return Error(ErrorCode::kUnavailable, "the wall is not watched: " + lacks_);
+  watching_->wants_realignment = true;
+  return Done{};
+}
+
+Result<std::vector<PlacedCamera>> HealingLoop::place_cameras(std::stop_token stop) {
+  if (rooms_->cameras().empty()) return Error(ErrorCode::kNotFound, "no camera watches; name one with --watch");
+  TRY_ASSIGN(const Calibration calibration, corrected_calibration(folder_, installation_));
+  TRY_ASSIGN(PlacingDevices devices, rooms_->open_for_placing());
+  TRY_ASSIGN(const std::vector<PlacedCamera> placed,
+             cyclorama::place_cameras(rooms_->cameras(), devices, calibration, installation_, options_.exposure, stop));
+  TRY(keep_places(folder_, installation_, placed));
+  return placed;
+}
+
+void HealingLoop::say(std::string sentence, bool is_well) {
+  inspection_.set_fact("watch", sentence);
+  if (options_.tell) options_.tell(sentence, is_well);
+  said_ = std::move(sentence);
+}
+
+std::filesystem::file_time_type HealingLoop::calibrated_at() const {
+  std::error_code ignored;
+  return std::filesystem::last_write_time(folder_ / "calibration.json", ignored);
+}
+
+}  // namespace cyclorama

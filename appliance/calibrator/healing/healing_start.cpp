@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibrator/healing/healing_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "appliance/calibrator/continuous/corrected_map.h"
+#include "appliance/calibrator/continuous/show_fit.h"
+#include "appliance/calibrator/solve/calibration_file.h"
+
+namespace cyclorama {
+namespace {
+
+ShowProjector installed(const InstalledProjector& projector) {
+  ShowProjector made;
+  made.name = projector.name;
+  const Pinhole& lens = projector.lens;
+  made.lens = {lens.width_px,    lens.height_px,  lens.focal_px, lens.pixel_aspect * lens.focal_px,
+               lens.centre_u_px, lens.centre_v_px};
+  made.T_room_projector = projector.T_room_projector;
+  return made;
+}
+
+/// Those of the newest calibration, as watch.json has them, or found anew.
+Result<std::vector<ShowFile::Projector>> projectors_of(const Calibration& calibration, const Installation& installation,
+                                                       const ShowFile* known) {
+  if (known != nullptr && known->calibration == calibration.date &&
+      known->projectors.size() == installation.projectors.size())
+    return known->projectors;
+  std::vector<ShowFile::Projector> projectors;
+  for (const InstalledProjector& projector : installation.projectors) {
+    const auto found = std::ranges::find(calibration.projectors, projector.name, &CalibratedProjector::name);
+    if (found == calibration.projectors.end()) {
+      return Error(ErrorCode::kNotFound,
+                   fmt::format("the calibration of {} knows nothing of projector '{}'; calibrate again",
+                               calibration.date, projector.name));
+    }
+    auto fitted = fit_projector(found->map, installation.wall, installation.sweet_spot, installed(projector));
+    if (!fitted)
+      return std::move(fitted).error().while_doing(fmt::format("finding projector '{}' by its map", projector.name));
+    projectors.push_back({projector.name, fitted->lens, fitted->pose, fitted->pose, {}});
+  }
+  return projectors;
+}
+
+bool is_same(const BrownParameters& a, const BrownParameters& b) {
+  return a.width_px == b.width_px && a.height_px == b.height_px && to_block(a) == to_block(b);
+}
+
+ShowCalibration room_of(const ShowFile& show, const Installation& installation, int factor, bool is_believed) {
+  ShowCalibration room;
+  room.wall = installation.wall;
+  room.sweet_spot = installation.sweet_spot;
+  for (const ShowFile::Projector& p : show.projectors) {
+    ShowProjector projector;
+    projector.name = p.name;
+    projector.lens = smaller_lens(p.lens, factor);
+    projector.T_room_projector = is_believed ? p.believed.value_or(p.applied) : p.applied;
+    projector.light.fill(gamma_light(2.2));
+    room.projectors.push_back(std::move(projector));
+  }
+  for (const ShowFile::Camera& c : show.cameras)
+    room.cameras.push_back({c.name, c.lens, c.T_room_camera, gamma_light(1.0)});
+  return room;
+}
+
+}  // namespace
+
+Result<ShowFile> healing_start(const std::filesystem::path& folder, const Installation& installation,
+                               const std::vector<WatchingCamera>& cameras) {
+  TRY_ASSIGN(const Calibration calibration, read_calibration(folder));
+  auto known = read_show(folder / kWatchFile);
+  if (!known && known.error().code() != ErrorCode::kNotFound) return std::move(known).error();
+  ShowFile show;
+  show.calibration = calibration.date;
+  for (const WatchingCamera& camera : cameras) {
+    const auto found = known ? std::ranges::find(known->cameras, camera.name, &ShowFile::Camera::name)
+                             : std::vector<ShowFile::Camera>::iterator{};
+    if (!known || found == known->cameras.end() || !is_same(found->lens, camera.lens)) {
+      return Error(ErrorCode::kNotFound,
+                   fmt::format("nobody knows where camera '{}' stands; let the cameras be placed, which takes a minute "
+                               "of patterns (cyclorama realign --place-cameras)",
+                               camera.name));
+    }
+    show.cameras.push_back(*found);
+  }
+  TRY_ASSIGN(show.projectors, projectors_of(calibration, installation, known ? &*known : nullptr));
+  return show;
+}
+
+Result<ShowFile> keep_places(const std::filesystem::path& folder, const Installation& installation,
+                             const std::vector<PlacedCamera>& cameras) {
+  TRY_ASSIGN(const Calibration calibration, read_calibration(folder));
+  const auto known = read_show(folder / kWatchFile);
+  ShowFile show;
+  show.calibration = calibration.date;
+  for (const PlacedCamera& camera : cameras) show.cameras.push_back({camera.name, camera.lens, camera.T_room_camera});
+  TRY_ASSIGN(show.projectors, projectors_of(calibration, installation, known ? &*known : nullptr));
+  // Seen from elsewhere, something else is left over.
+  for (ShowFile::Projector& projector : show.projectors) projector.believed.reset();
+  TRY(write_show(folder / kWatchFile, show));
+  return show;
+}
+
+Result<Calibration> corrected_calibration(const std::filesystem::path& folder, const Installation& installation) {
+  TRY_ASSIGN(Calibration calibration, read_calibration(folder));
+  const auto show = read_show(folder / kCorrectionFile);
+  if (!show || show->calibration != calibration.date) return calibration;
+  for (const ShowFile::Projector& projector : show->projectors) {
+    const auto found = std::ranges::find(calibration.projectors, projector.name, &CalibratedProjector::name);
+    if (found != calibration.projectors.end())
+      found->map = corrected_map(found->map, projector, installation.wall, installation.sweet_spot);
+  }
+  return calibration;
+}
+
+ShowCalibration applied_room(const ShowFile& show, const Installation& installation, int factor) {
+  return room_of(show, installation, factor, false);
+}
+
+std::optional<ShowCalibration> believed_room(const ShowFile& show, const Installation& installation, int factor) {
+  const bool is_known =
+      std::ranges::all_of(show.projectors, [](const ShowFile::Projector& p) { return p.believed.has_value(); });
+  if (!is_known) return std::nullopt;
+  return room_of(show, installation, factor, true);
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/continuous/show_file.h"
+#include "appliance/calibrator/healing/camera_places.h"
+#include "common/room/installation.h"
+
+namespace cyclorama {
+
+/// What the calibrator's folder says of the room, for a calibration that goes on during the show.
+///
+///     calibration.json ── maps ─▶ fit_projector() ─▶ scanned     of a calibration that is new to watch.json
+///     watch.json ────────────────────────────────▶ cameras; scanned, applied and believed too, if it is of this one
+///
+/// kNotFound  there is no calibration; or nobody knows yet where the cameras stand, or one of `cameras` is not among
+/// those that were placed, or has another lens since: says what to do.     kBadData  a file is damaged, or no place
+/// fits a projector's map.
+Result<ShowFile> healing_start(const std::filesystem::path& folder, const Installation& installation,
+                               const std::vector<WatchingCamera>& cameras);
+
+/// The same after the cameras were placed; what is known of projectors stays. Writes watch.json.
+Result<ShowFile> keep_places(const std::filesystem::path& folder, const Installation& installation,
+                             const std::vector<PlacedCamera>& cameras);
+
+/// With the corrections that count now: where the projectors' light lands. Errors of read_calibration().
+Result<Calibration> corrected_calibration(const std::filesystem::path& folder, const Installation& installation);
+
+/// For ContinuousCalibrator; pictures are smaller by `factor`.
+[[nodiscard]] ShowCalibration applied_room(const ShowFile& show, const Installation& installation, int factor);
+/// Nothing where it has not been learned yet what the scan left over.
+[[nodiscard]] std::optional<ShowCalibration> believed_room(const ShowFile& show, const Installation& installation,
+                                                           int factor);
+
+}  // namespace cyclorama

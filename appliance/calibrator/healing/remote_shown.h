@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "appliance/calibrator/continuous/show_timeline.h"
+#include "appliance/calibrator/scan/remote_pattern_screen.h"
+
+namespace cyclorama {
+
+/// What displays elsewhere showed, by the service ShownPictures (common/wire/show.proto), on this computer's clock:
+/// how it differs from theirs is found from the quickest of the last answers. Thread-bound.
+class RemoteShown {
+ public:
+  /// `latency`: from a projector's signal to its light.
+  /// kInvalidArgument  a projector belongs to no display, or to two.
+  static Result<std::unique_ptr<RemoteShown>> open(const std::vector<InstalledProjector>& projectors,
+                                                   const std::vector<PatternDisplay>& displays, int factor,
+                                                   Duration latency, const Clock& clock);
+  ~RemoteShown();
+  RemoteShown(const RemoteShown&) = delete;
+  RemoteShown& operator=(const RemoteShown&) = delete;
+
+  struct Shown {
+    std::vector<ShownPicture> pictures;  ///< That were not told before.
+    bool is_show = true;                 ///< All the time, on all heads: else nothing can be compared.
+  };
+  /// What was lit at `opened`, and what came until `closed`; waits some refreshes for the displays to know.
+  /// kUnavailable, kTimedOut  a display cannot be reached, or does not refresh: says which.
+  Result<Shown> between(TimePoint opened, TimePoint closed);
+
+ private:
+  class Display;
+  RemoteShown(Duration latency, const Clock& clock);
+
+  std::vector<std::unique_ptr<Display>> displays_;
+  Duration latency_;
+  const Clock& clock_;
+};
+
+}  // namespace cyclorama

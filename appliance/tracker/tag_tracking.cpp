@@ -50,6 +50,15 @@ std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<
   return patterns;
 }
 
+/// Whether a visitor may be steered by it. A lone small tag has two explanations that turn the view to opposite sides;
+/// until time has told them apart it is better to wait than to turn the wrong way.
+bool is_told_apart(const ChosenPose& chosen) {
+  constexpr double kSure = 0.999;
+  constexpr double kOppositeRad = 0.35;
+  if (!chosen.other || chosen.probability >= kSure) return true;
+  return chosen.pose.T_camera_tag.rotation().angularDistance(chosen.other->T_camera_tag.rotation()) < kOppositeRad;
+}
+
 const SeenPattern* pick(const TrackingState& last, std::span<const SeenPattern> patterns, TimePoint at) {
   const bool keeps = last.id && at - last.seen_at < kKeepFor && last.seen_at - at < kKeepFor;
   for (const SeenPattern& pattern : patterns) {
@@ -84,10 +93,11 @@ TrackingResult track(const TrackingSettings& settings, const TrackingState& last
   // Another pattern's past says nothing about this one.
   TrackingState state = last.id == pattern->wand.id() ? last : TrackingState{};
   const ChosenPose chosen = choose(settings.chooser, state.hypotheses, *poses, captured_at);
-  const T_CameraTag& pose = chosen.pose.T_camera_tag;
   state.id = pattern->wand.id();
   state.seen_at = captured_at;
   state.hypotheses = chosen.state;
+  if (!is_told_apart(chosen)) return {state, std::nullopt};
+  const T_CameraTag& pose = chosen.pose.T_camera_tag;
   state.position = filter(settings.position, state.position, pose.translation(), captured_at);
   state.rotation = filter(settings.rotation, state.rotation, pose.rotation(), captured_at);
   if (!state.position || !state.rotation) return {last, std::nullopt};

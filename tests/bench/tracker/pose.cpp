@@ -22,6 +22,7 @@ using Scenes = std::array<PoseRun, kDistancesM.size()>;
 void add(const PoseRun& from, PoseRun* to) {
   to->errors.insert(to->errors.end(), from.errors.begin(), from.errors.end());
   to->pictures += from.pictures;
+  to->company += from.company;
 }
 
 /// Scene `index` of `scenes` at each distance; every distance has scenes of its own.
@@ -35,7 +36,8 @@ Scenes run_scene(const HandStudio& studio, std::uint64_t index, std::uint64_t sc
   return runs;
 }
 
-/// What earlier runs wrote: a line "scene INDEX", then for each distance "PICTURES ERRORS" and a line per error.
+/// What earlier runs wrote: a line "scene INDEX", then for each distance "PICTURES COMPANY ERRORS" and a line per
+/// error.
 class KeptScenes {
  public:
   explicit KeptScenes(std::string path) : path_(std::move(path)) {}
@@ -49,7 +51,7 @@ class KeptScenes {
       Scenes scene;
       for (PoseRun& run : scene) {
         std::size_t errors = 0;
-        file >> run.pictures >> errors;
+        file >> run.pictures >> run.company >> errors;
         for (std::size_t i = 0; i < errors && file; ++i) {
           PoseError e{};
           file >> e.true_yaw_deg >> e.yaw_deg >> e.x_mm >> e.yaw_in_deviations >> e.tags;
@@ -71,7 +73,7 @@ class KeptScenes {
     }
     std::string text = fmt::format("scene {}\n", index);
     for (const PoseRun& run : scene) {
-      text += fmt::format("{} {}\n", run.pictures, run.errors.size());
+      text += fmt::format("{} {} {}\n", run.pictures, run.company, run.errors.size());
       for (const PoseError& e : run.errors)
         text += fmt::format("{:.6g} {:.6g} {:.6g} {:.6g} {}\n", e.true_yaw_deg, e.yaw_deg, e.x_mm, e.yaw_in_deviations,
                             e.tags);
@@ -110,7 +112,7 @@ nlohmann::json measure_pose(int frames, int threads, const std::string& keep, do
       "Standard wand, 640x480, f = 600 px, |yaw| to %.0f deg, unfiltered; blur, noise, dim light, a finger on a "
       "tag (1 in 4), a second wand (1 in 4)\n",
       kMostYawDeg);
-  std::printf("distance   frames   lost  yaw sd  yaw bias   p99   flips   x sd     error/claimed\n");
+  std::printf("distance   frames   lost  other's  yaw sd  yaw bias   p99   flips   x sd     error/claimed\n");
   const auto scenes = static_cast<std::uint64_t>(frames / (kPicturesOfScene * static_cast<int>(kDistancesM.size())));
   KeptScenes kept(keep);
   Scenes runs;
@@ -132,13 +134,13 @@ nlohmann::json measure_pose(int frames, int threads, const std::string& keep, do
   for (std::size_t d = 0; d < runs.size(); ++d) {
     const double distance = kDistancesM[d];
     const PoseFigures f = figures_of(runs[d]);
-    std::printf("%5.1f m  %8d %6d  %5.3f    %5.3f    %5.2f  %4d  %6.3f mm   %5.2f\n", distance, f.frames, f.lost,
-                f.yaw_sd_deg, f.yaw_bias_deg, f.yaw_p99_deg, f.flips, f.x_sd_mm, f.claimed);
+    std::printf("%5.1f m  %8d %6d  %7d  %5.3f    %5.3f    %5.2f  %4d  %6.3f mm   %5.2f\n", distance, f.frames, f.lost,
+                f.company, f.yaw_sd_deg, f.yaw_bias_deg, f.yaw_p99_deg, f.flips, f.x_sd_mm, f.claimed);
     std::fflush(stdout);
     result[fmt::format("{:.1f}", distance)] = {
-        {"yaw_sd_deg", f.yaw_sd_deg},   {"yaw_bias_deg", f.yaw_bias_deg}, {"flips", f.flips},
-        {"frames", f.frames},           {"x_sd_mm", f.x_sd_mm},           {"lost", f.lost},
-        {"yaw_p99_deg", f.yaw_p99_deg}, {"error_per_claimed", f.claimed}};
+        {"yaw_sd_deg", f.yaw_sd_deg}, {"yaw_bias_deg", f.yaw_bias_deg}, {"flips", f.flips},
+        {"frames", f.frames},         {"x_sd_mm", f.x_sd_mm},           {"lost", f.lost},
+        {"other_wand", f.company},    {"yaw_p99_deg", f.yaw_p99_deg},   {"error_per_claimed", f.claimed}};
   }
   print_by_yaw(runs);
   return result;

@@ -26,6 +26,7 @@ struct PoseRun {
   std::vector<PoseError> errors;
   std::vector<double> seconds;  ///< Processor time of search and pose, per picture.
   int pictures = 0;
+  int company = 0;  ///< In which another visitor's wand was followed.
 };
 
 inline constexpr int kPicturesOfScene = 10;
@@ -43,6 +44,10 @@ inline void add_scene(const HandStudio& studio, const HandScene& scene, std::uin
     state = result.state;
     ++run->pictures;
     if (!result.tag) continue;
+    if (result.tag->wand.id() != studio.wand_id()) {  // The first that is seen keeps control, be it somebody else's.
+      ++run->company;
+      continue;
+    }
     const HandPose truth = scene.truth(i);
     const T_CameraTag& pose = result.tag->chosen.pose.T_camera_tag;
     const double yaw = std::remainder(yaw_rad(pose) - yaw_rad(truth), 2.0 * 3.141592653589793);
@@ -54,7 +59,7 @@ inline void add_scene(const HandStudio& studio, const HandScene& scene, std::uin
 
 struct PoseFigures {
   double yaw_sd_deg, yaw_bias_deg, x_sd_mm, yaw_p99_deg, claimed;
-  int flips, frames, lost;
+  int flips, frames, lost, company;
 };
 
 /// Deviations are about the mean of each 15 degrees of true yaw; the bias is the worst such mean.
@@ -70,7 +75,8 @@ inline PoseFigures figures_of(const PoseRun& run) {
     sum[bin] += e.yaw_deg;
     sum_x[bin] += e.x_mm;
   }
-  PoseFigures figures{0, 0, 0, 0, 0, 0, run.pictures, run.pictures - static_cast<int>(run.errors.size())};
+  PoseFigures figures{
+      0, 0, 0, 0, 0, 0, run.pictures, run.pictures - static_cast<int>(run.errors.size()) - run.company, run.company};
   std::vector<double> sizes;
   for (const PoseError& e : run.errors) {
     const std::size_t bin = bin_of(e.true_yaw_deg);

@@ -189,8 +189,8 @@ nlohmann::json measure_speed(int pictures) {
                                 {"tracked", tracked},
                                 {"pictures", pictures}};
     std::printf("%-34s median %.2f ms, p99 %.2f ms, tracked %d\n",
-                tiles ? "full resolution where a tag was" : "the whole picture, decimated", one["median_ms"].get<double>(),
-                one["p99_ms"].get<double>(), tracked);
+                tiles ? "full resolution where a tag was" : "the whole picture, decimated",
+                one["median_ms"].get<double>(), one["p99_ms"].get<double>(), tracked);
     if (tiles) {
       result.update(one);
     } else {

@@ -96,6 +96,8 @@ class HandStudio {
     }
   }
 
+  [[nodiscard]] int wand_id() const { return wand_.id(); }
+
   [[nodiscard]] GreyImage picture(const HandScene& scene, int picture, std::uint64_t number) const {
     Image<float, 1> light = backdrops_[scene.backdrop];
     const double opens_s = picture / HandScene::kPicturesPerSecond;

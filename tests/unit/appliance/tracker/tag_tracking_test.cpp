@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numbers>
+#include <random>
 
 #include "appliance/tracker/tag_pose.h"
 #include "common/wand/folded_card.h"
@@ -130,6 +132,45 @@ TEST(Track, does_not_mix_two_cards_of_one_number) {
   const auto result = track({}, {}, both, kLens, kStart);
   ASSERT_EQ(id_of(result), 9);
   EXPECT_LT((result.tag->T_camera_tag.translation() - Eigen::Vector3d(0.35, 0.0, 1.1)).norm(), 1e-4);
+}
+
+/// The middle tag of a wand alone, small and turned by `yaw_deg`, its corners off by a quarter of a pixel at most.
+std::vector<TagDetection> lone_tag_at(double yaw_deg, unsigned picture) {
+  std::mt19937 random(picture);
+  std::uniform_real_distribution<double> off(-0.25, 0.25);
+  const WandTag tag = standard_wand(0).tags[1];
+  TagDetection detection{tag.id, 0, 80.0, {}};
+  const Eigen::AngleAxisd turned(yaw_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY());
+  for (std::size_t i = 0; i < 4; ++i) {
+    detection.corners[i] = *kLens.pixel_of(turned * tag.corners[i] + Eigen::Vector3d(0.0, 0.0, 2.5)) +
+                           Eigen::Vector2d(off(random), off(random));
+    detection.covariance[i] = 0.02 * Eigen::Matrix2d::Identity();
+  }
+  return {detection};
+}
+
+TEST(Track, waits_while_a_lone_small_tag_may_point_to_either_side) {
+  int told = 0, wrong = 0, waited = 0;
+  for (unsigned hand = 0; hand < 300; ++hand) {
+    const double yaw_deg = hand % 2 == 0 ? 45.0 : -45.0;
+    TrackingState state;
+    for (unsigned i = 0; i < 10; ++i) {
+      const auto seen = lone_tag_at(yaw_deg, 100 * hand + i);
+      const TrackingResult result = track({}, state, seen, kLens, kStart + milliseconds(33) * i);
+      state = result.state;
+      EXPECT_EQ(state.id, 0) << "followed, all the same";
+      if (!result.tag) {
+        ++waited;
+        continue;
+      }
+      ++told;
+      const Eigen::Vector3d into = result.tag->chosen.pose.T_camera_tag.rotation() * Eigen::Vector3d::UnitZ();
+      wrong += into.x() * yaw_deg < 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(waited, 100) << "one picture of such a tag says too little";
+  EXPECT_GT(told, 300) << "but time tells";
+  EXPECT_LE(wrong, told / 100);
 }
 
 TEST(Track, knows_measured_wands_and_no_others) {

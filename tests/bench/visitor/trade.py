@@ -29,7 +29,7 @@ def panels(points):
         return f"at {point['distance_m']} m"
 
     filters = [point for point in of("filter") if point["cutoff_hz"] in (0.5, 1.0, 2.0, 4.0)]
-    searches = sorted(of("decimation", "decimation, tiles"), key=lambda point: point["median_ms"])
+    searches = [point for point in of("decimation", "decimation, tiles") if point["found_share"] > 0.75]  # Else few of many tell nothing.
     drawn = [
         Panel("Filter, by cut-off at rest", "lag of the yaw, ms", "jitter at 2 m, degrees",
               by(filters, lambda point: f"{point['cutoff_hz']:g} Hz", "yaw_lag_ms", "yaw_jitter_2m_deg")),

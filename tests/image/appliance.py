@@ -8,6 +8,7 @@ import signal
 import socket
 import struct
 import subprocess
+import threading
 import time
 
 from heads_test import Machine
@@ -83,10 +84,10 @@ class Appliance(Machine):
     def seconds(self):
         return time.monotonic() - self.began
 
-    def plug_in(self, heads=HEADS):
-        """The first head has a projector from the start; the others get theirs by a VNC client that wishes a size."""
-        for head in range(1, heads):
-            self.resize(head, WIDTH, HEIGHT)
+    def plug_in(self, head):
+        """The first head has a projector from the start; the others get theirs by a VNC client that wishes a size. One after the
+        other: of two at once the guest's driver may miss the second."""
+        self.resize(head, WIDTH, HEIGHT)
 
     def hmp(self, command):
         """What QEMU's own monitor answers."""
@@ -102,23 +103,30 @@ class Appliance(Machine):
                 shown.append(None)
         return shown
 
+    def _listen(self):
+        """All the time: a serial port whose other end reads nothing holds up the kernel's own words, and so the computer."""
+        try:
+            while said := self.shell.recv(65536):
+                self.heard += said
+        except OSError:
+            pass
+
     def run(self, command, seconds=60):
         """(exit status, what it printed) of a command in the Debug image's shell on the serial port."""
         if self.shell is None:
             self.shell = socket.socket(socket.AF_UNIX)
             self.shell.connect(str(self.folder / "serial"))
-        self.shell.settimeout(2)
+            threading.Thread(target=self._listen, daemon=True).start()
         self.commands = getattr(self, "commands", 0) + 1
         # The echo of what is typed must not look like the end of what is printed.
         begin, end = f"<<{self.commands}", f"{self.commands}>>"
+        self.heard = b""
         typed = f"printf '<%s\\n' '<{self.commands}'; ( {command} ) 2>&1; printf '\\n%s>> %d\\n' {self.commands} $?\n"
         self.shell.sendall(typed.encode())
-        text, deadline = "", time.monotonic() + seconds
+        deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
-            try:
-                text += self.shell.recv(65536).decode(errors="replace")
-            except TimeoutError:
-                pass
+            time.sleep(0.05)
+            text = self.heard.decode(errors="replace")
             if found := re.search(rf"{begin}\r?\n(.*?)\r?\n{end} (\d+)", text, re.S):
                 return int(found[2]), found[1].replace("\r", "").strip("\n")
             if self.process.poll() is not None:

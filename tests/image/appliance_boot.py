@@ -36,17 +36,17 @@ def wait_for_pictures(machine, reference, seconds=PICTURE_WITHIN_S):
     """{head: seconds after power on} of the attract picture on each."""
     first = {}
     deadline = time.monotonic() + seconds
-    plugged = False
+    plugged = 1
     while len(first) < HEADS and time.monotonic() < deadline:
         if machine.process.poll() is not None:
             raise RuntimeError("QEMU ended:\n" + machine.console()[-2000:])
         for head, picture in enumerate(machine.heads()):
             if head not in first and is_as(picture, reference[head]):
                 first[head] = round(machine.seconds(), 1)
-        # A projector that wakes after the computer: the others follow the first.
-        if first and not plugged:
-            machine.plug_in()
-            plugged = True
+        # Projectors that wake after the computer: the others follow the first.
+        if plugged < HEADS and plugged - 1 in first:
+            machine.plug_in(plugged)
+            plugged += 1
         time.sleep(LOOK_EVERY_S)
     return first
 

@@ -16,7 +16,9 @@ OPERATOR_PORT = 8443
 SCANNED = [*range(1, 1025), 2049, 3306, 3389, 4352, 5355, 5432, 5900, 6000, *range(7380, 7430), 8000, 8080, OPERATOR_PORT, 9090, 19531, 50051]
 SCAN_FROM = "127.0.7.77"  # Loopback of the tests' machine; nothing else uses it.
 FIRST_SCAN_PORT = 20000
-ANSWERS_WITHIN_S = 20
+ANSWERS_WITHIN_S = 6
+# Who hears nothing more closes again after seconds.
+ANSWERED = {f"TCP[{state}]" for state in ("ESTABLISHED", "CLOSE_WAIT", "FIN_WAIT_1", "FIN_WAIT_2", "CLOSING", "LAST_ACK", "TIME_WAIT")}
 # Not the debug shell's own, and no threads of the kernel's.
 PROCESSES = """for p in /proc/[0-9]*; do
   if grep -q cyclorama-debug-shell $p/cgroup || ! readlink -e $p/exe >/dev/null; then continue; fi
@@ -50,12 +52,14 @@ def scan(machine):
             call.settimeout(5)
             call.connect((SCAN_FROM, FIRST_SCAN_PORT + number))
             calls.append(call)
-        time.sleep(ANSWERS_WITHIN_S / 4)
-        for line in machine.hmp("info usernet").splitlines():
-            # Protocol[state]  descriptor  source address and port  destination address and port  ...
-            words = line.split()
-            if words and words[0] == "TCP[ESTABLISHED]":
-                answering.add(int(words[5]))
+        end = time.monotonic() + ANSWERS_WITHIN_S
+        while time.monotonic() < end:
+            for line in machine.hmp("info usernet").splitlines():
+                # Protocol[state]  descriptor  source address and port  destination address and port  ...
+                words = line.split()
+                if words and words[0] in ANSWERED:
+                    answering.add(int(words[5]))
+            time.sleep(0.5)
         for call in calls:
             call.close()
         calls.clear()

@@ -11,6 +11,8 @@ GOOD = '[farm]\nheads = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
 BAD = '[farm]\nheds = ["[2001:db8::1]:7401"]\n'
 ENDED = "journalctl -b -o cat -u 'cyclorama-provision@*' | grep -c 'Deactivated successfully\\|Failed with result'"
 
+RUNS = "systemctl list-units --no-legend --state=activating,deactivating 'cyclorama-provision@*' | grep -q ."
+
 
 def plug(machine, folder, name, site):
     """A stick with these settings, in the computer until they were looked at."""
@@ -21,7 +23,7 @@ def plug(machine, folder, name, site):
     machine.ask("blockdev-add", driver="raw", **{"node-name": name}, **{"read-only": True}, file={"driver": "file", "filename": str(image)})
     _, before = machine.run(ENDED, 60)
     machine.ask("device_add", driver="usb-storage", id=name, bus="usb.0", drive=name, removable=True)
-    machine.run(f"for i in $(seq 90); do [ $({ENDED}) -gt {before} ] && break; sleep 1; done", 300)
+    machine.run(f"for i in $(seq 90); do [ $({ENDED}) -gt {before} ] && ! {RUNS} && break; sleep 1; done", 300)
     machine.ask("device_del", id=name)
 
 

@@ -60,6 +60,10 @@ def stick(file, megabytes, contents):
     with open(file, "wb") as image:
         image.truncate(megabytes * 1_000_000 // SECTOR * SECTOR)
     subprocess.run(["mformat", "-i", str(file), "-v", "CYCLORAMA", "-F", "::"], check=True)
+    with open(file, "r+b") as image:
+        # mformat writes a partition's entry, too, and the stick would be there twice.
+        image.seek(446)
+        image.write(bytes(64))
     folders = sorted({parent for path in contents for parent in pathlib.PurePosixPath(path).parents if str(parent) != "."}, key=str)
     for folder in folders:
         subprocess.run(["mmd", "-i", str(file), f"::{folder}"], check=True)

@@ -76,8 +76,10 @@ struct Photometry {
   double light_kept = 0.0;
   double light_kept_flat = 0.0;
   double step_unexplained = 0.0;     ///< Relative rms of what the model leaves of the readings of white.
-  std::shared_ptr<const WallLighting> lighting;  ///< What masks were made from: light_file.h keeps it.
   std::vector<std::string> remarks;  ///< For the installer: what is not as it could be, and what to do.
+
+  /// What masks were made from: light_file.h keeps it.
+  std::shared_ptr<const WallLighting> lighting{};
 };
 
 /// The one function to call. Takes seconds. Reentrant.

@@ -2,7 +2,7 @@
 /// One calibration from beginning to end:
 ///
 ///     scan_wall() ─▶ scan_light() ─▶ calibrate() ─▶ photometry() ─▶ photograph_seams() ─▶ save_calibration()
-///         │ FOLDER/scan: what was seen, to go on with                   FOLDER/calibration.json, FOLDER/calibrations/DATE/
+///         │ FOLDER/scan: what was seen, to go on with                   FOLDER/calibration.json and what it names
 #pragma once
 
 #include <filesystem>

@@ -38,7 +38,7 @@ struct ScanSettings {
   double most_disturbed = 0.02;  ///< Of the lit pixels; with more the view is measured once more.
   bool resume = false;
   bool with_seams = true;  ///< Photograph them for the report: some seconds.
-  bool with_wall = true;  ///< Find out its shape too, for eyes off the sweet spot: most of the time of solving.
+  bool with_wall = true;   ///< Find out its shape too, for eyes off the sweet spot: most of the time of solving.
 };
 
 /// Turns there; a plate that stalled has forgotten where it stands, and is homed and asked once more. Errors as

@@ -89,8 +89,8 @@ Result<CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrd
   if (order.quick()) {
     TRY_ASSIGN(RealignmentOutcome realigned,
                realign_projector(installation_, order.projector(), devices.settings,
-                                 {*devices.screen, *devices.camera, *devices.plate}, folder_, calibration_date(), clock_,
-                                 listener, std::move(stop)));
+                                 {*devices.screen, *devices.camera, *devices.plate}, folder_, calibration_date(),
+                                 clock_, listener, std::move(stop)));
     return std::move(realigned.outcome);
   }
   return run_calibration(installation_, devices.settings, {*devices.screen, *devices.camera, *devices.plate}, folder_,

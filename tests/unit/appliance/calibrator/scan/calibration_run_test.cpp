@@ -10,6 +10,7 @@
 
 #include "appliance/calibrator/scan/simulated_devices.h"
 #include "appliance/calibrator/solve/calibration_file.h"
+#include "common/base/file.h"
 #include "drivers/simulated_room/presets.h"
 #include "drivers/turnplate/simulated/simulated_turnplate.h"
 #include "tests/doubles/museum_score.h"
@@ -120,7 +121,10 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   ASSERT_EQ(written->size(), 2u);
   EXPECT_EQ(written->front().name, outcome->calibration.projectors.front().name);
   EXPECT_EQ(written->front().mask.width(), 160);
-  EXPECT_TRUE(std::filesystem::exists(outcome->report));
+  const auto page = read_text_file(outcome->report, std::size_t{16} << 20);
+  ASSERT_TRUE(page.has_value());
+  EXPECT_THAT(*page, ::testing::HasSubstr("data:image/jpeg")) << ::testing::PrintToString(outcome->calibration.remarks);
+  EXPECT_TRUE(std::filesystem::exists(calibration_folder(folder_, outcome->calibration.date) / "light.json"));
 }
 
 INSTANTIATE_TEST_SUITE_P(rooms, CalibrationRun, ::testing::Values("cylinder126", "plane"));

@@ -31,10 +31,10 @@ class CalibratorServiceTest : public ::testing::Test {
     options.projector_width_px = 160;
     options.projector_height_px = 100;
     options.camera_megapixels = 0.08;
-    const auto preset = make_preset("cylinder126", 1, options);
-    museum_.emplace(*SimulatedMuseum::make(preset->installation, preset->truth));
+    preset_ = *make_preset("cylinder126", 1, options);
+    museum_.emplace(*SimulatedMuseum::make(preset_.installation, preset_.truth));
     service_.emplace(
-        preset->installation, folder_, [this] { return open(); }, clock_, &inspection_);
+        preset_.installation, folder_, [this] { return open(); }, clock_, &inspection_);
     server_ = *WireServer::start("[::1]:0", {&*service_});
     stub_ = wire::Calibrator::NewStub(*make_channel("[::1]:" + std::to_string(server_->port())));
   }
@@ -69,6 +69,7 @@ class CalibratorServiceTest : public ::testing::Test {
 
   const SteadyClock clock_;
   std::filesystem::path folder_;
+  Preset preset_;
   std::optional<SimulatedMuseum> museum_;
   InspectionService inspection_{"calibrator"};
   std::optional<CalibratorService> service_;
@@ -136,6 +137,32 @@ TEST_F(CalibratorServiceTest, does_one_at_a_time) {
   while (first->Read(&message)) {
   }
   EXPECT_EQ(first->Finish().error_code(), grpc::StatusCode::CANCELLED);
+}
+
+TEST_F(CalibratorServiceTest, puts_one_projector_back_when_told_to) {
+  wire::CalibrateOrder quick;
+  quick.set_quick(true);
+  EXPECT_EQ(calibrate(quick).error_code(), grpc::StatusCode::INVALID_ARGUMENT) << "which one?";
+  quick.set_projector(preset_.installation.projectors[0].name);
+  const auto nothing_before = calibrate(quick);
+  EXPECT_EQ(nothing_before.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(nothing_before.error_message(), HasSubstr("calibrate all projectors"));
+  ASSERT_TRUE(calibrate({}).ok());
+  const std::string before = progress_.back().done().date();
+
+  MuseumTruth truth = preset_.truth;
+  auto& pose = truth.projectors[0].T_room_projector;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.03, Eigen::Vector3d(0.2, 1.0, 0.0).normalized()));
+  pose = {pose.rotation() * turn, pose.translation()};
+  museum_.emplace(*SimulatedMuseum::make(preset_.installation, truth));
+  const auto done = calibrate(quick);
+  ASSERT_TRUE(done.ok()) << done.error_message();
+  EXPECT_NE(progress_.back().done().date(), before);
+  EXPECT_EQ(read_calibration(folder_)->date, progress_.back().done().date());
+  EXPECT_THAT(progress_.back().done().remarks(progress_.back().done().remarks_size() - 1),
+              HasSubstr("was measured anew alone"));
+  quick.set_resume(true);
+  EXPECT_EQ(calibrate(quick).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
 TEST_F(CalibratorServiceTest, has_nothing_to_resume_at_first) {

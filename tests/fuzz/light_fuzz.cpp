@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "appliance/calibrator/photometry/light_file.h"
+#include "common/base/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const auto light = parse_light({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (!light) {
+    CHECK(light.error().message().find("; ") != std::string::npos);
+    return 0;
+  }
+  // What was accepted can be written, and is then the same; and it is light.
+  const std::string written = light_json(*light);
+  const auto back = parse_light(written, "fuzz");
+  CHECK(back.has_value() && light_json(*back) == written);
+  for (const ProjectorLighting& one : light->lighting.projectors) {
+    const double white = one.white_at({3.0, 5.0});
+    CHECK(white > 0.0 && std::isfinite(white));
+  }
+  return 0;
+}

@@ -10,7 +10,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kLeastSights = 60;
+constexpr std::size_t kLeastSights = 24;
 constexpr int kMostRounds = 30;
 constexpr double kRobust_sigmas = 3.0;
 // Of the camera's centre: who puts a tripod back on its marks is no farther off.

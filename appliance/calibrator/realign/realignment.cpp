@@ -28,8 +28,8 @@ constexpr double kHeadingStep_rad = 1.0 * kDegree;
 constexpr double kTargetRim = 0.08;  // Of the camera's picture: a pushed picture is not quite where it was.
 constexpr double kWitnessRim = 0.02;
 constexpr double kWitnessWorth = 0.3;  // Of a direction, against one of the pushed projector's.
-constexpr int kEvery_px = 2;           // Of the camera's pixels, each way, in which witnesses are looked for.
-constexpr double kInside_px = 8.0;     // So far inside of a witness's picture, and its neighbours' as far away.
+constexpr int kManyPixels = 1000;      // Of the camera's picture across: then every other is enough for witnesses.
+constexpr double kInside = 1.0 / 240;  // So far inside of a witness's picture, in widths.
 constexpr std::size_t kLeastCells = 60;
 constexpr double kWorstWitness_px = 1.0;  // A witness that moved does not fit so well.
 // A map that predicts what is seen now as well as a new one predicts what it left out is still right.
@@ -267,8 +267,9 @@ class Realigning {
     const int height = before_.plate.camera.height_px;
     WitnessExpectation expected{Image<float, 2>(width, height), Image<std::int16_t, 1>(width, height, -1)};
     const NearnessAt nearness = [this](const Eigen::Vector3d& d) { return camera_nearness(d); };
-    for (int y = 0; y < height; y += kEvery_px) {
-      for (int x = 0; x < width; x += kEvery_px) {
+    const int every = width > kManyPixels ? 2 : 1;
+    for (int y = 0; y < height; y += every) {
+      for (int x = 0; x < width; x += every) {
         const auto ray = direction_through(*lens_, {x + 0.5, y + 0.5});
         if (!ray) continue;
         const auto d = seen_end(planned_.centre_m, planned_.R_camera_eye.transpose() * *ray, nearness);
@@ -278,8 +279,9 @@ class Realigning {
           const auto place = inverses_[w].pixel_at(*d);
           if (!place) continue;
           ++sees;
-          const bool is_inside = place->x() > kInside_px && place->x() < witnesses_[w].width_px - kInside_px &&
-                                 place->y() > kInside_px && place->y() < witnesses_[w].height_px - kInside_px;
+          const double rim = std::max(2.0, kInside * witnesses_[w].width_px);
+          const bool is_inside = place->x() > rim && place->x() < witnesses_[w].width_px - rim && place->y() > rim &&
+                                 place->y() < witnesses_[w].height_px - rim;
           if (!is_inside) ++sees;
           expected.place_px.at(x, y)[0] = static_cast<float>(place->x());
           expected.place_px.at(x, y)[1] = static_cast<float>(place->y());

@@ -15,11 +15,14 @@
 #include "appliance/calibrator/solve/measured_blend.h"
 #include "appliance/warp/projector_map.h"
 #include "common/image/jpeg.h"
+#include "common/image/pixel_rect.h"
 
 namespace cyclorama {
 namespace {
 
-constexpr int kWidth_px = 640;  // Of a photograph in the report: a page of some hundred kilobytes.
+constexpr int kWidth_px = 640;       // Of a photograph in the report: a page of some hundred kilobytes.
+constexpr double kShownWidth = 0.6;  // Of the photograph, the seam in its middle.
+constexpr float kLit = 0.15f;        // Of the brightest code.
 constexpr int kQuality = 80;
 constexpr std::size_t kLeastShared = 6;  // Control points that two maps share: fewer are a corner.
 constexpr float kClipped = 0.97f;
@@ -109,16 +112,38 @@ Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
   return drawn;
 }
 
+/// The seam in the middle, and what is lit of the height in a white photograph, with some of what is not.
+PixelRect about_the_seam(const ScanPhotograph& white) {
+  const int width = static_cast<int>(kShownWidth * white.width());
+  const int left = (white.width() - width) / 2;
+  float brightest = 0.0f;
+  for (const float code : white.data()) brightest = std::max(brightest, code);
+  int top = white.height();
+  int bottom = 0;
+  for (int y = 0; y < white.height(); ++y) {
+    int lit = 0;
+    for (int x = left; x < left + width; ++x) lit += static_cast<int>(white.at(x, y)[1] > kLit * brightest);
+    if (lit * 4 < width) continue;
+    top = std::min(top, y);
+    bottom = std::max(bottom, y + 1);
+  }
+  if (bottom <= top) return {left, 0, width, white.height()};
+  const int margin = (bottom - top) / 12 + 1;
+  top = std::max(0, top - margin);
+  bottom = std::min(white.height(), bottom + margin);
+  return {left, top, width, bottom - top};
+}
+
 /// Small, by means of squares of pixels.
-RgbImage small(const ScanPhotograph& photograph) {
-  const int every = std::max(1, photograph.width() / kWidth_px);
-  RgbImage picture(photograph.width() / every, photograph.height() / every);
+RgbImage small(const ScanPhotograph& photograph, const PixelRect& part) {
+  const int every = std::max(1, part.width / kWidth_px);
+  RgbImage picture(part.width / every, part.height / every);
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
       for (int c = 0; c < 3; ++c) {
         float sum = 0.0f;
         for (int v = 0; v < every; ++v) {
-          for (int u = 0; u < every; ++u) sum += photograph.at(x * every + u, y * every + v)[c];
+          for (int u = 0; u < every; ++u) sum += photograph.at(part.x + x * every + u, part.y + y * every + v)[c];
         }
         const float mean = sum / static_cast<float>(every * every);
         picture.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(mean, 0.0f, 1.0f)));
@@ -165,15 +190,23 @@ class SeamPhotographing {
       TRY(turn_plate(devices_.plate, std::clamp(seam.heading_rad, range.least_rad, range.most_rad)));
       // White is the brightest that is shown; what is right for it is right for all four, so that they compare.
       if (s == 0) TRY(find_exposure(drawn));
+      std::vector<ScanPhotograph> taken;
       for (std::size_t k = 0; k < kPictures.size(); ++k) {
         for (std::size_t side = 0; side < 2; ++side) {
           TRY(show(drawn.at(side).at(k)));
-          TRY_ASSIGN(const ScanPhotograph photograph, take());
+          TRY_ASSIGN(ScanPhotograph photograph, take());
           if (listener_) {
             listener_({fmt::format("photographs where '{}' and '{}' meet", seam.first, seam.second),
                        static_cast<double>(s) / static_cast<double>(seams.size()), &photograph});
           }
-          TRY_ASSIGN(std::vector<std::byte> jpeg, encoder.encode(small(photograph), {.quality = kQuality}));
+          taken.push_back(std::move(photograph));
+        }
+      }
+      const PixelRect part = about_the_seam(taken.back());
+      for (std::size_t k = 0; k < kPictures.size(); ++k) {
+        for (std::size_t side = 0; side < 2; ++side) {
+          TRY_ASSIGN(std::vector<std::byte> jpeg,
+                     encoder.encode(small(taken[2 * k + side], part), {.quality = kQuality}));
           result_.photographs.push_back({fmt::format("{} and {}, {} {}, {:.0f} degrees", seam.first, seam.second,
                                                      kPictures.at(k) == TestPicture::kLines ? "lines" : "white",
                                                      when.at(side), seam.heading_rad / kDegree),

@@ -11,6 +11,8 @@
 #include <numbers>
 #include <random>
 
+#include "appliance/calibrator/photometry/light_file.h"
+#include "appliance/calibrator/photometry/reblend.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 #include "tests/doubles/photometry_museum.h"
 #include "tests/doubles/pushed_museum.h"
@@ -132,6 +134,34 @@ Json pushed(const Room& room, const Push& push, PushedMuseum museum, const fs::p
   return json;
 }
 
+/// How the whole calibration was, before anybody pushed anything.
+void tell_whole(const Room& room, const PushedMuseum& museum, const fs::path& calibrated, Json* json) {
+  const Status inside = museum.inside([&](SimulatedMuseum& in_it, const ScanDevices&, const ScanSettings&) {
+    const Calibration calibration = *read_calibration(calibrated);
+    const fs::path own = calibration_folder(calibrated, calibration.date);
+    const MuseumScore score = score_of(in_it, calibration);
+    std::vector<PhotometricProjector> projectors;
+    for (const CalibratedProjector& p : calibration.projectors) projectors.push_back({p.name, p.map});
+    SeamScore seams;
+    const auto light = read_light(own);
+    const auto colours = read_colours(own);
+    const auto blended = light && colours ? reblended(projectors, *light, *colours)
+                                          : Result<Photometry>(Error(ErrorCode::kNotFound, ""));
+    if (blended) seams = seam_score(in_it.truth(), *blended);
+    fmt::print("{:<20}{:>15}{:>9}{:>9}{:>9.3f}{:>8.3f}{:>8.3f}{:>63.2f}{:>7.2f}{:>7.2f}\n", room.key, "whole", "", "",
+               score.mean_px, score.p95_px, score.max_px, 100.0 * seams.step_p95, seams.delta_e_p95,
+               100.0 * seams.mask_sum_error);
+    json->push_back({{"degrees", 0.0},
+                     {"mean_px", rounded(score.mean_px)},
+                     {"p95_px", rounded(score.p95_px)},
+                     {"max_px", rounded(score.max_px)},
+                     {"seam_step", rounded(seams.step_p95)},
+                     {"seam_de_p95", rounded(seams.delta_e_p95)}});
+  });
+  if (!inside) fmt::print("    {}\n", inside.error().message());
+  std::fflush(stdout);
+}
+
 int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const fs::path& folder) {
   Json json = Json::object();
   fmt::print("{:<20}{:>6}{:>6}{:>3}{:>9}{:>9}{:>9}{:>8}{:>8}{:>9}{:>6}{:>8}{:>8}{:>8}{:>7}{:>8}{:>8}{:>7}{:>7}\n",
@@ -150,6 +180,7 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const fs::
       continue;
     }
     Json pushes = Json::array();
+    tell_whole(room, museum, calibrated, &pushes);
     for (const Push& push : kPushes) pushes.push_back(pushed(room, push, museum, calibrated));
     for (const Json& one : pushes) is_done = is_done && !one.contains("error");
     json[key] = std::move(pushes);

@@ -93,7 +93,7 @@ TEST(FindStand, is_not_misled_by_a_tenth_that_moved) {
 TEST(FindStand, refuses_too_few_witnesses) {
   const CameraStand planned = planned_stand({}, 0.0);
   const auto sights = sights_from(planned, 5e-5);
-  EXPECT_FALSE(find_stand(planned, {sights.data(), 40}).has_value());
+  EXPECT_FALSE(find_stand(planned, {sights.data(), 20}).has_value());
 }
 
 FittedProjector projector_at(const Eigen::Vector3d& place, const Eigen::Quaterniond& turn) {

@@ -9,7 +9,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kLeastSamples = 60;
+constexpr std::size_t kLeastSamples = 24;
 constexpr std::size_t kMostSamples = 2500;
 constexpr int kMostRounds = 40;
 constexpr double kRobust_sigmas = 3.0;

@@ -31,6 +31,8 @@ constexpr double kWitnessWorth = 0.3;  // Of a direction, against one of the pus
 constexpr int kManyPixels = 1000;      // Of the camera's picture across: then every other is enough for witnesses.
 constexpr double kInside = 1.0 / 240;  // So far inside of a witness's picture, in widths.
 constexpr std::size_t kLeastCells = 60;
+constexpr int kLeastFitting_px = 8;
+constexpr int kCellsAcross = 60;
 constexpr double kWorstWitness_px = 1.0;  // A witness that moved does not fit so well.
 // A map that predicts what is seen now as well as a new one predicts what it left out is still right.
 constexpr double kStillRight = 1.1;
@@ -319,7 +321,10 @@ class Realigning {
     Measurements some = all;
     auto& places = some.directions[0].correspondences;
     std::erase_if(places, [&](const Correspondence& place) { return (place.projector == 0) != of_target; });
-    return average_cells(some, fitting_cell_px(some));
+    int cell_px = fitting_cell_px(some);
+    // Of a very small picture that is seen densely there would be too few.
+    if (cell_px == kLeastFitting_px) cell_px = std::clamp(some.projectors[0].width_px / kCellsAcross, 2, cell_px);
+    return average_cells(some, cell_px);
   }
 
   Status find_out() {

@@ -16,6 +16,7 @@
 #include "kiosk/operator/calibrate_camera_command.h"
 #include "kiosk/operator/calibrate_command.h"
 #include "kiosk/operator/doctor_command.h"
+#include "kiosk/operator/realign_command.h"
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/status_table.h"
 #include "kiosk/operator/summary.h"
@@ -35,6 +36,7 @@ struct Options {
   std::optional<double> started_s;
   WandCommand wand;
   CalibrateCommand calibrate;
+  RealignCommand realign;
   DoctorCommand doctor;
   int exit_code = kExitOk;  // Of a command that did what it was asked.
   CalibrateCameraCommand calibrate_camera;
@@ -74,6 +76,7 @@ void add_options(CLI::App& app, Options* options) {
                     "tells how long the first picture took");
   options->wand.add_to(&app);
   options->calibrate.add_to(&app);
+  options->realign.add_to(&app);
   add_watches(*options->doctor.add_to(&app), options);
   options->calibrate_camera.add_to(&app);
 }
@@ -165,6 +168,7 @@ Status record(const Options& options, std::vector<ProcessLink> links, const Stop
 Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (app.got_subcommand("wand")) return options.wand.run();
   if (app.got_subcommand("calibrate")) return options.calibrate.run(stop);
+  if (app.got_subcommand("realign")) return options.realign.run();
   const bool is_doctor = app.got_subcommand("doctor");
   if (is_doctor && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
   if (app.got_subcommand("calibrate-camera")) return options.calibrate_camera.run(app);

@@ -51,6 +51,7 @@ std::string museum_json(const MuseumDesk& desk) {
             {"provisioning", nullptr},
             {"update", nullptr},
             {"calibration", nullptr},
+            {"watched", nullptr},
             {"page",
              {{"version", CYCLORAMA_VERSION},
               {"fingerprint", desk.fingerprint},
@@ -66,6 +67,7 @@ std::string museum_json(const MuseumDesk& desk) {
                       {"at", findings.update->at}};
   }
   if (desk.calibration != nullptr) json["calibration"] = Json::parse(desk.calibration->json());
+  if (desk.healing != nullptr) json["watched"] = Json::parse(desk.healing->json());
   return dumped(json);
 }
 
@@ -96,6 +98,17 @@ void serve_calibration(httplib::Server& server, MuseumDesk* desk) {
         response.status = 200;
         response.set_content(dumped({{"date", *date}}), kJsonType);
     }
+  });
+}
+
+void serve_healing(httplib::Server& server, MuseumDesk* desk) {
+  server.Post("/realign", [desk](const httplib::Request&, httplib::Response& response) {
+    if (desk->healing == nullptr) {
+      return answer_error(
+          Error(ErrorCode::kNotFound, "no calibrator is named; start the page with --calibrator ADDRESS"), response);
+    }
+    if (const Status told = desk->healing->realign(); !told) return answer_error(told.error(), response);
+    response.status = 204;
   });
 }
 
@@ -142,6 +155,7 @@ void serve_museum(httplib::Server& server, MuseumDesk* desk) {
     response.set_content(museum_json(*desk), kJsonType);
   });
   serve_calibration(server, desk);
+  serve_healing(server, desk);
   serve_support(server, desk);
   serve_wishes(server, desk);
 }

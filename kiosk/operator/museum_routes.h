@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What the operator page asks of a museum besides its parts.
 ///
-///   GET  /museum                 {"level", "checks": [], "schedule", "provisioning", "update", "calibration", "page"}
+///   GET  /museum                 {"level", "checks": [], "schedule", "provisioning", "update", "calibration", "watched", "page"}
 ///   POST /network-test           {"checks": []}; takes some seconds; 429: one runs
 ///   GET  /support-bundle.zip     429: one is being made
 ///   POST /calibration            {"do": "start" | "cancel" | "restore"}, see calibration_desk.h; 204, or {"date"}
+///   POST /realign                {}; has the projectors looked for anew (healing_desk.h); 204
 ///   GET  /calibration.jpg        what the calibration's camera saw last
 ///   POST /wish                   {"wish": "update" | "factory-reset"}; 204
 #pragma once
@@ -14,6 +15,7 @@
 #include <string>
 
 #include "kiosk/operator/calibration_desk.h"
+#include "kiosk/operator/healing_desk.h"
 #include "kiosk/operator/museum_state.h"
 #include "kiosk/operator/support_bundle.h"
 #include "kiosk/operator/watch.h"
@@ -28,6 +30,7 @@ namespace cyclorama {
 struct MuseumDesk {
   Watch* watch = nullptr;
   CalibrationDesk* calibration = nullptr;
+  HealingDesk* healing = nullptr;
   SupportOrder support;          ///< Names the museum's state folder.
   std::filesystem::path wishes;  ///< Where a file of the wish's name is made, for systemd to see; empty: none are.
   std::string fingerprint;       ///< Of the page's certificate; empty: none.

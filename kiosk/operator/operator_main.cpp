@@ -73,13 +73,16 @@ Status run(const Options& options, const StopSignal& stop) {
   const SteadyClock clock;
   TRY_ASSIGN(const Door door, make_door(options, clock));
   std::unique_ptr<CalibrationDesk> calibration;
+  std::unique_ptr<HealingDesk> healing;
   if (options.calibrator) {
     TRY_ASSIGN(calibration, CalibrationDesk::make(*options.calibrator));
+    TRY_ASSIGN(healing, HealingDesk::make(*options.calibrator));
   }
   Watch watch(std::move(links));
   MuseumDesk museum;
   museum.watch = &watch;
   museum.calibration = calibration.get();
+  museum.healing = healing.get();
   museum.support.museum.root = options.museum.value_or("");
   museum.wishes = options.wishes.value_or("");
   if (door.certificate) museum.fingerprint = door.certificate->fingerprint;

@@ -270,6 +270,7 @@ Result<ShowReport> BumpedShow::step() {
   const double begun = thread_cpu_seconds();
   ShowReport report = calibrator_->step(moment);
   cpu_s_ += thread_cpu_seconds() - begun;
+  moment_ = std::move(moment);
   return report;
 }
 

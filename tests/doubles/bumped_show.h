@@ -54,6 +54,8 @@ class BumpedShow {
   void bump(std::size_t projector, const PoseStep& step);
   void bump_camera(std::size_t camera, const PoseStep& step);
   SimulatedShow& room() { return *room_; }
+  /// What the last step gave the calibration.
+  [[nodiscard]] const ShowMoment& last_moment() const { return moment_; }
   [[nodiscard]] ContinuousCalibrator& calibrator() { return *calibrator_; }
   void set_content(ShowContent content) {
     content_ = std::move(content);
@@ -92,6 +94,7 @@ class BumpedShow {
   bool is_changed_ = true;  ///< What is to be drawn, or what lights the wall.
   TimePoint now_ = TimePoint{} + std::chrono::seconds(100);
   double heading_rad_ = 0.0;
+  ShowMoment moment_;
   double cpu_s_ = 0.0;
 };
 

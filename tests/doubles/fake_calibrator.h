@@ -12,6 +12,8 @@
 #include "common/base/clock.h"
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/channel.h"
+#include "common/wire/inspection_service.h"
+#include "common/wire/show.grpc.pb.h"
 
 namespace cyclorama {
 
@@ -33,11 +35,52 @@ inline std::vector<wire::CalibrateProgress> told_calibration(int steps, const st
   return messages;
 }
 
+/// What a calibrator says that keeps three projectors in their places: one of them was bumped four minutes ago.
+inline void tell_healing(InspectionService* inspection) {
+  inspection->set_fact("watch",
+                       "keeps 2 of 3 projectors in place; 'right' is left as it is: something stands in the way");
+  wire::Table now;
+  now.set_name("watched projectors");
+  for (const char* column : {"projector", "state", "reason", "off_px", "sigma_px", "corrections", "last_correction_px",
+                             "last_correction_s", "wants_scan"})
+    now.add_columns(column);
+  wire::Table past;
+  past.set_name("watched history");
+  past.add_columns("s");
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = i == 0 ? "left" : i == 1 ? "middle" : "right";
+    wire::Row* const row = now.add_rows();
+    row->add_cells()->set_text(name);
+    row->add_cells()->set_text(i == 2 ? "in the way" : "good");
+    row->add_cells()->set_text(i == 2 ? "something stands in the way of 41 of 96 places" : "");
+    row->add_cells()->set_number(0.06 + 0.03 * i);
+    row->add_cells()->set_number(0.11);
+    row->add_cells()->set_number(i == 1 ? 1 : 0);
+    if (i == 1) row->add_cells()->set_number(23.4);
+    if (i == 1) row->add_cells()->set_number(241.0);
+    if (i != 1) row->add_cells();
+    if (i != 1) row->add_cells();
+    row->add_cells()->set_number(0.0);
+    past.add_columns(name);
+  }
+  for (int k = 120; k >= 0; --k) {
+    wire::Row* const row = past.add_rows();
+    row->add_cells()->set_number(5.0 * k);
+    for (int i = 0; i < 3; ++i) {
+      wire::Cell* const cell = row->add_cells();
+      const bool is_hidden = i == 2 && k < 20 && k > 8;
+      if (!is_hidden) cell->set_number(i == 1 && k == 48 ? 23.4 : 0.05 + 0.02 * ((k * (i + 3)) % 5));
+    }
+  }
+  inspection->set_table(now);
+  inspection->set_table(past);
+}
+
 /// Listens on [::1] as long as it lives. Thread-safe, but for what is set before it is asked.
 class FakeCalibrator final : private wire::Calibrator::Service {
  public:
   FakeCalibrator() {
-    auto server = WireServer::start("[::1]:0", {static_cast<wire::Calibrator::Service*>(this)});
+    auto server = WireServer::start("[::1]:0", {static_cast<wire::Calibrator::Service*>(this), &inspection, &healing});
     CHECK(server.has_value());
     server_ = *std::move(server);
   }
@@ -55,6 +98,18 @@ class FakeCalibrator final : private wire::Calibrator::Service {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::seconds(20), [this] { return !orders.empty(); });
   }
+
+  InspectionService inspection{"calibrator"};
+  /// Counts who wants a realignment.
+  struct Healing final : wire::Healing::Service {
+    grpc::Status Realign(grpc::ServerContext*, const wire::RealignOrder*, wire::RealignAnswer*) override {
+      ++realigned;
+      return is_watching ? grpc::Status::OK
+                         : grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "nothing watches the wall");
+    }
+    std::atomic<int> realigned{0};
+    std::atomic<bool> is_watching{true};
+  } healing;
 
   // Set before, read after.
   std::vector<wire::CalibrateProgress> messages = told_calibration(4, "a picture");

@@ -115,8 +115,10 @@ class FakeTour final : private wire::Tour::Service {
       changed_.notify_all();
     }
     const std::lock_guard lock(mutex_);
-    context_ = nullptr;
-    stream_ = nullptr;
+    if (stream_ == stream) {  // Or it has dialled again before this one's end was noticed.
+      context_ = nullptr;
+      stream_ = nullptr;
+    }
     changed_.notify_all();
     return grpc::Status::OK;
   }

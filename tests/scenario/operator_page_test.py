@@ -174,6 +174,8 @@ def check_page(browser, museum, pictures, name, size):
     assert hidden, "nothing runs, and it can be cancelled"
     wait_until(lambda: "Tue-Sun" in browser.text("#hours"), 30, "the opening hours")
     wait_until(lambda: ":" in browser.text("#page-state .print"), 30, "the fingerprint")
+    wait_until(lambda: "corrected by 23.4 px" in browser.text("#healing-projectors"), 30, "how the projectors are kept in place")
+    assert browser.run("return document.querySelectorAll('#healing-plot polyline').length") == 4, "three lines, one with a gap"
     fits(browser, size[0])
     browser.picture(pictures / f"page-{name}.png")
     small = browser.run("return [...document.querySelectorAll('button, a.button')].filter((b) => b.offsetParent && "
@@ -182,6 +184,10 @@ def check_page(browser, museum, pictures, name, size):
 
 
 def check_work(browser, museum, pictures, name):
+    browser.run("document.getElementById('healing-card').scrollIntoView({block: 'center'})")
+    browser.picture(pictures / f"healing-{name}.png", whole=False)
+    browser.click("#realign")
+    wait_until(lambda: "looked for anew" in browser.text("#care-note"), 30, "the realignment")
     browser.click("#calibrate")
     wait_until(lambda: "shows pattern 2" in browser.text("#calibration-state"), 30, "the calibration's progress")
     wait_until(lambda: browser.run("return document.getElementById('calibration-picture').naturalWidth") == 640, 30, "its picture")

@@ -86,6 +86,7 @@ struct Parts {
     CHECK(jpeg);
     calibrator.messages = told_calibration(8, {reinterpret_cast<const char*>(jpeg->data()), jpeg->size()});
     calibrator.step_takes = 1500ms;
+    tell_healing(&calibrator.inspection);
   }
 };
 

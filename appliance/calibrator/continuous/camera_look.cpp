@@ -61,7 +61,8 @@ void CameraLook::compare(double usual_gain, Look* look) const {
   look->scale = light_scale(look->prediction, look->seen);
   const double gain = usual_gain > 0.0 ? usual_gain : look->scale.gain;
   look->patches = align_patches(look->prediction, look->seen, gain);
-  look->edges = see_edges(edges_, camera_, look->prediction, look->seen, gain);
+  const std::vector<EdgePoint> lit = lit_across(edges_, room_, camera_, slopes_.factor, look->shone);
+  look->edges = see_edges(lit, camera_, look->prediction, look->seen, gain);
 }
 
 }  // namespace cyclorama

@@ -105,6 +105,32 @@ std::vector<EdgePoint> edge_points(const Wall& wall, const ShowCamera& camera, c
   return points;
 }
 
+std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const ShowCalibration& room, std::size_t camera,
+                                  int factor, std::span<const LightPlane> shone) {
+  constexpr double kGoesOn = 0.5;  // Of the light inside: content changes over some pixels, too.
+  const ShowCamera& eye = room.cameras[camera];
+  const auto light = [&](const EdgePoint& point, double out_px) {
+    const auto wall = wall_seen_at(room, eye, point.at + out_px * factor * point.outward);
+    double sum = 0.0;
+    for (std::size_t i = 0; wall && i < shone.size(); ++i) {
+      if (shone[i].light.empty()) continue;
+      const ShowProjector& lamp = room.projectors[i];
+      const auto pixel = pixel_of(lamp.lens, (lamp.T_room_projector.inverse() * Point<frame::Room>{*wall}).xyz);
+      if (!pixel || !contains(lamp.lens, *pixel)) continue;
+      const double by = shone[i].factor;
+      sum += static_cast<double>(shone[i].at(static_cast<float>(pixel->x() / by), static_cast<float>(pixel->y() / by)));
+    }
+    return sum;
+  };
+  std::vector<EdgePoint> lit;
+  for (const EdgePoint& point : points) {
+    const double inside = light(point, -kBeyond_px);
+    if (inside > 0.0 && light(point, 1.5) > kGoesOn * inside && light(point, kReach_px + 1) > kGoesOn * inside)
+      lit.push_back(point);
+  }
+  return lit;
+}
+
 std::vector<EdgeSighting> see_edges(const std::vector<EdgePoint>& points, std::size_t camera,
                                     const Prediction& prediction, const LightPlane& picture, double gain) {
   std::vector<EdgeSighting> seen;

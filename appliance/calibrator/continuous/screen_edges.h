@@ -3,6 +3,7 @@
 /// They stand still whatever is shown, and so are what a camera knows the room by.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "appliance/calibrator/continuous/prediction.h"
@@ -21,6 +22,11 @@ struct EdgePoint {
 /// About every 16th pixel of the reduced picture. Made once per pose.
 [[nodiscard]] std::vector<EdgePoint> edge_points(const Wall& wall, const ShowCamera& camera, const CameraSlopes& slopes,
                                                  const SeenWall& seen);
+
+/// Those across which light goes on, from the wall to beside it: of a wall that is not lit beyond its edge, as masks
+/// see to, it is the picture's end that is seen, and the wall's edge is not. One of `shone` per projector.
+[[nodiscard]] std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const ShowCalibration& room,
+                                                std::size_t camera, int factor, std::span<const LightPlane> shone);
 
 /// Those that the light of the show makes visible, with where they are: the steepest fall of light along the outward
 /// normal, by a parabola through three steps, within 5 pixels of the reduced picture.

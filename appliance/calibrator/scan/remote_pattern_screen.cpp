@@ -139,7 +139,7 @@ Result<PatternDisplay> parse_pattern_display(const std::string& text) {
       display.projectors.push_back(names.substr(0, comma));
     }
   }
-  TRY(parse_address(display.address));
+  if (!display.address.starts_with("unix:")) TRY(parse_address(display.address));
   return display;
 }
 

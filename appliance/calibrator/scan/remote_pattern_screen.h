@@ -13,7 +13,7 @@ namespace cyclorama {
 
 /// A display, and which of the installation's projectors it drives.
 struct PatternDisplay {
-  std::string address;                    ///< HOST:PORT of its PatternScreen service.
+  std::string address;                    ///< HOST:PORT, or unix:PATH, of its PatternScreen service.
   std::vector<std::string> projectors{};  ///< By name; none: all.
 };
 

@@ -177,6 +177,7 @@ async function watchMuseum() {
         byId("care").hidden = false;
         showChecks(museum.checks);
         showCalibration(museum.calibration);
+        showHealing(museum.watched);
         showSettings(museum.provisioning);
         showHours(museum.schedule);
         showSoftware(museum.update, museum.page);

@@ -49,7 +49,16 @@ int cost(const ShowContent& content, bool is_quick) {
     std::fflush(stdout);
     if (width == 816) cores = kHz * each;
   }
-  fmt::print("{}\n", nlohmann::json{{"cores", cores}, {"hz", kHz}}.dump());
+  const auto pacing = measure_pacing(content, is_quick);
+  if (!pacing) return 1;
+  fmt::print("refreshes, p99: {:.2f} ms without, {:.2f} ms with it; late: {:.3f} % and {:.3f} %\n", pacing->p99_off_ms,
+             pacing->p99_on_ms, 1e2 * pacing->late_off, 1e2 * pacing->late_on);
+  fmt::print("{}\n", nlohmann::json{{"cores", cores},
+                                    {"hz", kHz},
+                                    {"pacing_ratio", pacing->p99_on_ms / pacing->p99_off_ms},
+                                    {"late_percent_off", 1e2 * pacing->late_off},
+                                    {"late_percent_on", 1e2 * pacing->late_on}}
+                         .dump());
   return 0;
 }
 

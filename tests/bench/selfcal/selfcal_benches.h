@@ -2,6 +2,10 @@
 /// Each prints a table and, last, a line of JSON; the answer is the process's exit status.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "tests/doubles/bumped_show.h"
 
 namespace cyclorama {
@@ -20,6 +24,14 @@ int drift(const ShowContent& content, bool is_quick);
 int occlusion(const ShowContent& content, bool is_quick);
 int constraints(const ShowContent& content, bool is_quick);
 int cost(const ShowContent& content, bool is_quick);
+/// Of refreshes, without and with a calibration beside.
+struct Pacing {
+  double p99_off_ms = 0.0;
+  double p99_on_ms = 0.0;
+  double late_off = 0.0;  ///< Part of them that came half a refresh late or more.
+  double late_on = 0.0;
+};
+std::optional<Pacing> measure_pacing(const ShowContent& content, bool is_quick);
 int features(const ShowContent& content, bool is_quick);
 int filter_extremes(bool is_quick);
 int pictures(const ShowContent& content, const std::string& folder);

@@ -12,9 +12,9 @@
 namespace {
 
 int usage() {
-  fmt::print(
-      stderr,
-      "selfcal_bench bump|quiet|drift|occlusion|constraints|extremes|cost|features|pictures CONTENT [--quick]\n");
+  fmt::print(stderr,
+             "selfcal_bench bump|quiet|drift|occlusion|constraints|extremes|cost|pacing|features|pictures CONTENT "
+             "[--quick]\n");
   return 2;
 }
 
@@ -48,6 +48,13 @@ int main(int count, char** words) {
   if (command == "occlusion") return occlusion(content, is_quick);
   if (command == "constraints") return constraints(content, is_quick);
   if (command == "cost") return cost(content, is_quick);
+  if (command == "pacing") {
+    const auto pacing = measure_pacing(content, is_quick);
+    if (!pacing) return 1;
+    fmt::print("{:.3f} {:.3f} ms, {:.4f} {:.4f} late\n", pacing->p99_off_ms, pacing->p99_on_ms, pacing->late_off,
+               pacing->late_on);
+    return 0;
+  }
   if (command == "features") return features(content, is_quick);
   if (command == "pictures") return pictures(content, count > 3 ? words[3] : ".");
   return usage();

@@ -248,11 +248,11 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
     // What the scan left over stays what it was: only the change is applied.
     const PoseStep change =
         step_between(believed.projectors[body].T_room_projector, tried.projectors[body].T_room_projector);
-    const auto learned = step_between(
+    const auto since_settled = step_between(
         is_settled ? reference.projectors[body].T_room_projector : believed.projectors[body].T_room_projector,
         tried.projectors[body].T_room_projector);
     believed.projectors[body] = tried.projectors[body];
-    applied.projectors[body].T_room_projector = stepped(scanned.projectors[body].T_room_projector, learned);
+    applied.projectors[body].T_room_projector = stepped(scanned.projectors[body].T_room_projector, since_settled);
     motion[body] = pixel_motion(believed, believed.projectors[body]);
     measured_at[body] = now;
     const double moved_px = motion[body].rms_px(step_between(was, applied.projectors[body].T_room_projector));

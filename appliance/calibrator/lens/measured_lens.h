@@ -59,4 +59,12 @@ void project_through_lens(const T* lens, const T* point, T* ret_pixel) {
   brown_pixel(block, x, y, &ret_pixel[0], &ret_pixel[1]);
 }
 
+/// The same, with what it changes by.
+struct LensSlopes {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> by_point;
+  Eigen::Matrix<double, 2, MeasuredLens::kParameters> by_lens;
+};
+[[nodiscard]] LensSlopes slopes_through_lens(const double* lens, const Eigen::Vector3d& point);
+
 }  // namespace cyclorama

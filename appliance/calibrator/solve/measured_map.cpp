@@ -11,6 +11,7 @@
 
 #include "appliance/calibrator/solve/direction_chart.h"
 #include "appliance/calibrator/solve/map_grid.h"
+#include "appliance/calibrator/solve/map_normal.h"
 #include "appliance/calibrator/solve/selected_inverse.h"
 
 namespace cyclorama {
@@ -20,7 +21,8 @@ constexpr double kFloor_px = 0.02;  // Of a sample's sigma: what averaging does 
 constexpr double kRobust_sigmas = 3.0;
 constexpr double kSharpBends = 2.0;  // A bend of more expected bends counts less.
 constexpr std::array<double, 5> kStiffnesses_px = {0.01, 0.03, 0.1, 0.3, 1.0};
-constexpr double kAttempt_px = 0.1;  // The stiffness to begin with.
+constexpr int kAttempt = 2;  // The stiffness to begin with.
+constexpr double kAttempt_px = kStiffnesses_px[kAttempt];
 
 struct Placed {
   GridWeights weights;
@@ -29,76 +31,37 @@ struct Placed {
   bool is_left_out = false;
 };
 
-/// One bend that smoothness keeps small: the weighted sum of up to four control points.
-struct Bend {
-  std::array<int, 4> nodes{};
-  std::array<double, 4> factors{};
-  int count = 0;
-};
-
-std::vector<Bend> bends_of(const MapGrid& grid) {
-  std::vector<Bend> bends;
-  for (int y = 0; y <= grid.cells_y; ++y) {
-    for (int x = 0; x <= grid.cells_x; ++x) {
-      const int at = grid.node(x, y);
-      if (x > 0 && x < grid.cells_x) bends.push_back({{at - 1, at, at + 1, 0}, {1.0, -2.0, 1.0, 0.0}, 3});
-      const int row = grid.cells_x + 1;
-      if (y > 0 && y < grid.cells_y) bends.push_back({{at - row, at, at + row, 0}, {1.0, -2.0, 1.0, 0.0}, 3});
-      if (x < grid.cells_x && y < grid.cells_y) {
-        bends.push_back({{at, at + 1, at + row, at + row + 1}, {1.0, -1.0, -1.0, 1.0}, 4});
-      }
-    }
-  }
-  return bends;
-}
-
 class MapFit {
  public:
   MapFit(const MapGrid& grid, std::vector<Placed> samples, double scale)
-      : grid_(grid), samples_(std::move(samples)), bends_(bends_of(grid)) {
+      : grid_(grid), samples_(std::move(samples)), bends_(bends_of(grid)), normal_(grid, bends_) {
     scale_.assign(static_cast<std::size_t>(grid_.nodes()), scale);
     sample_trust_.assign(samples_.size(), 1.0);
     bend_trust_.assign(bends_.size(), 1.0);
+    sum(false);
+    factor_.analyzePattern(normal_.at_stiffness(kAttempt_px));
+  }
+
+  /// What solve() has to fit, as far as it is believed.
+  void sum(bool with_left_out) {
+    normal_.forget_samples();
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const Placed& sample = samples_[i];
+      if (sample.is_left_out && !with_left_out) continue;
+      normal_.add(sample.weights, sample.target, sample_trust_[i] / square(sample.sigma_px * scale_at(sample.weights)));
+    }
+    normal_.forget_bends();
+    for (std::size_t i = 0; i < bends_.size(); ++i) {
+      const double scale = scale_[static_cast<std::size_t>(bends_[i].nodes[1])];
+      normal_.add(bends_[i], bend_trust_[i] / square(scale));
+    }
   }
 
   /// False when the matrix cannot be factored.
-  bool solve(double stiffness_px, bool with_left_out) {
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(9 * samples_.size() + 16 * bends_.size());
-    Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(grid_.nodes(), 2);
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const Placed& sample = samples_[i];
-      const double weight = sample.is_left_out && !with_left_out
-                                ? 0.0  // In the pattern all the same, so that one analysis serves all.
-                                : sample_trust_[i] / square(sample.sigma_px * scale_at(sample.weights));
-      for (int a = 0; a < 3; ++a) {
-        const auto wa = weight * sample.weights.factors[static_cast<std::size_t>(a)];
-        const int na = sample.weights.nodes[static_cast<std::size_t>(a)];
-        right.row(na) += wa * sample.target.transpose();
-        for (int b = 0; b < 3; ++b) {
-          entries.emplace_back(na, sample.weights.nodes[static_cast<std::size_t>(b)],
-                               wa * sample.weights.factors[static_cast<std::size_t>(b)]);
-        }
-      }
-    }
-    for (std::size_t i = 0; i < bends_.size(); ++i) {
-      const Bend& bend = bends_[i];
-      const double weight = bend_trust_[i] / square(stiffness_px * scale_[static_cast<std::size_t>(bend.nodes[1])]);
-      for (int a = 0; a < bend.count; ++a) {
-        for (int b = 0; b < bend.count; ++b) {
-          entries.emplace_back(
-              bend.nodes[static_cast<std::size_t>(a)], bend.nodes[static_cast<std::size_t>(b)],
-              weight * bend.factors[static_cast<std::size_t>(a)] * bend.factors[static_cast<std::size_t>(b)]);
-        }
-      }
-    }
-    Eigen::SparseMatrix<double> normal(grid_.nodes(), grid_.nodes());
-    normal.setFromTriplets(entries.begin(), entries.end());
-    if (!is_analysed_) factor_.analyzePattern(normal);
-    is_analysed_ = true;
-    factor_.factorize(normal);
+  bool solve(double stiffness_px) {
+    factor_.factorize(normal_.at_stiffness(stiffness_px));
     if (factor_.info() != Eigen::Success) return false;
-    places_ = factor_.solve(right);
+    places_ = factor_.solve(normal_.right());
     return places_.allFinite();
   }
 
@@ -215,11 +178,11 @@ class MapFit {
   const MapGrid grid_;
   std::vector<Placed> samples_;
   std::vector<Bend> bends_;
+  MapNormal normal_;
   std::vector<double> scale_;  ///< Of the chart per projector pixel, at each node.
   std::vector<double> sample_trust_;
   std::vector<double> bend_trust_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
-  bool is_analysed_ = false;
   Eigen::MatrixX2d places_;
 };
 
@@ -243,6 +206,29 @@ double overall_scale(const std::vector<Placed>& placed, std::span<const MapSampl
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(spread);
   if (!(eigen.eigenvalues()(0) > 1e-4 * eigen.eigenvalues()(1))) return 0.0;
   return std::sqrt(std::abs((cross * spread.inverse()).determinant()));
+}
+
+/// The stiffness that predicts best what was left out, and its error in pixels: the error falls towards it and rises
+/// behind it, so the search goes downhill.
+std::pair<double, double> best_stiffness_of(MapFit* fit) {
+  const auto error_at = [&](int i) {
+    if (i < 0 || i >= static_cast<int>(kStiffnesses_px.size())) return std::numeric_limits<double>::infinity();
+    const bool is_solved = fit->solve(kStiffnesses_px[static_cast<std::size_t>(i)]);
+    return is_solved ? fit->left_out_rms_px() : std::numeric_limits<double>::infinity();
+  };
+  int best = kAttempt;
+  double least = error_at(best);
+  for (const int step : {-1, 1}) {
+    bool is_falling = true;
+    while (is_falling) {
+      const double error = error_at(best + step);
+      is_falling = error < least;
+      if (is_falling) best += step;
+      if (is_falling) least = error;
+    }
+    if (best != kAttempt) break;  // Downhill one way is uphill the other.
+  }
+  return {kStiffnesses_px[static_cast<std::size_t>(best)], least};
 }
 
 Error refused(std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); }
@@ -308,21 +294,14 @@ Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<cons
   MapFit fit(grid, std::move(placed), scale);
   const Error unsolved(ErrorCode::kBadData, "the map has no solution; decode again with more light");
   for (int round = 0; round < 3; ++round) {
-    if (!fit.solve(kAttempt_px, false)) return unsolved;
+    if (!fit.solve(kAttempt_px)) return unsolved;
     fit.weigh(kAttempt_px);
+    fit.sum(false);
   }
-  double best_stiffness = kAttempt_px;
-  double best_error = std::numeric_limits<double>::infinity();
-  for (const double stiffness : kStiffnesses_px) {
-    if (!fit.solve(stiffness, false)) continue;
-    const double error = fit.left_out_rms_px();
-    if (error < best_error) {
-      best_error = error;
-      best_stiffness = stiffness;
-    }
-  }
+  const auto [best_stiffness, best_error] = best_stiffness_of(&fit);
   for (int round = 0; round < 2; ++round) {
-    if (!fit.solve(best_stiffness, true)) return unsolved;
+    fit.sum(true);
+    if (!fit.solve(best_stiffness)) return unsolved;
     if (round == 0) fit.weigh(best_stiffness);
   }
   MeasuredMap map{width_px,        height_px,  grid.cells_x,   grid.cells_y, {},

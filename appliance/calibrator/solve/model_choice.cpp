@@ -14,7 +14,9 @@ namespace {
 constexpr double kBlock_px = 96.0;
 constexpr double kFlat_sigmas = 3.0;
 constexpr int kFoldSteps = 15;
-// A rung whose prediction is already as good as the measurements themselves ends the climb.
+constexpr LensRung kWallsLens = LensRung::kRadial1;  // With which the ladder of walls is climbed.
+// A rung whose prediction is already as good as the measurements themselves, and not bettered by the next one, ends the
+// climb. As good is not enough: what is less than noise for one sample is clear in a thousand.
 constexpr double kAsGoodAsNoise = 1.25;
 
 int fold_of(const SurfaceSample& sample, int folds) {
@@ -70,7 +72,7 @@ class Ladder {
     std::vector<std::future<Result<SurfaceFit>>> fits;
     for (const std::vector<SurfaceSample>& training : training_) {
       fits.push_back(std::async(std::launch::async, [&] {
-        return fit_surface(projectors_, training, tried.fit, {lens, false, kFoldSteps});
+        return fit_surface(projectors_, training, tried.fit, {lens, false, kFoldSteps, false});
       }));
     }
     std::vector<Result<SurfaceFit>> fitted;
@@ -191,18 +193,17 @@ Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projector
   double best = std::numeric_limits<double>::infinity();
   for (const SurfaceRung rung : kSurfaceRungs) {
     const auto starts = starts_of(rung, first, tried, spread, options.knot_rad);
-    Tried attempt =
-        ladder.attempt(std::string(name_of(rung)), starts.front().surface.size(), starts, LensRung::kRadial1);
+    Tried attempt = ladder.attempt(std::string(name_of(rung)), starts.front().surface.size(), starts, kWallsLens);
+    const bool is_better = attempt.trial.is_usable && options.allows(attempt.trial.heldout_rms_px) < best;
     if (attempt.trial.is_usable) best = std::min(best, attempt.trial.heldout_rms_px);
     tried[rung] = std::move(attempt);
-    if (best <= kAsGoodAsNoise * noise) break;
+    if (!is_better && best <= kAsGoodAsNoise * noise) break;
   }
   ModelChoice choice;
   std::optional<SurfaceRung> chosen;
   for (const auto& [rung, attempt] : tried) {
     choice.surfaces.push_back(attempt.trial);
-    if (!chosen && attempt.trial.is_usable && attempt.trial.heldout_rms_px <= best + options.tolerance_px)
-      chosen = rung;
+    if (!chosen && attempt.trial.is_usable && attempt.trial.heldout_rms_px <= options.allows(best)) chosen = rung;
   }
   if (!chosen) {
     return Error(ErrorCode::kBadData,
@@ -221,13 +222,22 @@ Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projector
           fmt::format("; its curvature is below {} sigma of {:.2g} per metre, so it is a plane", kFlat_sigmas, sigma);
     }
   }
-  // Lenses: all of them from the same wall, and the least that predicts.
+  // Lenses: all of them from the same wall, and the least that predicts. One of them the wall was found with.
   double best_lens = std::numeric_limits<double>::infinity();
   std::vector<Tried> lenses;
   std::vector<std::future<Tried>> attempts;
   for (const LensRung rung : kProjectorLensRungs) {
-    attempts.push_back(std::async(std::launch::async, [&ladder, &start, rung] {
-      return ladder.attempt(std::string(name_of(rung)), freedom_of(rung), {start}, rung);
+    const std::string name(name_of(rung));
+    const int freedom = freedom_of(rung);
+    if (rung == kWallsLens) {
+      Tried known = tried[*chosen];
+      known.trial.name = name;
+      known.trial.parameters = freedom;
+      attempts.push_back(std::async(std::launch::deferred, [known] { return known; }));
+      continue;
+    }
+    attempts.push_back(std::async(std::launch::async, [&ladder, &start, rung, name, freedom] {
+      return ladder.attempt(name, freedom, {start}, rung);
     }));
   }
   for (auto& attempt : attempts) {
@@ -235,14 +245,14 @@ Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projector
     choice.lenses.push_back(lenses.back().trial);
     if (lenses.back().trial.is_usable) best_lens = std::min(best_lens, lenses.back().trial.heldout_rms_px);
   }
-  choice.lens = LensRung::kRadial1;
+  choice.lens = kWallsLens;
   for (std::size_t i = lenses.size(); i-- > 0;) {
     if (lenses[i].trial.is_usable && lenses[i].trial.heldout_rms_px <= best_lens + options.lens_tolerance_px) {
       choice.lens = kProjectorLensRungs[i];
       start = lenses[i].fit;
     }
   }
-  TRY_ASSIGN(choice.fit, fit_surface(projectors, samples, start, {choice.lens, true, 50}));
+  TRY_ASSIGN(choice.fit, fit_surface(projectors, samples, start, {choice.lens, true, 50, false}));
   choice.reason =
       fmt::format("{} with lens {}: {:.3f} px on what was left out, the best of all {:.3f} px{}", name_of(*chosen),
                   name_of(choice.lens), prediction_error_px(choice.fit, samples), std::min(best, best_lens), flat);

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a turned camera sees of a direction: the residuals of turn_plate.cpp, apart because automatic differentiation
-/// is slow to compile.
+/// What a turned camera sees of a direction: the residuals of the turn-plate's bundle adjustment, and how they change
+/// with each number.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
-#include <memory>
 
 #include "appliance/calibrator/solve/cell_means.h"
-
-namespace ceres {
-class CostFunction;
-}
 
 namespace cyclorama {
 
@@ -20,12 +15,9 @@ namespace cyclorama {
 inline constexpr int kNearnessTerms = 9;
 using Nearness = std::array<double, kNearnessTerms>;
 
-template <typename T>
-T nearness_at(const T* terms, const T* d) {
-  return terms[0] + terms[1] * d[0] + terms[2] * d[1] + terms[3] * d[2] + terms[4] * d[0] * d[1] +
-         terms[5] * d[1] * d[2] + terms[6] * d[2] * d[0] + terms[7] * (d[0] * d[0] - d[2] * d[2]) +
-         terms[8] * (3.0 * d[1] * d[1] - 1.0);
-}
+/// What each term is multiplied by.
+[[nodiscard]] Eigen::Matrix<double, kNearnessTerms, 1> nearness_basis(const Eigen::Vector3d& direction);
+[[nodiscard]] double nearness_at(const Nearness& terms, const Eigen::Vector3d& direction);
 
 /// From what the eye at the sweet spot sees to what the camera does: turned by the heading, moved off the axis by
 /// (right, forward), pitched up and rolled clockwise. `mount` is {pitch, roll}.
@@ -54,11 +46,42 @@ struct KnownSight {
   double sigma_rad = 1e-4;
 };
 
-/// Two residuals in sigmas; blocks: lens (8), mount (2), offset (2), angle (1), direction (3, a unit vector), nearness.
-/// `wall_nearness` is added to the last.
-[[nodiscard]] std::unique_ptr<ceres::CostFunction> make_sight_cost(const CellMean& seen, double wall_nearness = 0.0);
+/// One camera pixel that a direction of the plate sees of a track.
+struct Sight {
+  Eigen::Vector2d camera_px;
+  Eigen::Matrix2d whitening;  ///< From camera pixels to sigmas of the projector's.
 
-/// Three residuals in sigmas; blocks: direction (3), and the small turn (3) that brings what is known onto it.
-[[nodiscard]] std::unique_ptr<ceres::CostFunction> make_known_sight_cost(const KnownSight& known);
+  explicit Sight(const CellMean& cell);
+};
+
+/// What directions of the plate share, and one of them. Its numbers lie in a residual's Jacobian at:
+enum SightNumber : int { kSightLens = 0, kSightMount = 8, kSightOffset = 10, kSightNearness = 12, kSightAngle = 21 };
+inline constexpr int kSightNumbers = 22;
+
+/// A camera where a solver has it, for the residuals of many sights. What it sees is linear in a direction and in the
+/// wall's nearness there, so sines and cosines are needed once. A value; reentrant.
+class SeenFrom {
+ public:
+  struct Slopes {
+    Eigen::Matrix<double, 2, kSightNumbers> by_numbers;
+    Eigen::Matrix<double, 2, 3> by_direction;
+  };
+
+  SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad);
+  /// In sigmas, of the unit vector `direction` where the wall is `wall_nearness` and the terms near; `ret_slopes` may
+  /// be null. False behind the camera.
+  bool residuals(const Sight& sight, const double* lens, const Nearness& terms, double wall_nearness,
+                 const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const;
+
+ private:
+  /// point = by_direction * direction + by_nearness * nearness
+  struct Linear {
+    Eigen::Matrix3d by_direction;
+    Eigen::Vector3d by_nearness;
+  };
+  static constexpr int kPoseNumbers = 5;  // Pitch, roll, right, forward, angle.
+  Linear seen_;
+  std::array<Linear, kPoseNumbers> slopes_;
+};
 
 }  // namespace cyclorama

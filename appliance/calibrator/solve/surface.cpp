@@ -88,7 +88,7 @@ bool closed_nearness(SurfaceRung rung, const Eigen::Vector3d& d, double distance
 
 template <int N>
 std::optional<double> closed(SurfaceRung rung, const Eigen::Vector3d& d, double distance, const double* parameters,
-                             double* ret_slopes) {
+                             NearnessSlopes* ret_slopes) {
   if (ret_slopes == nullptr) {
     double nearness = 0.0;
     if (!closed_nearness(rung, d, distance, parameters, &nearness)) return std::nullopt;
@@ -99,12 +99,12 @@ std::optional<double> closed(SurfaceRung rung, const Eigen::Vector3d& d, double 
   for (int i = 0; i < N; ++i) p[static_cast<std::size_t>(i)] = Jet(parameters[i], i);
   Jet nearness;
   if (!closed_nearness(rung, d, distance, p.data(), &nearness)) return std::nullopt;
-  std::copy(nearness.v.data(), nearness.v.data() + N, ret_slopes);
+  for (int i = 0; i < N; ++i) ret_slopes->add(i, nearness.v[i]);
   return nearness.a;
 }
 
 std::optional<double> profile(const SplineAxis& axis, const double* parameters, const Eigen::Vector3d& d,
-                              double* ret_slopes) {
+                              NearnessSlopes* ret_slopes) {
   using Jet = ceres::Jet<double, 2>;
   const Vector3<Jet> sight = turned_back(Jet(0.0), Jet(parameters[0], 0), Jet(parameters[1], 1), d);
   const Jet flat = sqrt(sight[0] * sight[0] + sight[2] * sight[2]);
@@ -119,9 +119,10 @@ std::optional<double> profile(const SplineAxis& axis, const double* parameters, 
     slope += w.slopes[i] * c;
   }
   if (ret_slopes != nullptr) {
-    std::fill(ret_slopes, ret_slopes + 2 + axis.coefficients(), 0.0);
-    for (int i = 0; i < 2; ++i) ret_slopes[i] = flat.v[i] * value + flat.a * slope * angle.v[i];
-    for (std::size_t i = 0; i < 4; ++i) ret_slopes[2 + w.first + static_cast<int>(i)] = flat.a * w.weights[i];
+    for (int i = 0; i < 2; ++i) ret_slopes->add(i, flat.v[i] * value + flat.a * slope * angle.v[i]);
+    for (int i = 0; i < 4; ++i) {
+      ret_slopes->add(2 + w.first + i, flat.a * w.weights[static_cast<std::size_t>(i)]);
+    }
   }
   return flat.a * value;
 }
@@ -140,19 +141,18 @@ Eigen::Vector3d chart_direction(const Eigen::Vector2d& place) {
 }
 
 std::optional<double> mesh(const SplineAxis& across, const SplineAxis& up, const double* parameters,
-                           const Eigen::Vector3d& d, double* ret_slopes) {
+                           const Eigen::Vector3d& d, NearnessSlopes* ret_slopes) {
   const Eigen::Vector2d place = chart_place(d);
   const SplineWeights wx = spline_weights(across, place.x());
   const SplineWeights wy = spline_weights(up, place.y());
   const int columns = across.coefficients();
-  if (ret_slopes != nullptr) std::fill(ret_slopes, ret_slopes + columns * up.coefficients(), 0.0);
   double value = 0.0;
   for (int j = 0; j < 4; ++j) {
     for (int i = 0; i < 4; ++i) {
       const int at = (wy.first + j) * columns + wx.first + i;
       const double weight = wx.weights[static_cast<std::size_t>(i)] * wy.weights[static_cast<std::size_t>(j)];
       value += weight * parameters[at];
-      if (ret_slopes != nullptr) ret_slopes[at] = weight;
+      if (ret_slopes != nullptr) ret_slopes->add(at, weight);
     }
   }
   return value;
@@ -192,7 +192,8 @@ int Surface::size() const {
 }
 
 std::optional<double> Surface::nearness_at(const double* p, const Eigen::Vector3d& direction,
-                                           double* ret_slopes) const {
+                                           NearnessSlopes* ret_slopes) const {
+  if (ret_slopes != nullptr) ret_slopes->count = 0;
   const Eigen::Vector3d d = R_eye_wall.transpose() * direction;
   std::optional<double> nearness;
   switch (rung) {

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,18 @@ struct SplineAxis {
   [[nodiscard]] int coefficients() const { return spans + 3; }
 };
 
+/// What a nearness changes by: a spline's knows only the coefficients nearby.
+struct NearnessSlopes {
+  static constexpr int kMost = 16;
+  int count = 0;
+  std::array<int, kMost> parameters{};
+  std::array<double, kMost> slopes{};
+  void add(int parameter, double slope) {
+    parameters[static_cast<std::size_t>(count)] = parameter;
+    slopes[static_cast<std::size_t>(count++)] = slope;
+  }
+};
+
 /// A value.
 struct Surface {
   SurfaceRung rung = SurfaceRung::kPlane;
@@ -47,7 +60,7 @@ struct Surface {
   /// The inverse of the distance in metres along a unit vector, 0 where the wall is endlessly far; `ret_slopes` (may be
   /// null) gets its derivatives by the parameters. Nothing where the line of sight misses the wall.
   [[nodiscard]] std::optional<double> nearness_at(const double* parameters, const Eigen::Vector3d& direction,
-                                                  double* ret_slopes) const;
+                                                  NearnessSlopes* ret_slopes) const;
   [[nodiscard]] std::optional<double> nearness_at(const Eigen::Vector3d& direction) const {
     return nearness_at(parameters.data(), direction, nullptr);
   }

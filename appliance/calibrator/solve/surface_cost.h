@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How far from its pixel a projector would light what the eye sees: the residuals of surface_fit.cpp.
+/// How far from its pixel a projector would light what the eye sees: the residuals of surface_fit.cpp, and how they
+/// change with each number.
 #pragma once
 
-#include <ceres/cost_function.h>
-
 #include <Eigen/Geometry>
-#include <memory>
+#include <array>
+#include <vector>
 
+#include "appliance/calibrator/lens/measured_lens.h"
 #include "appliance/calibrator/solve/surface.h"
 
 namespace cyclorama {
@@ -19,13 +20,40 @@ struct SurfaceSample {
   double sigma_px = 0.1;
 };
 
-/// Two residuals in sigmas; blocks: the surface's parameters, the projector's turn (3, an angle axis applied in its own
-/// frame after `R_eye_projector`), its place (3) and its lens (8). Borrows `shape` (its parameters do not count).
-[[nodiscard]] std::unique_ptr<ceres::CostFunction> make_surface_cost(const Surface& shape, const SurfaceSample& sample,
-                                                                     const Eigen::Matrix3d& R_eye_projector);
+/// A projector where a solver has it, for the residuals of many samples. Its numbers: the turn (3, an angle axis
+/// applied in its own frame after `R_eye_projector`), its place (3) and its lens (8). A value; reentrant.
+class LitProjector {
+ public:
+  static constexpr int kNumbers = 6 + MeasuredLens::kParameters;
+  struct Slopes {
+    Eigen::Vector2d by_nearness;
+    Eigen::Matrix<double, 2, kNumbers> by_numbers;
+  };
 
-/// Smoothness of a profile or a mesh, and the scale of all: blocks: the surface's parameters. Sigmas are relative to
-/// the wall's nearness straight ahead. Borrows `shape`.
-[[nodiscard]] std::unique_ptr<ceres::CostFunction> make_spline_prior(const Surface& shape, double bend_sigma);
+  LitProjector(const Eigen::Matrix3d& R_eye_projector, const double* numbers);
+  /// Two, in sigmas, of a sample where the wall is so near; `ret_slopes` may be null. False behind the projector.
+  bool residuals(const SurfaceSample& sample, double nearness, Eigen::Vector2d* ret_residuals,
+                 Slopes* ret_slopes) const;
+
+ private:
+  Eigen::Matrix3d R_projector_eye_;          ///< With the turn,
+  std::array<Eigen::Matrix3d, 3> R_slopes_;  ///< and how it changes with each of its numbers.
+  Eigen::Vector3d place_;
+  std::array<double, MeasuredLens::kParameters> lens_{};
+};
+
+/// Smoothness of a profile or a mesh, and the scale of all. Sigmas are relative to the wall's nearness straight ahead.
+class SplinePrior {
+ public:
+  SplinePrior(const Surface& shape, double bend_sigma);
+  /// Half the sum of squares; nothing where the wall has no nearness straight ahead. `ret_gradient` and the lower
+  /// triangle of `ret_normal` (both or none may be null) get its share added, at the surface's parameters.
+  [[nodiscard]] std::optional<double> add(const Surface& shape, const double* parameters, Eigen::VectorXd* ret_gradient,
+                                          Eigen::MatrixXd* ret_normal) const;
+
+ private:
+  double weight_;
+  std::vector<std::array<int, 3>> bends_;  ///< Parameters beside one another.
+};
 
 }  // namespace cyclorama

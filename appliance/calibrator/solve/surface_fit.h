@@ -37,6 +37,7 @@ struct SurfaceFitOptions {
   LensRung lens = LensRung::kRadial1;
   bool with_covariance = true;
   int most_steps = 40;
+  bool is_from_afar = true;  ///< False where the start fitted such samples already: then gross errors go at once.
 };
 
 /// A wall and the places of all projectors that tell where each pixel is seen. `start` is where the search begins.

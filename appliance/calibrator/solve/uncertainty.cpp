@@ -51,23 +51,38 @@ Eigen::MatrixXd reduced_normal(ceres::Problem* problem, const std::vector<double
   return normal;
 }
 
+/// Of normal matrices that are scaled.
+Uncertainty uncertainty_of_scaled(const Eigen::MatrixXd& all, const Eigen::MatrixXd& measured,
+                                  const std::vector<double>& scale) {
+  Uncertainty uncertainty;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(all);
+  const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), all.rows());
+  // A direction that nothing holds has an uncertainty of a million of its scale: large, and still a number.
+  const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
+  uncertainty.covariance = scales.asDiagonal() * eigen.eigenvectors() * variances.asDiagonal() *
+                           eigen.eigenvectors().transpose() * scales.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> alone(measured, Eigen::EigenvaluesOnly);
+  // Worth a rank: the measurements alone tell it at least as well as the prior does.
+  uncertainty.rank = static_cast<int>((alone.eigenvalues().array() > 1.0).count());
+  return uncertainty;
+}
+
 }  // namespace
 
 Uncertainty uncertainty_of(ceres::Problem* problem, const std::vector<double*>& blocks, int shared, int small,
                            const std::vector<double>& scale, const std::vector<ceres::ResidualBlockId>& measured) {
-  Uncertainty uncertainty;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> all(
-      reduced_normal(problem, blocks, shared, small, scale, nullptr));
-  const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), shared);
-  // A direction that nothing holds has an uncertainty of a million of its scale: large, and still a number.
-  const Eigen::VectorXd variances = all.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-  uncertainty.covariance = scales.asDiagonal() * all.eigenvectors() * variances.asDiagonal() *
-                           all.eigenvectors().transpose() * scales.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> alone(
-      reduced_normal(problem, blocks, shared, small, scale, &measured), Eigen::EigenvaluesOnly);
-  // Worth a rank: the measurements alone tell it at least as well as the prior does.
-  for (int i = 0; i < shared; ++i) uncertainty.rank += alone.eigenvalues()(i) > 1.0 ? 1 : 0;
-  return uncertainty;
+  return uncertainty_of_scaled(reduced_normal(problem, blocks, shared, small, scale, nullptr),
+                               reduced_normal(problem, blocks, shared, small, scale, &measured), scale);
+}
+
+Uncertainty uncertainty_of(const Eigen::MatrixXd& all, const Eigen::MatrixXd& measured,
+                           const std::vector<double>& scale) {
+  const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), all.rows());
+  // An eigensolver reads the lower triangle alone.
+  const auto scaled = [&](const Eigen::MatrixXd& normal) -> Eigen::MatrixXd {
+    return scales.asDiagonal() * normal * scales.asDiagonal();
+  };
+  return uncertainty_of_scaled(scaled(all), scaled(measured), scale);
 }
 
 }  // namespace cyclorama

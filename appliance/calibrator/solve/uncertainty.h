@@ -21,4 +21,8 @@ struct Uncertainty {
                                          int small, const std::vector<double>& scale,
                                          const std::vector<ceres::ResidualBlockId>& measured);
 
+/// The same of normal matrices (lower triangles, not scaled) in which nothing small is left: `all` with all residuals.
+[[nodiscard]] Uncertainty uncertainty_of(const Eigen::MatrixXd& all, const Eigen::MatrixXd& measured,
+                                         const std::vector<double>& scale);
+
 }  // namespace cyclorama

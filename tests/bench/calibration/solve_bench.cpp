@@ -4,6 +4,7 @@
 // is not run again, and after S seconds no case is begun (then it ends with 75: go on later).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -185,6 +186,11 @@ Json choose_one(RoomKind kind, unsigned seed) {
               {"right", rung == right_rung(kind) || (kind == RoomKind::kCorner && rung == SurfaceRung::kQuadric)}};
   for (const ModelTrial& trial : calibration->wall->surfaces) {
     if (trial.name == name_of(rung)) record["heldout_px"] = trial.heldout_rms_px;
+    record["trials"].push_back({{"name", trial.name},
+                                {"training_px", rounded(trial.training_rms_px)},
+                                {"heldout_px", rounded(trial.heldout_rms_px)},
+                                {"scatter", rounded(trial.scatter)},
+                                {"usable", trial.is_usable}});
   }
   record["richest_px"] = calibration->wall->surfaces.back().heldout_rms_px;
   // A lesser one that predicted better, beyond what is allowed for.
@@ -196,34 +202,37 @@ Json choose_one(RoomKind kind, unsigned seed) {
 }
 
 /// How often each kind of room gets the rung that it was made by. Two planes are a profile, and a degenerate quadric
-/// too. A richer model with a worse held-out error is never right.
+/// too. A richer model with a worse held-out error is never right. All kinds of one seed, then of the next: who is
+/// stopped has as many of each.
 int model(unsigned seeds, Records* records) {
+  std::map<RoomKind, std::vector<Json>> by_kind;
+  for (unsigned seed = 1; seed <= seeds; ++seed) {
+    for (const RoomKind kind : kRoomKinds) {
+      const auto record =
+          records->get(fmt::format("{} {}", name_of(kind), seed), [&] { return choose_one(kind, seed); });
+      if (record) by_kind[kind].push_back(*record);
+    }
+  }
   Json json = Json::object();
   fmt::print("{:<10}{:>7}{:>7}  {}\n", "room", "seeds", "right",
              "chosen; worst held-out px of the chosen, and of the richest tried");
-  for (const RoomKind kind : kRoomKinds) {
+  for (const auto& [kind, of_kind] : by_kind) {
     unsigned right = 0;
-    unsigned run = 0;
     std::map<std::string, int> chosen;
     double heldout = 0.0;
     double richest = 0.0;
-    for (unsigned seed = 1; seed <= seeds; ++seed) {
-      const auto record =
-          records->get(fmt::format("{} {}", name_of(kind), seed), [&] { return choose_one(kind, seed); });
-      if (!record) continue;
-      ++run;
-      ++chosen[record->at("chosen")];
-      right += record->at("right").get<bool>() ? 1U : 0U;
-      heldout = std::max(heldout, record->value("heldout_px", 0.0));
-      richest = std::max(richest, record->value("richest_px", 0.0));
+    for (const Json& record : of_kind) {
+      ++chosen[record.at("chosen")];
+      right += record.at("right").get<bool>() ? 1U : 0U;
+      heldout = std::max(heldout, record.value("heldout_px", 0.0));
+      richest = std::max(richest, record.value("richest_px", 0.0));
     }
-    if (run == 0) continue;
+    const double fraction = 1.0 * right / static_cast<double>(of_kind.size());
     std::string told;
     for (const auto& [name, count] : chosen) told += fmt::format("{} {}, ", name, count);
-    fmt::print("{:<10}{:>7}{:>7.3f}  {}{:.3f}, {:.3f}\n", name_of(kind), run, 1.0 * right / run, told, heldout,
+    fmt::print("{:<10}{:>7}{:>7.3f}  {}{:.3f}, {:.3f}\n", name_of(kind), of_kind.size(), fraction, told, heldout,
                richest);
-    std::fflush(stdout);
-    json[name_of(kind)] = {{"right_fraction", rounded(1.0 * right / run)}, {"seeds", run}};
+    json[name_of(kind)] = {{"right_fraction", rounded(fraction)}, {"seeds", of_kind.size()}};
   }
   fmt::print("{}\n", json.dump());
   return records->exit_code();
@@ -236,7 +245,7 @@ struct Extreme {
 };
 
 std::vector<Extreme> extremes(unsigned seeds) {
-  std::vector<Extreme> cases;
+  std::vector<Extreme> cases;  // All of one seed, then of the next.
   const auto add = [&](const std::string& name, const auto& change, double bound_px = 0.6) {
     for (unsigned seed = 1; seed <= seeds; ++seed) {
       RoomPlan plan;
@@ -304,6 +313,8 @@ std::vector<Extreme> extremes(unsigned seeds) {
   for (const double outliers : {0.0, 0.001, 0.01, 0.05}) {
     add(fmt::format("outliers {}", outliers), [=](RoomPlan* plan) { plan->outliers = outliers; });
   }
+  std::stable_sort(cases.begin(), cases.end(),
+                   [](const Extreme& a, const Extreme& b) { return a.plan.seed < b.plan.seed; });
   return cases;
 }
 

@@ -5,9 +5,12 @@
 #include <ceres/gradient_checker.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "appliance/calibrator/solve/measured_map.h"
+#include "appliance/calibrator/solve/plate_adjustment.h"
 #include "tests/doubles/generated_room.h"
 
 namespace cyclorama {
@@ -23,12 +26,45 @@ Result<TurnPlate> solved(const Measurements& measured, const TurnPlateOptions& o
   return solve_turn_plate(measured, average_cells(measured, fitting_cell_px(measured)), options);
 }
 
+/// The residuals of one sight as Ceres' checker asks for them. Blocks: lens, mount, offset, angle, direction, nearness.
+class SightCost : public ceres::CostFunction {
+ public:
+  explicit SightCost(const CellMean& seen) : sight_(seen) {
+    set_num_residuals(2);
+    *mutable_parameter_block_sizes() = {MeasuredLens::kParameters, 2, 2, 1, 3, kNearnessTerms};
+  }
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    Nearness terms{};
+    std::copy_n(blocks[5], terms.size(), terms.begin());
+    const SeenFrom camera({blocks[1][0], blocks[1][1]}, {blocks[2][0], blocks[2][1]}, blocks[3][0]);
+    Eigen::Vector2d errors;
+    SeenFrom::Slopes slopes;
+    if (!camera.residuals(sight_, blocks[0], terms, 0.03, Eigen::Vector3d(blocks[4]), &errors, &slopes)) return false;
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = errors;
+    if (jacobians == nullptr) return true;
+    const auto put = [&](int block, const auto& columns) {
+      using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>;
+      if (jacobians[block] != nullptr) Eigen::Map<Rows>(jacobians[block], 2, columns.cols()) = columns;
+    };
+    put(0, slopes.by_numbers.middleCols(kSightLens, MeasuredLens::kParameters));
+    put(1, slopes.by_numbers.middleCols(kSightMount, 2));
+    put(2, slopes.by_numbers.middleCols(kSightOffset, 2));
+    put(3, slopes.by_numbers.middleCols(kSightAngle, 1));
+    put(4, slopes.by_direction);
+    put(5, slopes.by_numbers.middleCols(kSightNearness, kNearnessTerms));
+    return true;
+  }
+
+ private:
+  Sight sight_;
+};
+
 TEST(PlateCost, has_the_jacobian_that_differences_give) {
   CellMean seen;
   seen.camera_px = {900.0, 500.0};
   seen.camera_per_projector << 0.6, 0.02, -0.03, 0.55;
   seen.sigma_px = 0.1;
-  const auto cost = make_sight_cost(seen);
+  const SightCost cost(seen);
   std::vector<double> lens{1400.0, 960.0, 600.0, -0.1, 0.02, 0.001, 1e-3, -1e-3};
   std::vector<double> mount{0.05, -0.03};
   std::vector<double> offset{0.01, 0.02};
@@ -37,10 +73,58 @@ TEST(PlateCost, has_the_jacobian_that_differences_give) {
   std::vector<double> nearness{0.25, 0.01, 0.02, -0.03, 0.01, 0.0, 0.02, 0.01, -0.01};
   const double* blocks[] = {lens.data(), mount.data(), offset.data(), angle.data(), d.data(), nearness.data()};
   ceres::NumericDiffOptions steps;
-  const ceres::GradientChecker checker(cost.get(), static_cast<const std::vector<const ceres::Manifold*>*>(nullptr),
-                                       steps);
+  const ceres::GradientChecker checker(&cost, static_cast<const std::vector<const ceres::Manifold*>*>(nullptr), steps);
   ceres::GradientChecker::ProbeResults results;
   EXPECT_TRUE(checker.Probe(blocks, 1e-5, &results)) << results.error_log;
+}
+
+/// The problem's own slopes against differences of its cost: what is summed by direction, and eliminated by track, too.
+TEST(PlateAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better) {
+  const Measurements measured = GeneratedRoom(coarse_plan()).measurements();
+  const CellMeans means = average_cells(measured, fitting_cell_px(measured));
+  const auto tracks = choose_tracks(measured, means, 300, 5);
+  ASSERT_TRUE(tracks) << tracks.error().message();
+  const TurnPlateOptions options;
+  const PlateTask task{measured, means, options, *tracks, 1};
+  const auto plain = solve_plate(task, {}, nullptr, Eigen::Vector2d::Zero());
+  ASSERT_TRUE(plain) << plain.error().message();
+  const auto solved = solve_plate(task, {}, &plain->state, Eigen::Vector2d::Zero());
+  ASSERT_TRUE(solved) << solved.error().message();
+  EXPECT_LE(solved->cost, plain->cost * 1.001);
+  std::vector<const Track*> used;
+  for (const Track& track : tracks->used) used.push_back(&track);
+  ASSERT_EQ(used.size(), solved->state.directions.size());
+  const auto cost_of = [&](PlateState state) {
+    PlateAdjustment adjustment(task, {}, true, used, &state);
+    adjustment.weigh_by(RobustLoss::kCauchy);
+    return adjustment.linearise().value_or(1e9);
+  };
+  EXPECT_NEAR(cost_of(solved->state), solved->cost, 1e-6 * solved->cost);
+  for (const double aside : {1e-4, -1e-4}) {
+    PlateState tilted = solved->state;
+    tilted.mount[0] += aside;
+    EXPECT_GT(cost_of(tilted), solved->cost);
+    PlateState moved = solved->state;
+    moved.offset[1] += 10.0 * aside;
+    EXPECT_GT(cost_of(moved), solved->cost);
+    PlateState turned = solved->state;
+    turned.angles[0] += aside;
+    EXPECT_GT(cost_of(turned), solved->cost);
+    PlateState zoomed = solved->state;
+    zoomed.lens[MeasuredLens::kFocal] *= 1.0 + aside;
+    EXPECT_GT(cost_of(zoomed), solved->cost);
+  }
+  EXPECT_EQ(static_cast<Eigen::Index>(solved->names.size()), solved->covariance.rows());
+  const Eigen::MatrixXd information = [&] {
+    PlateState state = solved->state;
+    PlateAdjustment adjustment(task, {}, true, used, &state);
+    adjustment.weigh_by(RobustLoss::kCauchy);
+    return adjustment.reduced_normal(false);
+  }();
+  const Eigen::MatrixXd product = information.selfadjointView<Eigen::Lower>() * solved->covariance;
+  const Eigen::VectorXd scale = solved->covariance.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * product.transpose() * scale.asDiagonal();
+  EXPECT_LE((scaled - Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols())).cwiseAbs().maxCoeff(), 1e-3);
 }
 
 TEST(TurnPlate, finds_axis_offset_and_angles_within_what_it_claims) {

@@ -3,6 +3,7 @@
 /// that photometry is measured alone; and what an eye at the sweet spot sees of a corrected wall.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "appliance/calibrator/photometry/photometry.h"
@@ -53,7 +54,13 @@ struct SeamScore {
   double delta_e_p95 = 0.0;
   double delta_e_max = 0.0;
   double delta_e_black_p95 = 0.0;  ///< Of content 0 alone.
-  double mask_sum_error = 0.0;     ///< The largest difference from 1 of the weights where two projectors or more light.
+  /// The largest difference from 1 of the weights where two projectors or more light, 0.2 degrees and more from where
+  /// nobody does: at the rim of all that is lit corners of pictures touch in points, where any weights must jump.
+  double mask_sum_error = 0.0;
+  double mask_sum_error_rim = 0.0;  ///< Up to the very rim.
+  /// Azimuth and elevation, degrees: where the masks are worst, and where the step is.
+  Eigen::Vector2d mask_worst_deg = Eigen::Vector2d::Zero();
+  Eigen::Vector2d step_worst_deg = Eigen::Vector2d::Zero();
 };
 /// `uses_photometry` false: what the wall looks like without: no mask, sRGB.
 SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry = true);

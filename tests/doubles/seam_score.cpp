@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kStep_deg = 0.1;
+constexpr double kRim_deg = 0.2;
 constexpr int kAside = 4;  // Steps from the border's two neighbours: 0.45 degrees from the border.
 constexpr std::array<double, 4> kContents = {1.0, 0.2, 0.02, 0.0};
 const Eigen::Vector3d kLuminance{0.2126, 0.7152, 0.0722};  // ITU-R BT.709.
@@ -131,10 +132,13 @@ double mean(const std::vector<double>& values) {
 struct Sight {
   std::optional<TrueWall::Hit> hit;
   unsigned projectors = 0;
+  double weights = 0.0;  ///< Of all of them.
+  Eigen::Vector2d at_deg = Eigen::Vector2d::Zero();
 };
 
 struct Pairs {
   std::vector<std::pair<TrueWall::Hit, TrueWall::Hit>> borders;
+  std::vector<Eigen::Vector2d> borders_deg;
   struct Bump {
     TrueWall::Hit before, middle, behind;
     double part;
@@ -153,7 +157,10 @@ void add_line(const std::vector<Sight>& line, Pairs* pairs) {
   for (std::size_t i = kAside; i + 1 + kAside < line.size(); ++i) {
     if (line[i].projectors == line[i + 1].projectors) continue;
     const bool is_border = is_even(i - kAside, i) && is_even(i + 1, i + 1 + kAside);
-    if (is_border) pairs->borders.emplace_back(*line[i - kAside].hit, *line[i + 1 + kAside].hit);
+    if (is_border) {
+      pairs->borders.emplace_back(*line[i - kAside].hit, *line[i + 1 + kAside].hit);
+      pairs->borders_deg.push_back(line[i].at_deg);
+    }
     const bool is_overlap = std::popcount(line[i + 1].projectors) > std::popcount(line[i].projectors);
     if (opened && is_border && !is_overlap) {
       const std::size_t before = *opened - kAside;
@@ -177,29 +184,45 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
     const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                                     -std::cos(azimuth) * std::cos(elevation));
     Sight sight;
+    sight.at_deg = {azimuth_deg, elevation_deg};
     sight.hit = museum.wall().hit({museum.installation().sweet_spot, direction});
     if (!sight.hit) return sight;
-    double weights = 0.0;
     for (std::size_t p = 0; p < photometry.heads.size(); ++p) {
       const auto pixel = museum.projector_pixel(p, *sight.hit);
       if (!pixel || !museum.truth().projectors[p].lens.pinhole().contains(*pixel)) continue;
       sight.projectors |= 1u << p;
-      weights += bilinear(photometry.heads[p].weight, *pixel)[0];
+      sight.weights += bilinear(photometry.heads[p].weight, *pixel)[0];
     }
-    if (std::popcount(sight.projectors) > 1)
-      score.mask_sum_error = std::max(score.mask_sum_error, std::abs(weights - 1.0));
     return sight;
+  };
+  const auto is_lit = [&](const Eigen::Vector2d& at_deg) { return sight_of(at_deg.x(), at_deg.y()).projectors != 0; };
+  const auto judge_weights = [&](const std::vector<Sight>& line) {
+    for (const Sight& sight : line) {
+      const double error = std::abs(sight.weights - 1.0);
+      if (std::popcount(sight.projectors) < 2 || !(error > score.mask_sum_error)) continue;
+      score.mask_sum_error_rim = std::max(score.mask_sum_error_rim, error);
+      bool is_inside = true;
+      for (int way = 0; way < 8 && is_inside; ++way) {
+        const double turn = way * 45.0 * kDegree;
+        is_inside = is_lit(sight.at_deg + kRim_deg * Eigen::Vector2d(std::cos(turn), std::sin(turn)));
+      }
+      if (!is_inside) continue;
+      score.mask_sum_error = error;
+      score.mask_worst_deg = sight.at_deg;
+    }
   };
   for (double elevation = -60.0; elevation <= 80.0; elevation += 1.7) {
     std::vector<Sight> line;
     for (double azimuth = -110.0; azimuth <= 110.0; azimuth += kStep_deg) line.push_back(sight_of(azimuth, elevation));
     add_line(line, &pairs);
+    judge_weights(line);
   }
   for (double azimuth = -105.0; azimuth <= 105.0; azimuth += 3.3) {
     std::vector<Sight> line;
     for (double elevation = -60.0; elevation <= 80.0; elevation += kStep_deg)
       line.push_back(sight_of(azimuth, elevation));
     add_line(line, &pairs);
+    judge_weights(line);
   }
   score.pairs = pairs.borders.size();
   Eigen::Vector3d white = Eigen::Vector3d::Zero();
@@ -233,6 +256,10 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
   score.step_mean = mean(steps);
   score.step_p95 = percentile(steps, 0.95);
   score.step_max = percentile(steps, 1.0);
+  if (!steps.empty()) {
+    const auto worst = std::max_element(steps.begin(), steps.end()) - steps.begin();
+    score.step_worst_deg = pairs.borders_deg[static_cast<std::size_t>(worst)];
+  }
   score.bump_p95 = percentile(bumps, 0.95);
   score.delta_e_mean = mean(all);
   score.delta_e_p95 = percentile(all, 0.95);

@@ -13,6 +13,11 @@ namespace {
 constexpr double kFeather_px = 96.0;  // Of a map's end inside of another projector's picture.
 constexpr double kDeep_px = 48.0;     // A place so far inside of its map is surely that projector's.
 constexpr double kLeast = 1e-6;       // Weights never lose everybody.
+// What another picture lights beyond a side by no more is left alone. Two sides that all but coincide would cross many
+// times by the maps' noise, and where they cross at the rim of all that is lit, weights as good as jump.
+constexpr double kBeyond_px = 2.0;
+constexpr double kStep_px = 4.0;  // Along a side.
+constexpr int kHalvings = 20;
 
 double smooth_step(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
@@ -67,17 +72,84 @@ double interpolated(const std::vector<double>& values, const MapGrid& grid, cons
   return sum;
 }
 
+/// 0 on the stretches, 1 from `reach_px` on, where its slope is 0.
+template <typename Stretches>
+double risen(const Stretches& stretches, const Eigen::Vector2d& pixel, double reach_px) {
+  double least = reach_px;
+  for (const auto& stretch : stretches) {
+    const Eigen::Vector2d along = stretch.to - stretch.from;
+    const double length = std::max(along.squaredNorm(), 1e-12);  // It may be a point.
+    const double part = std::clamp((pixel - stretch.from).dot(along) / length, 0.0, 1.0);
+    least = std::min(least, (pixel - stretch.from - part * along).norm());
+  }
+  const double t = least / reach_px;
+  return t * (2.0 - t);
+}
+
 }  // namespace
 
 BlendWeights::BlendWeights(const std::vector<PhotometricProjector>& projectors, const std::vector<InverseMap>& inverses)
     : inverses_(inverses) {
-  // First: how far from any end of its map. Then ends that lie deep inside of another's map are where to fade.
+  for (const PhotometricProjector& projector : projectors) {
+    const MeasuredMap& map = projector.map;
+    pictures_.push_back({map.width_px, map.height_px, map.cells_x, map.cells_y, {}, {}});
+  }
+  for (std::size_t p = 0; p < projectors.size(); ++p) {
+    const MeasuredMap& map = projectors[p].map;
+    const Eigen::Vector2d right(map.width_px, 0.0);
+    const Eigen::Vector2d low(0.0, map.height_px);
+    pictures_[p].sides = {covered(p, map, {Eigen::Vector2d::Zero(), right}), covered(p, map, {low, low + right}),
+                          covered(p, map, {Eigen::Vector2d::Zero(), low}), covered(p, map, {right, right + low})};
+  }
+  find_inner_ends(projectors);
+}
+
+bool BlendWeights::is_on_another(std::size_t picture, const MeasuredMap& map, const Eigen::Vector2d& pixel) const {
+  const auto direction = map.direction_at(pixel);
+  if (!direction) return false;
+  for (std::size_t other = 0; other < pictures_.size(); ++other) {
+    if (other == picture) continue;
+    const auto theirs = inverses_[other].pixel_at(*direction);
+    if (!theirs) continue;
+    const Eigen::Vector2d size(pictures_[other].width_px, pictures_[other].height_px);
+    if (std::min(theirs->minCoeff(), (size - *theirs).minCoeff()) > kBeyond_px) return true;
+  }
+  return false;
+}
+
+std::vector<BlendWeights::Stretch> BlendWeights::covered(std::size_t picture, const MeasuredMap& map,
+                                                         const Stretch& side) const {
+  const Eigen::Vector2d along = side.to - side.from;
+  const auto place = [&](double part) -> Eigen::Vector2d { return side.from + part * along; };
+  const int steps = std::max(2, static_cast<int>(along.norm() / kStep_px));
+  std::vector<Stretch> stretches;
+  bool was_on = false;
+  for (int i = 0; i <= steps; ++i) {
+    const double here = static_cast<double>(i) / steps;
+    const bool is_on = is_on_another(picture, map, place(here));
+    if (is_on != was_on) {
+      // Where it begins or ends, between the step before and this one; at its very beginning it begins there.
+      double low = i == 0 ? here : static_cast<double>(i - 1) / steps;
+      double high = here;
+      for (int halving = 0; halving < kHalvings && low < high; ++halving) {
+        const double middle = 0.5 * (low + high);
+        (is_on_another(picture, map, place(middle)) == was_on ? low : high) = middle;
+      }
+      if (is_on) stretches.push_back({place(high), side.to});
+      if (!is_on) stretches.back().to = place(low);
+    }
+    was_on = is_on;
+  }
+  return stretches;
+}
+
+/// First: how far from any end of its map. Then ends that lie deep inside of another's map are where to fade.
+void BlendWeights::find_inner_ends(const std::vector<PhotometricProjector>& projectors) {
   std::vector<std::vector<double>> any_end;
   constexpr double kFar_px = 1e5;
   for (const PhotometricProjector& projector : projectors) {
     const MeasuredMap& map = projector.map;
     const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
-    pictures_.push_back({map.width_px, map.height_px, map.cells_x, map.cells_y, {}});
     auto& distances = any_end.emplace_back(static_cast<std::size_t>(grid.nodes()), kFar_px);
     for (std::size_t i = 0; i < distances.size(); ++i) {
       if (!map.directions[i].allFinite()) distances[i] = 0.0;
@@ -108,12 +180,11 @@ BlendWeights::BlendWeights(const std::vector<PhotometricProjector>& projectors, 
 }
 
 double BlendWeights::inwardness(const Picture& picture, const Eigen::Vector2d& pixel) const {
-  const double w = picture.width_px;
-  const double h = picture.height_px;
-  const double inward = 16.0 * pixel.x() * (w - pixel.x()) * pixel.y() * (h - pixel.y()) / (w * w * h * h);
+  double rim = 1.0;
+  for (std::size_t side = 0; side < picture.sides.size(); ++side)
+    rim *= risen(picture.sides.at(side), pixel, 0.5 * (side < 2 ? picture.height_px : picture.width_px));
   const MapGrid grid{picture.width_px, picture.height_px, picture.cells_x, picture.cells_y};
   const double from_end = smooth_step(interpolated(picture.inward_px, grid, pixel) / kFeather_px);
-  const double rim = std::max(0.0, inward);
   return rim * rim * std::max(kLeast, from_end);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "appliance/calibrator/photometry/inverse_map.h"
@@ -10,8 +11,18 @@
 
 namespace cyclorama {
 
-/// How several measured projectors share each direction: as blend_weights() of appliance/warp does with exact maps, and
-/// where a map ends inside of another projector's picture (a column hides the wall, say) it fades there too.
+/// How several measured projectors share each direction. A picture fades towards the stretches of its sides that lie on
+/// another's picture, and towards no others:
+///
+///      ┌─────────────┐   A       A fades towards this stretch of its lower side, and of its right one, and B towards
+///      │        ┌────┼──────┐    those of its upper and left ones. Where pictures' sides cross at the rim of all that
+///      └────────┼────┘      │ B  is lit (twice here) all weights meet in a point: they change by their distance to it
+///      only,
+///               └───────────┘    and not within the few pixels by which one picture looks out beyond another.
+///
+/// Where a map ends inside of another's picture (a column hides the wall, say) it fades there too.
+/// weight_i = r_i / sum of r, r = square of the product over the sides of t (2 - t), t: the distance from the
+/// stretches, in half pictures, at most 1. The product, and its square, as blend_weights() of appliance/warp has them.
 /// Reentrant; borrows the inverse maps.
 class BlendWeights {
  public:
@@ -29,13 +40,22 @@ class BlendWeights {
                                       const Eigen::Vector2d& pixel) const;
 
  private:
+  /// A part of a side that lies on another's picture.
+  struct Stretch {
+    Eigen::Vector2d from;
+    Eigen::Vector2d to;
+  };
   struct Picture {
     int width_px = 0;
     int height_px = 0;
     int cells_x = 0;
     int cells_y = 0;
+    std::array<std::vector<Stretch>, 4> sides{};  ///< Upper, lower, left, right.
     std::vector<double> inward_px;  ///< Per control point: how far from where the map ends inside of another's.
   };
+  [[nodiscard]] bool is_on_another(std::size_t picture, const MeasuredMap& map, const Eigen::Vector2d& pixel) const;
+  [[nodiscard]] std::vector<Stretch> covered(std::size_t picture, const MeasuredMap& map, const Stretch& side) const;
+  void find_inner_ends(const std::vector<PhotometricProjector>& projectors);
   [[nodiscard]] double inwardness(const Picture& picture, const Eigen::Vector2d& pixel) const;
 
   const std::vector<InverseMap>& inverses_;

@@ -16,9 +16,10 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTargetStep_rad = 0.35 * kDegree;
 constexpr double kBlur_rad = 1.0 * kDegree;
-constexpr double kNoShare = 1e-3;  // Who has less of a place does not limit it.
-constexpr int kStep_px = 2;        // Masks are smooth: every other pixel is enough.
-constexpr float kSteep = 0.03f;    // Where pictures' corners meet weights change quickly.
+constexpr double kBeside_rad = 2.0 * kDegree;  // Of a border: two deviations of the blur.
+constexpr double kNoShare = 1e-3;              // Who has less of a place does not limit it.
+constexpr int kStep_px = 2;                    // Masks are smooth: every other pixel is enough.
+constexpr float kSteep = 0.03f;                // Where pictures' corners meet weights change quickly.
 constexpr double kLeastLift = 1e-7;
 
 /// What one pixel of a head gets.
@@ -71,6 +72,7 @@ class HeadMaker {
     for (const auto& share : shares) colour += white_of(share) * lighting_.projectors[share.projector].leak;
     return kCameraLuminance.dot(colour);
   }
+  [[nodiscard]] std::vector<double> slopes(const PhotometryOptions& options) const;
   [[nodiscard]] PixelShare share_of(std::size_t projector, const Eigen::Vector2d& pixel) const;
 
   const PhotometryInput& input_;
@@ -82,14 +84,29 @@ class HeadMaker {
   std::optional<DirectionField> inverse_black_;  ///< One over the black to be reached.
 };
 
+/// How much brightness may change, for each place of the targets' fields.
+std::vector<double> HeadMaker::slopes(const PhotometryOptions& options) const {
+  const auto pictures = [this](const Eigen::Vector3d& direction) {
+    unsigned which = 0;
+    for (const auto& share : weights_.at(direction)) which |= 1u << (share.projector % 32);
+    return which;
+  };
+  const std::vector<bool> is_near = reach_->near_borders(pictures, kBeside_rad);
+  const double everywhere = options.most_slope_per_deg / kDegree;
+  const double at_borders = std::min(options.most_slope_at_borders_per_deg, options.most_slope_per_deg) / kDegree;
+  std::vector<double> result;
+  for (const bool near : is_near) result.push_back(near ? at_borders : everywhere);
+  return result;
+}
+
 Status HeadMaker::find_targets(const PhotometryOptions& options) {
-  const double slope = options.most_slope_per_deg / kDegree;
   TRY_ASSIGN(reach_, DirectionField::over(input_.projectors, kTargetStep_rad));
   DirectionField dark = *reach_;
   reach_->fill([this](const Eigen::Vector3d& d) { return reach(weights_.at(d)); });
   const auto reached = reach_->places();
   if (std::ranges::none_of(reached, [](const auto& place) { return std::isfinite(place.value); }))
     return Error(ErrorCode::kBadData, "no direction gets light; measure the maps again");
+  const std::vector<double> slope = slopes(options);
   target_ = reach_->slow_below(slope, kBlur_rad);
   if (!options.lifts_black) return Done{};
   bool is_any_black = false;

@@ -121,8 +121,10 @@ Status PhotometryInput::validate() const {
 }
 
 Result<Photometry> photometry(const PhotometryInput& input, const PhotometryOptions& options) {
-  if (!(options.most_slope_per_deg >= 0.0) || !std::isfinite(options.most_slope_per_deg))
+  for (const double slope : {options.most_slope_per_deg, options.most_slope_at_borders_per_deg}) {
+    if (slope >= 0.0 && std::isfinite(slope)) continue;
     return bad("a slope of brightness below 0; 0 is flat, 0.02 is two percent per degree");
+  }
   TRY(input.validate());
   std::vector<InverseMap> inverses;
   std::vector<std::string> names;

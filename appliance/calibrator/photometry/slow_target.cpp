@@ -89,13 +89,14 @@ void DirectionField::fill(const std::function<double(const Eigen::Vector3d&)>& v
   }
 }
 
-void DirectionField::sweep_cones(double slope_per_rad) {
+void DirectionField::sweep_cones(const std::vector<double>& slopes_per_rad) {
   bool is_changed = true;
   const auto relax = [&](int x, int y, int dx, int dy) {
     if (x + dx < 0 || x + dx >= columns_ || y + dy < 0 || y + dy >= rows_) return;
     const std::size_t here = index(x, y);
     const std::size_t there = index(x + dx, y + dy);
     if (!(logs_[there] < logs_[here])) return;
+    const double slope_per_rad = 0.5 * (slopes_per_rad[here] + slopes_per_rad[there]);
     const double value = logs_[there] + slope_per_rad * angle(directions_[here], directions_[there]);
     if (!(value < logs_[here] - 1e-12)) return;
     logs_[here] = value;
@@ -142,9 +143,45 @@ void DirectionField::blur(double sigma_places) {
   }
 }
 
+std::vector<bool> DirectionField::near_borders(const std::function<unsigned(const Eigen::Vector3d&)>& label,
+                                               double reach_rad) const {
+  std::vector<unsigned> labels;
+  for (const Eigen::Vector3d& direction : directions_) labels.push_back(label(direction));
+  std::vector<bool> is_near(labels.size(), false);
+  const auto compare = [&](std::size_t a, std::size_t b) {
+    if (labels[a] != 0 && labels[b] != 0 && labels[a] != labels[b]) is_near[a] = is_near[b] = true;
+  };
+  for (int y = 0; y < rows_; ++y) {
+    for (int x = 0; x < columns_; ++x) {
+      if (x + 1 < columns_) compare(index(x, y), index(x + 1, y));
+      if (y + 1 < rows_) compare(index(x, y), index(x, y + 1));
+    }
+  }
+  // A square of that half width about each.
+  const int reach = static_cast<int>(std::ceil(reach_rad / step_rad_));
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::vector<bool> before = is_near;
+    for (int y = 0; y < rows_; ++y) {
+      for (int x = 0; x < columns_; ++x) {
+        if (!before[index(x, y)]) continue;
+        for (int i = -reach; i <= reach; ++i) {
+          const int xi = std::clamp(axis == 0 ? x + i : x, 0, columns_ - 1);
+          const int yi = std::clamp(axis == 1 ? y + i : y, 0, rows_ - 1);
+          is_near[index(xi, yi)] = true;
+        }
+      }
+    }
+  }
+  return is_near;
+}
+
 DirectionField DirectionField::slow_below(double slope_per_rad, double blur_rad) const {
+  return slow_below(std::vector<double>(logs_.size(), slope_per_rad), blur_rad);
+}
+
+DirectionField DirectionField::slow_below(const std::vector<double>& slopes_per_rad, double blur_rad) const {
   DirectionField slow = *this;
-  slow.sweep_cones(slope_per_rad);
+  slow.sweep_cones(slopes_per_rad);
   slow.blur(blur_rad / step_rad_);
   double excess = 0.0;
   for (std::size_t i = 0; i < logs_.size(); ++i) {

@@ -34,6 +34,11 @@ class DirectionField {
   /// `blur_rad`, which costs at most slope * blur. What has no bound gets one from its neighbours. Precondition: some
   /// place has a bound, and all are above 0.
   [[nodiscard]] DirectionField slow_below(double slope_per_rad, double blur_rad) const;
+  /// With a slope for each place, in the order of places(); between two places their mean counts.
+  [[nodiscard]] DirectionField slow_below(const std::vector<double>& slopes_per_rad, double blur_rad) const;
+  /// The places within about `reach_rad` of where `label` changes from one number to another, neither of them 0.
+  [[nodiscard]] std::vector<bool> near_borders(const std::function<unsigned(const Eigen::Vector3d&)>& label,
+                                               double reach_rad) const;
 
   /// Between places bilinear, by the logarithm.
   [[nodiscard]] double at(const Eigen::Vector3d& direction) const;
@@ -49,7 +54,7 @@ class DirectionField {
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
   }
-  void sweep_cones(double slope_per_rad);
+  void sweep_cones(const std::vector<double>& slopes_per_rad);
   void blur(double sigma_places);
 
   DirectionChart chart_;

@@ -72,10 +72,13 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const std:
       const SeamScore& before = result->seams_before;
       fmt::print(
           "    light: responses {:.2f} %, seams' step p95 {:.2f} % (before {:.1f} %), dE mean {:.2f} p95 {:.2f} "
-          "(before {:.1f}, {:.1f}), masks within {:.2f} %, light kept {:.0f} % (flat {:.0f} %)\n",
+          "(before {:.1f}, {:.1f}), masks within {:.2f} % (at the rim {:.2f} %), light kept {:.0f} % (flat {:.0f} %); "
+          "worst at {:.1f}, {:.1f} deg: step of {:.2f} %, at {:.1f}, {:.1f}: masks\n",
           100.0 * result->response_rms, 100.0 * seams.step_p95, 100.0 * before.step_p95, seams.delta_e_mean,
           seams.delta_e_p95, before.delta_e_mean, before.delta_e_p95, 100.0 * seams.mask_sum_error,
-          100.0 * outcome.light->light_kept, 100.0 * outcome.light->light_kept_flat);
+          100.0 * seams.mask_sum_error_rim, 100.0 * outcome.light->light_kept, 100.0 * outcome.light->light_kept_flat,
+          seams.step_worst_deg.x(), seams.step_worst_deg.y(), 100.0 * seams.step_max, seams.mask_worst_deg.x(),
+          seams.mask_worst_deg.y());
     }
     for (const std::string& remark : outcome.calibration.remarks) fmt::print("    {}\n", remark);
     if (outcome.calibration.wall) fmt::print("    wall: {}\n", outcome.calibration.wall->reason);
@@ -93,6 +96,8 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const std:
                  {"seam_de_mean", rounded(result->seams.delta_e_mean)},
                  {"seam_de_p95", rounded(result->seams.delta_e_p95)},
                  {"response_rms", rounded(result->response_rms)},
+                 {"mask_sum_error", rounded(result->seams.mask_sum_error)},
+                 {"mask_sum_error_rim", rounded(result->seams.mask_sum_error_rim)},
                  {"places", score.places},
                  {"projector_width_px", chain.museum.projector_width_px},
                  {"camera_megapixels", chain.museum.camera_megapixels},
@@ -116,6 +121,10 @@ int main(int argc, char** argv) {
   CLI::App* trade = app.add_subcommand("trade", "One knob at a time");
   std::string json;
   trade->add_option("--json", json, "For the figures")->required();
+  cyclorama::Records::Options kept;
+  trade->add_option("--records", kept.file, "Keeps each point, and does not run it again");
+  trade->add_option("--seconds", kept.seconds, "Begins no point after so many, and ends with 75");
+  trade->add_option("--only", kept.only, "Points whose knob and value begin so");
   for (CLI::App* command : {rooms, trade}) {
     command->add_flag("--quick", is_quick, "Fewer of them, and smaller");
     command->add_option("--folder", folder, "For what is measured; emptied afterwards");
@@ -123,6 +132,9 @@ int main(int argc, char** argv) {
   rooms->add_option("--only", only, "That one alone");
   rooms->add_option("--seed", seed, "Of the rooms");
   CLI11_PARSE(app, argc, argv);
-  if (trade->parsed()) return cyclorama::trade(is_quick, folder, json);
+  if (trade->parsed()) {
+    cyclorama::Records records(kept);
+    return cyclorama::trade(is_quick, folder, json, &records);
+  }
   return cyclorama::rooms(is_quick, only, seed, folder);
 }

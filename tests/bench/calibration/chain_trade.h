@@ -3,9 +3,11 @@
 
 #include <filesystem>
 
+#include "tests/bench/calibration/records.h"
+
 namespace cyclorama {
 
 /// Sweeps one knob of a calibration at a time, prints a table, and writes what trade.py draws. Returns what main does.
-int trade(bool is_quick, const std::filesystem::path& folder, const std::filesystem::path& json_file);
+int trade(bool is_quick, const std::filesystem::path& folder, const std::filesystem::path& json_file, Records* records);
 
 }  // namespace cyclorama

@@ -46,9 +46,9 @@ int failed(const std::string& room, const Error& error) {
 }
 
 int rooms(bool is_quick) {
-  fmt::print("{:<20}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "room", "response",
-             "mask sum", "step p95", "max", "bump p95", "dE mean", "dE p95", "dE max", "black", "before", "kept",
-             "flat", "photos", "solve s");
+  fmt::print("{:<20}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "room", "response",
+             "mask sum", "at rim", "step p95", "max", "bump p95", "dE mean", "dE p95", "dE max", "black", "before",
+             "kept", "flat", "photos", "solve s");
   Json json = Json::object();
   for (const std::string& room : preset_names()) {
     auto museum = museum_of(room, 1, is_quick);
@@ -65,16 +65,18 @@ int rooms(bool is_quick) {
     const SeamScore before = seam_score(museum->truth(), *result, false);
     const double rms = response_rms(museum->truth(), *result);
     fmt::print(
-        "{:<20}{:>9.5f}{:>9.5f}{:>9.4f}{:>9.4f}{:>9.4f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>8.3f}{:>8.3f}{:>8}{:>"
+        "{:<20}{:>9.5f}{:>9.5f}{:>9.5f}{:>9.4f}{:>9.4f}{:>9.4f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>9.2f}{:>8.3f}{:>8.3f}"
+        "{:>8}{:>"
         "8."
         "1f}\n",
-        room, rms, score.mask_sum_error, score.step_p95, score.step_max, score.bump_p95, score.delta_e_mean,
-        score.delta_e_p95, score.delta_e_max, score.delta_e_black_p95, before.delta_e_p95, result->light_kept,
-        result->light_kept_flat, scanned->photographs, solve_s);
+        room, rms, score.mask_sum_error, score.mask_sum_error_rim, score.step_p95, score.step_max, score.bump_p95,
+        score.delta_e_mean, score.delta_e_p95, score.delta_e_max, score.delta_e_black_p95, before.delta_e_p95,
+        result->light_kept, result->light_kept_flat, scanned->photographs, solve_s);
     for (const std::string& remark : result->remarks) fmt::print("  {}\n", remark);
     std::fflush(stdout);
     json[room] = {{"response_rms", rounded(rms)},
                   {"mask_sum_error", rounded(score.mask_sum_error)},
+                  {"mask_sum_error_rim", rounded(score.mask_sum_error_rim)},
                   {"seam_step", rounded(score.step_p95)},
                   {"seam_step_max", rounded(score.step_max)},
                   {"seam_bump_p95", rounded(score.bump_p95)},
@@ -89,16 +91,17 @@ int rooms(bool is_quick) {
   return 0;
 }
 
-PresetOptions small_options() {
+PresetOptions small_options(int projectors) {
   PresetOptions options;
+  options.projectors = projectors;
   options.projector_width_px = 480;
   options.projector_height_px = 270;
   options.camera_megapixels = 0.2;
   return options;
 }
 
-Result<SimulatedMuseum> small_museum(std::string_view room, std::uint32_t seed, int bits) {
-  TRY_ASSIGN(Preset preset, make_preset(room, seed, small_options()));
+Result<SimulatedMuseum> small_museum(std::string_view room, std::uint32_t seed, int bits, int projectors = 3) {
+  TRY_ASSIGN(Preset preset, make_preset(room, seed, small_options(projectors)));
   preset.truth.camera.bits = bits;
   return SimulatedMuseum::make(preset.installation, preset.truth);
 }
@@ -154,23 +157,35 @@ int trade(bool is_quick) {
 
 /// How slowly brightness varies against how much light is kept.
 int slopes(bool is_quick) {
-  fmt::print("room,slope_per_deg,light_kept,step_p95,bump_p95,de_mean,de_p95\n");
-  for (const char* const room : {"cylinder126", "plane", "corner"}) {
-    auto museum = small_museum(room, 1, 12);
-    if (!museum) return failed(room, museum.error());
+  struct Room {
+    const char* name;
+    int projectors;
+  };
+  fmt::print(
+      "room,projectors,slope_per_deg,at_borders,light_kept,flat,step_p95,step_max,bump_p95,de_mean,de_p95,masks,masks_"
+      "rim\n");
+  for (const Room& room : {Room{"cylinder126", 4}, Room{"cylinder126", 3}, Room{"plane", 3}, Room{"corner", 3}}) {
+    auto museum = small_museum(room.name, 1, 12, room.projectors);
+    if (!museum) return failed(room.name, museum.error());
     MuseumLightOptions scan;
     scan.cell_px = 16;
     scan.ramp_steps = 9;
     const auto scanned = photograph_light(&*museum, scan);
-    if (!scanned) return failed(room, scanned.error());
-    for (const double slope : {0.0, 0.005, 0.01, 0.02, 0.04}) {
+    if (!scanned) return failed(room.name, scanned.error());
+    constexpr std::pair<double, double> kSlopes[] = {{0.0, 0.0},   {0.005, 0.005}, {0.01, 0.01}, {0.02, 0.005},
+                                                     {0.02, 0.01}, {0.02, 0.015},  {0.02, 0.02}, {0.03, 0.01},
+                                                     {0.04, 0.01}, {0.04, 0.04}};
+    for (const auto& [slope, at_borders] : kSlopes) {
       PhotometryOptions options;
       options.most_slope_per_deg = slope;
+      options.most_slope_at_borders_per_deg = at_borders;
       const auto result = photometry(scanned->input, options);
-      if (!result) return failed(room, result.error());
+      if (!result) return failed(room.name, result.error());
       const SeamScore score = seam_score(museum->truth(), *result);
-      fmt::print("{},{},{:.3f},{:.4f},{:.4f},{:.3f},{:.3f}\n", room, slope, result->light_kept, score.step_p95,
-                 score.bump_p95, score.delta_e_mean, score.delta_e_p95);
+      fmt::print("{},{},{},{},{:.3f},{:.3f},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f},{:.4f},{:.4f}\n", room.name,
+                 room.projectors, slope, at_borders, result->light_kept, result->light_kept_flat, score.step_p95,
+                 score.step_max, score.bump_p95, score.delta_e_mean, score.delta_e_p95, score.mask_sum_error,
+                 score.mask_sum_error_rim);
       std::fflush(stdout);
     }
     if (is_quick) break;

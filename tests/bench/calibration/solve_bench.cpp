@@ -9,15 +9,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
-#include <fstream>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <optional>
 #include <string>
 
 #include "appliance/calibrator/solve/calibrate.h"
+#include "tests/bench/calibration/records.h"
 #include "tests/doubles/generated_room.h"
 
 namespace cyclorama {
@@ -38,44 +36,6 @@ RegistrationScore score_of(const GeneratedRoom& room, const Calibration& calibra
   return registration_score(
       room, [&](std::size_t p, const Eigen::Vector2d& px) { return calibration.projectors[p].map.direction_at(px); });
 }
-
-/// One line of JSON per case that was run, by its key.
-class Records {
- public:
-  struct Options {
-    std::string file{};
-    double seconds = 1e9;
-    std::string only{};
-  };
-  explicit Records(Options options) : options_(std::move(options)), start_(std::chrono::steady_clock::now()) {
-    std::ifstream in(options_.file);
-    for (std::string line; std::getline(in, line);) {
-      const Json record = Json::parse(line, nullptr, false);
-      if (record.is_object() && record.contains("key")) known_[record["key"]] = record;
-    }
-  }
-
-  /// The record of a case, from the file or by running it; nothing when its time has not come.
-  std::optional<Json> get(const std::string& key, const std::function<Json()>& run) {
-    if (!options_.only.empty() && !key.starts_with(options_.only)) return std::nullopt;
-    if (const auto at = known_.find(key); at != known_.end()) return at->second;
-    if (seconds_since(start_) > options_.seconds) {
-      is_cut_ = true;
-      return std::nullopt;
-    }
-    Json record = run();
-    record["key"] = key;
-    if (!options_.file.empty()) std::ofstream(options_.file, std::ios::app) << record.dump() << "\n";
-    return record;
-  }
-  [[nodiscard]] int exit_code() const { return is_cut_ ? 75 : 0; }
-
- private:
-  Options options_;
-  std::chrono::steady_clock::time_point start_;
-  std::map<std::string, Json> known_;
-  bool is_cut_ = false;
-};
 
 RoomPlan plan_of(RoomKind kind, unsigned seed) {
   RoomPlan plan;

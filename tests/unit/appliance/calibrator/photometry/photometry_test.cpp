@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "appliance/calibrator/photometry/inverse_map.h"
 #include "tests/doubles/even_light.h"
@@ -117,6 +118,9 @@ TEST(Photometry, refuses_what_makes_no_sense) {
   PhotometryOptions options;
   options.most_slope_per_deg = -1.0;
   EXPECT_FALSE(photometry(input, options));
+  options.most_slope_per_deg = 0.02;
+  options.most_slope_at_borders_per_deg = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(photometry(input, options));
   EXPECT_FALSE(photometry({}));
   input.views[0].readings[3].codes.pop_back();
   EXPECT_FALSE(photometry(input));
@@ -130,8 +134,10 @@ TEST(Photometry, refuses_what_makes_no_sense) {
   EXPECT_THAT(refused.error().message(), HasSubstr("projector 'left'"));
 }
 
+// Four projectors: their pictures are less high than the wall, so that corners lie on it.
 TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
   PresetOptions small;
+  small.projectors = 4;
   small.projector_width_px = 480;
   small.projector_height_px = 270;
   small.camera_megapixels = 0.15;
@@ -150,8 +156,8 @@ TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
   EXPECT_LT(response_rms(museum->truth(), *result), 0.005);
   const SeamScore score = seam_score(museum->truth(), *result);
   EXPECT_GT(score.pairs, 40u);
-  EXPECT_LT(score.mask_sum_error, 0.005);
-  EXPECT_LT(score.step_p95, 0.015);
+  EXPECT_LT(score.mask_sum_error, 0.015);  // Pixels are four times those of full HD: so is what lies between them.
+  EXPECT_LT(score.step_p95, 0.01);
   EXPECT_LT(score.delta_e_mean, 0.8);
   EXPECT_LT(score.delta_e_p95, 1.5);
   EXPECT_GT(seam_score(museum->truth(), *result, false).delta_e_p95, score.delta_e_p95);

@@ -146,6 +146,34 @@ TEST(DirectionField, is_the_largest_below_what_can_be_reached_with_that_slope) {
   EXPECT_NEAR(field->slow_below(0.0, 0.0).at(dim), 0.5, 1e-9);
 }
 
+TEST(DirectionField, varies_less_where_pictures_begin_and_end) {
+  const auto projectors = two_projectors();
+  auto field = DirectionField::over(projectors, 0.35 * kDegree);
+  ASSERT_TRUE(field);
+  const auto at = [](double azimuth) {
+    return Eigen::Vector3d(std::sin(azimuth * kDegree), 0.0, -std::cos(azimuth * kDegree));
+  };
+  // Left alone, both from -5 on, right alone from 5 on; nobody from 30 on, which is no border between pictures.
+  const auto near = field->near_borders(
+      [](const Eigen::Vector3d& d) {
+        const double azimuth = std::atan2(d.x(), -d.z()) / kDegree;
+        return azimuth > 30.0 ? 0u : azimuth < -5.0 ? 1u : azimuth < 5.0 ? 3u : 2u;
+      },
+      2.0 * kDegree);
+  const auto places = field->places();
+  ASSERT_EQ(near.size(), places.size());
+  std::vector<double> slopes;
+  for (const bool is_near : near) slopes.push_back((is_near ? 0.01 : 0.03) / kDegree);
+  field->fill([](const Eigen::Vector3d& d) { return d.x() < -0.45 ? 0.3 : 1.0; });  // Dark from -27 degrees on.
+  const DirectionField slow = field->slow_below(slopes, 1.0 * kDegree);
+  const auto slope = [&](double azimuth) { return std::log(slow.at(at(azimuth + 0.5)) / slow.at(at(azimuth - 0.5))); };
+  EXPECT_NEAR(slope(-18.0), 0.03, 0.002);
+  EXPECT_NEAR(slope(-5.0), 0.011, 0.0015);
+  EXPECT_NEAR(slope(0.0), 0.03, 0.004);
+  // Of 52 degrees 8 are near borders: all of the light is reached again.
+  EXPECT_GE(slow.at(at(25.0)), 0.9);
+}
+
 TEST(DirectionField, holds_a_wall_that_goes_all_round) {
   std::vector<PhotometricProjector> projectors;
   for (int i = 0; i < 6; ++i)

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/calibration/chain_models.h"
+
+#include <fmt/format.h>
+
+#include <ctime>
+#include <optional>
+#include <vector>
+
+#include "appliance/calibrator/scan/simulated_devices.h"
+#include "appliance/calibrator/solve/calibrate.h"
+#include "appliance/calibrator/solve/map_grid.h"
+#include "appliance/calibrator/solve/surface_fit.h"
+#include "drivers/turnplate/simulated/simulated_turnplate.h"
+
+namespace cyclorama {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// What a wall is fitted to: every third control point of the maps that is sure of its place.
+std::vector<SurfaceSample> samples_of(const std::vector<CalibratedProjector>& projectors) {
+  constexpr int kEvery = 3;
+  constexpr double kSure_px = 0.2;
+  std::vector<SurfaceSample> samples;
+  for (std::size_t p = 0; p < projectors.size(); ++p) {
+    const MeasuredMap& map = projectors[p].map;
+    const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
+    for (int y = 0; y <= map.cells_y; y += kEvery) {
+      for (int x = 0; x <= map.cells_x; x += kEvery) {
+        const auto node = static_cast<std::size_t>(grid.node(x, y));
+        if (!map.directions[node].allFinite() || !(map.sigma_px[node] < kSure_px)) continue;
+        samples.push_back({p, {x * grid.cell_width(), y * grid.cell_height()}, map.directions[node], 0.05});
+      }
+    }
+  }
+  return samples;
+}
+
+std::optional<Eigen::Vector2d> pixel_of(const SurfaceFit& fit, std::size_t p, const Eigen::Vector3d& direction) {
+  const auto nearness = fit.surface.nearness_at(direction);
+  const auto& T_eye_projector = fit.projectors[p].T_eye_projector;
+  if (!nearness) return std::nullopt;
+  return fit.projectors[p].lens.pixel_of(T_eye_projector.rotation().conjugate() *
+                                         (direction - *nearness * T_eye_projector.translation()));
+}
+
+/// Where the model sees a pixel: the map's direction, moved by what the model says of its pixel.
+std::optional<Eigen::Vector3d> direction_by(const SurfaceFit& fit, const MeasuredMap& map, std::size_t p,
+                                            const Eigen::Vector2d& pixel) {
+  constexpr double kBeside_px = 0.5;
+  constexpr int kSteps = 6;
+  const auto start = map.direction_at(pixel);
+  if (!start) return std::nullopt;
+  Eigen::Vector3d direction = *start;
+  const Eigen::Vector3d right = direction.cross(Eigen::Vector3d::UnitY()).normalized();
+  const Eigen::Vector3d up = right.cross(direction);
+  for (int step = 0; step < kSteps; ++step) {
+    const auto here = pixel_of(fit, p, direction);
+    if (!here) return std::nullopt;
+    Eigen::Matrix2d slope;
+    constexpr double kStep_rad = 1e-4;
+    const auto aside = pixel_of(fit, p, (direction + kStep_rad * right).normalized());
+    const auto above = pixel_of(fit, p, (direction + kStep_rad * up).normalized());
+    if (!aside || !above) return std::nullopt;
+    slope << (*aside - *here) / kStep_rad, (*above - *here) / kStep_rad;
+    if (!(std::abs(slope.determinant()) > kBeside_px)) return std::nullopt;
+    const Eigen::Vector2d move = slope.inverse() * (pixel - *here);
+    direction = (direction + move.x() * right + move.y() * up).normalized();
+  }
+  return direction;
+}
+
+/// From the plane upwards, each from the one that begins it best.
+std::vector<Result<SurfaceFit>> climb(const std::vector<MeasuredProjector>& projectors,
+                                      const std::vector<SurfaceSample>& samples, const SurfaceFit& first) {
+  constexpr double kKnot_rad = 0.1;
+  std::vector<Eigen::Vector3d> spread;
+  for (const SurfaceSample& sample : samples) spread.push_back(sample.direction);
+  std::vector<Result<SurfaceFit>> fits;
+  SurfaceFit from = first;
+  for (const SurfaceRung rung : kSurfaceRungs) {
+    SurfaceFit start = from;
+    start.surface = Surface::start(rung, from.surface, spread, kKnot_rad);
+    if (rung == SurfaceRung::kCylinder) {
+      start = first;
+      start.surface = Surface::start(rung, first.surface, spread, kKnot_rad);
+      start.surface.parameters[3] = 1.0 / first.surface.distance_m;
+    }
+    fits.push_back(fit_surface(projectors, samples, start, {LensRung::kDecentred, false, 50}));
+    if (fits.back() && rung == SurfaceRung::kCylinder) from = *fits.back();
+  }
+  return fits;
+}
+
+}  // namespace
+
+Json model_points(const ChainCase& chain, const std::filesystem::path& folder) {
+  const auto failed = [](const Error& error) { return Json{{"why", error.message()}}; };
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  std::filesystem::create_directories(folder, ignored);
+  const auto preset = make_preset(chain.name, chain.seed, chain.museum);
+  if (!preset) return failed(preset.error());
+  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  if (!museum) return failed(museum.error());
+  SimulatedPatternScreen screen(&*museum);
+  SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
+  SimulatedTurnplate plate(&*museum);
+  const KnownCamera known = camera_of_preset(chain.name);
+  ScanSettings settings;
+  settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), known.field_of_view_rad);
+  settings.pitch_rad = known.pitch_rad;
+  settings.view = chain.view;
+  const double begun_s = museum->now_s();
+  const auto scan = scan_wall(museum->installation(), settings, {screen, camera, plate}, folder / "scan", {}, {});
+  if (!scan) return failed(scan.error());
+  CalibrateOptions options;
+  options.with_wall = false;
+  const double solve_begun_s = cpu_s();
+  const auto calibration = calibrate(scan->measurements, "2026-01-01T00-00-00Z", options);
+  if (!calibration) return failed(calibration.error());
+  const double museum_s = museum->now_s() - begun_s;
+  const auto& projectors = calibration->projectors;
+  Json models = Json::array();
+  const auto add = [&](const std::string& value, bool is_default, double solve_s, const DirectionOfPixel& mapped) {
+    const MuseumScore score = museum_score(museum->truth(), mapped);
+    models.push_back({{"value", value},
+                      {"default", is_default},
+                      {"mean_px", score.mean_px},
+                      {"p95_px", score.p95_px},
+                      {"max_px", score.max_px},
+                      {"true_p95_px", score.true_p95_px},
+                      {"missing", static_cast<double>(score.missing) / static_cast<double>(score.lit)},
+                      {"pictures", scan->pictures},
+                      {"museum_s", museum_s},
+                      {"solve_s", solve_s}});
+  };
+  add("none", true, cpu_s() - solve_begun_s,
+      [&](std::size_t p, const Eigen::Vector2d& pixel) { return projectors[p].map.direction_at(pixel); });
+  const auto add_fit = [&](const std::string& value, const SurfaceFit& fit, double solve_s) {
+    add(value, false, solve_s,
+        [&](std::size_t p, const Eigen::Vector2d& pixel) { return direction_by(fit, projectors[p].map, p, pixel); });
+  };
+  const std::vector<SurfaceSample> samples = samples_of(projectors);
+  const auto& measured = scan->measurements.projectors;
+  const auto first = surface_start(measured, samples, scan->measurements.wall_distance_m);
+  if (!first) return failed(first.error());
+  const double climb_begun_s = cpu_s();
+  const auto fits = climb(measured, samples, *first);
+  const double climb_s = cpu_s() - climb_begun_s;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const std::string name(name_of(kSurfaceRungs[i]));
+    if (!fits[i]) continue;
+    add_fit(name, *fits[i], climb_s);
+    if (kSurfaceRungs[i] != SurfaceRung::kProfile) continue;
+    for (const LensRung lens : kProjectorLensRungs) {
+      const auto fit = fit_surface(measured, samples, *fits[i], {lens, false, 50});
+      if (fit) add_fit(fmt::format("{}, lens {}", name, name_of(lens)), *fit, climb_s);
+    }
+  }
+  std::filesystem::remove_all(folder, ignored);
+  return {{"models", models}};
+}
+
+}  // namespace cyclorama

@@ -122,6 +122,8 @@ int main(int argc, char** argv) {
   std::string json;
   trade->add_option("--json", json, "For the figures")->required();
   cyclorama::Records::Options kept;
+  unsigned seeds = 1;
+  trade->add_option("--seeds", seeds, "Museums for each point; their mean is told");
   trade->add_option("--records", kept.file, "Keeps each point, and does not run it again");
   trade->add_option("--seconds", kept.seconds, "Begins no point after so many, and ends with 75");
   trade->add_option("--only", kept.only, "Points whose knob and value begin so");
@@ -134,7 +136,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (trade->parsed()) {
     cyclorama::Records records(kept);
-    return cyclorama::trade(is_quick, folder, json, &records);
+    return cyclorama::trade(is_quick, seeds, folder, json, &records);
   }
   return cyclorama::rooms(is_quick, only, seed, folder);
 }

@@ -111,7 +111,7 @@ Json together(const std::vector<Json>& records) {
 
 }  // namespace
 
-int trade(bool is_quick, const std::filesystem::path& folder, const std::filesystem::path& json_file,
+int trade(bool is_quick, unsigned seeds, const std::filesystem::path& folder, const std::filesystem::path& json_file,
           Records* records) {
   Json json = Json::array();
   fmt::print("{:<20}{:<30}{:>6}{:>8}{:>8}{:>8}{:>10}{:>9}{:>10}{:>10}{:>9}\n", "knob", "value", "seeds", "mean", "p95",
@@ -134,7 +134,6 @@ int trade(bool is_quick, const std::filesystem::path& folder, const std::filesys
     std::fflush(stdout);
     json.push_back(std::move(point));
   };
-  const unsigned seeds = is_quick ? 1 : 2;
   for (const TradePoint& point : points(is_quick)) {
     std::vector<Json> of_seeds;
     for (unsigned seed = 1; seed <= seeds; ++seed) {

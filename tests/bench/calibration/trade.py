@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Of the figures of `calibration_bench trade`: a table of every point, a drawing, and the JSON line.
+"""Of the figures of `calibration_bench trade`: a table of every point, a drawing (large dots: the defaults), and the JSON line.
 
 Run: trade.py FIGURES FOLDER, where calibration.csv and calibration.svg are written.
 """
@@ -30,6 +30,7 @@ def place_in(points):
 
 
 def drawing(points):
+    points = [point for point in points if not point["knob"].startswith("model")]  # One scan, another drawing: no time of their own.
     place, ends = place_in(points)
     out = [f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{HEIGHT}" fill="none" stroke="#888"/>',
            f'<text x="{LEFT + WIDTH / 2}" y="{TOP + HEIGHT + 34}" text-anchor="middle">seconds in the museum</text>',
@@ -47,7 +48,7 @@ def drawing(points):
             path = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
             out.append(f'<polyline points="{path}" fill="none" stroke="{colour}"/>')
         for point, (x, y) in zip(line, places):
-            out.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>')
+            out.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{5 if point["default"] else 3}" fill="{colour}"/>')
             out.append(f'<text x="{x + 5:.1f}" y="{y - 4:.1f}" font-size="9" fill="{colour}">{point["value"]}</text>')
         out.append(f'<text x="{LEFT + WIDTH - 5}" y="{TOP + 16 + 15 * index}" text-anchor="end" fill="{colour}">{knob}</text>')
     size = (LEFT + WIDTH + 60, TOP + HEIGHT + 50)

@@ -21,7 +21,7 @@ def plug(machine, folder, name, site):
     image = folder / f"{name}.img"
     stick(image, 40, {"cyclorama/site.toml": file, "cyclorama/installation.toml": ROOT / "demo/installation.toml"})
     machine.ask("blockdev-add", driver="raw", **{"node-name": name}, **{"read-only": True}, file={"driver": "file", "filename": str(image)})
-    _, before = machine.run(ENDED, 60)
+    before = int(machine.run(ENDED, 60)[1].split()[-1])
     machine.ask("device_add", driver="usb-storage", id=name, bus="usb.0", drive=name, removable=True)
     machine.run(f"for i in $(seq 90); do [ $({ENDED}) -gt {before} ] && ! {RUNS} && break; sleep 1; done", 300)
     machine.ask("device_del", id=name)

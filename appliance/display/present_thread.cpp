@@ -10,8 +10,8 @@
 namespace cyclorama {
 namespace {
 // Less than the service's TimeoutStartSec, so that the reason is told. A processor that draws in software compiles the
-// shaders first: 1 s on one that is common, a minute where that is emulated.
-constexpr auto kLongestStart = std::chrono::seconds(150);
+// shaders first: 1 s on one that is common, minutes where that is emulated.
+constexpr auto kLongestStart = std::chrono::seconds(270);
 constexpr Duration kLongestRefresh = std::chrono::seconds(2);
 // Less than the service's WatchdogSec, so that the state is told before the process is ended.
 constexpr Duration kLongestOpening = std::chrono::seconds(20);

@@ -16,7 +16,7 @@ namespace cyclorama {
 class PresentThread {
  public:
   /// Opens the output and draws nothing yet. Borrows the mailbox and the clock.
-  /// Errors of OutputKeeper::open(); kTimedOut when the driver takes longer than 150 s.
+  /// Errors of OutputKeeper::open(); kTimedOut when the driver takes longer than 270 s.
   static Result<std::unique_ptr<PresentThread>> start(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock);
   /// Ends with the refresh that it is in.
   ~PresentThread() = default;

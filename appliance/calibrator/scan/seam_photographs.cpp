@@ -78,8 +78,11 @@ Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
     maps.push_back(fits ? &found->map : nullptr);
     const auto colour = std::find_if(by.colours.begin(), by.colours.end(),
                                      [&](const CalibratedColour& c) { return c.name == projector.name; });
-    const bool has_colour = fits && colour != by.colours.end() && colour->mask.width() == projector.lens.width_px &&
-                            colour->mask.height() == projector.lens.height_px;
+    const auto is_of_head = [&](const Image<float, 1>& image) {
+      return image.width() == projector.lens.width_px && image.height() == projector.lens.height_px;
+    };
+    const bool has_colour = fits && colour != by.colours.end() && is_of_head(colour->mask) &&
+                            (!colour->colour.lift || is_of_head(*colour->colour.lift));
     colours.push_back(has_colour ? &*colour : nullptr);
   }
   const bool is_planned = by.calibration == nullptr;

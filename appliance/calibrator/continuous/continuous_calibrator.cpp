@@ -18,9 +18,7 @@ constexpr double kProjectorShift_m = 1e-3;
 constexpr double kCameraTurn_rad = 5e-4;
 constexpr double kCameraShift_m = 2e-3;
 constexpr double kCaution = 4.0;  // Variance of a measurement, in what the solver promised: patches share errors.
-constexpr int kLeastLearned = 8;
-constexpr int kQuietSteps = 3;
-constexpr double kHardly_px = 0.04;
+constexpr int kLeastLearned = 5;
 constexpr Duration kSettlesWithin = std::chrono::minutes(2);
 constexpr int kSurprisesAreABump = 2;
 constexpr int kStubborn = 6;  // Surprises that nobody's move explains: the filter was too sure of itself.
@@ -173,7 +171,6 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
   }
   // Where projectors are said to be rests on where cameras are.
   if (has_camera_moved) return;
-  double most_px = 0.0;
   ++learned;
   for (BodyIndex body = 0; body < bodies(); ++body) {
     if (!told[body]) continue;
@@ -182,13 +179,11 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
       is_noticed[body] = false;
       measured_at[body] = now;
       believed.projectors[body].T_room_projector = stepped(believed.projectors[body].T_room_projector, step);
-      most_px = std::max(most_px, motion[body].rms_px(step));
     } else {
       ShowCamera& camera = believed.cameras[body - projectors()];
       camera.T_room_camera = stepped(camera.T_room_camera, step);
     }
   }
-  quiet = most_px < kHardly_px ? quiet + 1 : 0;
 }
 
 void ContinuousCalibrator::State::loosen() {
@@ -206,8 +201,7 @@ void ContinuousCalibrator::State::loosen() {
 void ContinuousCalibrator::State::settle(TimePoint now) {
   if (is_settled || now < *begun_at + options.settle) return;
   // By what was learned, not by the clock alone: a step may take a quarter of a second, or two.
-  const bool has_learned = learned >= kLeastLearned && quiet >= kQuietSteps;
-  if (!has_learned && now < *begun_at + kSettlesWithin) return;
+  if (learned < kLeastLearned && now < *begun_at + kSettlesWithin) return;
   is_settled = true;
   // What was learned so far is the scan's own error, not a change.
   for (std::size_t i = 0; i < projectors(); ++i) {

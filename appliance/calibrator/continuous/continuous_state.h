@@ -32,8 +32,7 @@ struct ContinuousCalibrator::State {
   std::optional<TimePoint> begun_at;
   std::optional<TimePoint> stepped_at;
   bool is_settled = false;
-  int learned = 0;  ///< Steps that taught something, so far,
-  int quiet = 0;    ///< and the last ones in a row that taught hardly anything.
+  int learned = 0;  ///< Steps that taught something.
   bool wants_realignment = false;
   std::optional<TimePoint> realigns_until;
   int fruitless = 0;  ///< Searches in a row that found nothing.

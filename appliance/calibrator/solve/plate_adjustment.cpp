@@ -46,7 +46,7 @@ PlateAdjustment::PlateAdjustment(const PlateTask& task, const PlateHints& hints,
     data.wall_nearness = state->nearness.wall_at(Eigen::Vector3d(state->directions[t].data()));
     for (const std::size_t i : tracks[t]->cells) {
       const CellMean& cell = task.means.cells[i];
-      sights_.push_back({Sight(cell), static_cast<std::size_t>(cell.direction)});
+      sights_.push_back({PlateSight(cell), static_cast<std::size_t>(cell.direction)});
     }
     const CellMean& cell = task.means.cells[tracks[t]->cells.front()];
     if (with_offset && hints.known) {

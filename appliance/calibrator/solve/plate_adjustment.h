@@ -39,7 +39,7 @@ class PlateAdjustment final : public DampedProblem {
     std::size_t index;
   };
   struct TrackSight {
-    Sight sight;
+    PlateSight sight;
     std::size_t direction;
   };
   struct TrackData {

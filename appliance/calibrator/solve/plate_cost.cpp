@@ -29,7 +29,7 @@ double nearness_at(const Nearness& terms, const Eigen::Vector3d& direction) {
   return nearness_basis(direction).dot(Eigen::Map<const Eigen::Matrix<double, kNearnessTerms, 1>>(terms.data()));
 }
 
-Sight::Sight(const CellMean& cell)
+PlateSight::PlateSight(const CellMean& cell)
     : camera_px(cell.camera_px), whitening(cell.camera_per_projector.inverse() / cell.sigma_px) {}
 
 SeenFrom::SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad) {
@@ -53,7 +53,7 @@ SeenFrom::SeenFrom(const std::array<double, 2>& mount, const std::array<double, 
   }
 }
 
-bool SeenFrom::residuals(const Sight& sight, const double* lens, const Nearness& terms, double wall_nearness,
+bool SeenFrom::residuals(const PlateSight& sight, const double* lens, const Nearness& terms, double wall_nearness,
                          const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const {
   const Eigen::Matrix<double, kNearnessTerms, 1> basis = nearness_basis(direction);
   const double nearness =

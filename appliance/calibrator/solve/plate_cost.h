@@ -47,11 +47,11 @@ struct KnownSight {
 };
 
 /// One camera pixel that a direction of the plate sees of a track.
-struct Sight {
+struct PlateSight {
   Eigen::Vector2d camera_px;
   Eigen::Matrix2d whitening;  ///< From camera pixels to sigmas of the projector's.
 
-  explicit Sight(const CellMean& cell);
+  explicit PlateSight(const CellMean& cell);
 };
 
 /// What directions of the plate share, and one of them. Its numbers lie in a residual's Jacobian at:
@@ -70,7 +70,7 @@ class SeenFrom {
   SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad);
   /// In sigmas, of the unit vector `direction` where the wall is `wall_nearness` and the terms near; `ret_slopes` may
   /// be null. False behind the camera.
-  bool residuals(const Sight& sight, const double* lens, const Nearness& terms, double wall_nearness,
+  bool residuals(const PlateSight& sight, const double* lens, const Nearness& terms, double wall_nearness,
                  const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const;
 
  private:

@@ -56,7 +56,7 @@ class SightCost : public ceres::CostFunction {
   }
 
  private:
-  Sight sight_;
+  PlateSight sight_;
 };
 
 TEST(PlateCost, has_the_jacobian_that_differences_give) {

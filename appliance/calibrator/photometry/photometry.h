@@ -49,7 +49,7 @@ struct PhotometryOptions {
   /// slopes of a few percent per degree. 0: flat, as dark as the darkest place.
   double most_slope_per_deg = 0.02;
   /// The same where a picture begins or ends upon another: there an eye looks for a step, and has an edge to hold the
-  /// slope against. Chosen on the curve in docs/trade.md: with it no step across a border is above a percent.
+  /// slope against. Chosen on the curve in docs/trade.md: with it 95 % of the steps across borders are below a percent.
   double most_slope_at_borders_per_deg = 0.01;
   bool lifts_black = true;
 };

@@ -7,6 +7,7 @@
 
 #include "appliance/calibrator/continuous/corrected_map.h"
 #include "appliance/calibrator/continuous/show_fit.h"
+#include "appliance/calibrator/healing/show_record.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 
 namespace cyclorama {
@@ -48,20 +49,13 @@ bool is_same(const BrownParameters& a, const BrownParameters& b) {
   return a.width_px == b.width_px && a.height_px == b.height_px && to_block(a) == to_block(b);
 }
 
+/// For pictures of 1/`factor` of the heads' pixels.
 ShowCalibration room_of(const ShowFile& show, const Installation& installation, int factor, bool is_believed) {
-  ShowCalibration room;
-  room.wall = installation.wall;
-  room.sweet_spot = installation.sweet_spot;
-  for (const ShowFile::Projector& p : show.projectors) {
-    ShowProjector projector;
-    projector.name = p.name;
-    projector.lens = smaller_lens(p.lens, factor);
-    projector.T_room_projector = is_believed ? p.believed.value_or(p.applied) : p.applied;
-    projector.light.fill(gamma_light(2.2));
-    room.projectors.push_back(std::move(projector));
+  ShowCalibration room = show_of(show, installation);
+  for (std::size_t i = 0; i < room.projectors.size(); ++i) {
+    room.projectors[i].lens = smaller_lens(room.projectors[i].lens, factor);
+    if (is_believed && show.projectors[i].believed) room.projectors[i].T_room_projector = *show.projectors[i].believed;
   }
-  for (const ShowFile::Camera& c : show.cameras)
-    room.cameras.push_back({c.name, c.lens, c.T_room_camera, gamma_light(1.0)});
   return room;
 }
 

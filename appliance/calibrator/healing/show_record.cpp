@@ -35,23 +35,6 @@ ShowFile file_of(const ShowCalibration& show) {
   return file;
 }
 
-ShowCalibration show_of(const ShowFile& file, const Installation& installation) {
-  ShowCalibration show;
-  show.wall = installation.wall;
-  show.sweet_spot = installation.sweet_spot;
-  for (const ShowFile::Projector& p : file.projectors) {
-    ShowProjector projector;
-    projector.name = p.name;
-    projector.lens = p.lens;
-    projector.T_room_projector = p.applied;
-    projector.light.fill(gamma_light(2.2));
-    show.projectors.push_back(std::move(projector));
-  }
-  for (const ShowFile::Camera& c : file.cameras)
-    show.cameras.push_back({c.name, c.lens, c.T_room_camera, gamma_light(1.0)});
-  return show;
-}
-
 Error system_error(const std::filesystem::path& path) {
   return Error::from_errno(fmt::format("writing '{}'", path.string()));
 }
@@ -76,6 +59,23 @@ std::string pose_text(const RigidTransform<frame::Room, frame::Projector>& T) {
 }
 
 }  // namespace
+
+ShowCalibration show_of(const ShowFile& file, const Installation& installation) {
+  ShowCalibration show;
+  show.wall = installation.wall;
+  show.sweet_spot = installation.sweet_spot;
+  for (const ShowFile::Projector& p : file.projectors) {
+    ShowProjector projector;
+    projector.name = p.name;
+    projector.lens = p.lens;
+    projector.T_room_projector = p.applied;
+    projector.light.fill(gamma_light(2.2));
+    show.projectors.push_back(std::move(projector));
+  }
+  for (const ShowFile::Camera& c : file.cameras)
+    show.cameras.push_back({c.name, c.lens, c.T_room_camera, gamma_light(1.0)});
+  return show;
+}
 
 std::string report_lines(const ShowReport& report) {
   std::string lines;

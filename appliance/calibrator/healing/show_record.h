@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "appliance/calibrator/continuous/continuous_calibrator.h"
+#include "appliance/calibrator/continuous/show_file.h"
 #include "common/base/result.h"
 #include "common/room/installation.h"
 
@@ -34,6 +35,9 @@ struct RecordStart {
   ShowCalibration applied;
   std::optional<ShowCalibration> believed;
 };
+
+/// With what is applied; light is taken for 2.2 gamma, cameras for linear.
+[[nodiscard]] ShowCalibration show_of(const ShowFile& file, const Installation& installation);
 
 /// A line per correction, and per line of the log: the same for the same report, and for no other.
 [[nodiscard]] std::string report_lines(const ShowReport& report);

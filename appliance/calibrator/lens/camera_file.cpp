@@ -48,13 +48,7 @@ std::string camera_json(const CameraFile& camera) {
 }
 
 Result<CameraFile> parse_camera(std::string_view text, const std::string& name) {
-  nlohmann::json document;
-  try {
-    document = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& error) {
-    return Error(ErrorCode::kBadData,
-                 fmt::format("{}: {}; calibrate the camera again", name, printable(error.what(), 200)));
-  }
+  TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "calibrate the camera again"));
   StrictJson::Mistakes mistakes;
   StrictJson json(document, "", &mistakes);
   CameraFile camera;

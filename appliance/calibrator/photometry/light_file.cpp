@@ -26,17 +26,6 @@ constexpr double kLargestLog = 100.0;
 constexpr double kLarge = 1e6;
 
 template <typename Matrix>
-Json rows_of(const Matrix& matrix) {
-  Json rows = Json::array();
-  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-    Json row = Json::array();
-    for (Eigen::Index c = 0; c < matrix.cols(); ++c) row.push_back(matrix(r, c));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
-template <typename Matrix>
 Matrix matrix_of(const StrictJson& json) {
   Matrix matrix = Matrix::Zero();
   Eigen::Index r = 0;
@@ -99,13 +88,7 @@ std::string light_json(const KeptLight& light) {
 }
 
 Result<KeptLight> parse_light(std::string_view text, const std::string& name) {
-  nlohmann::json document;
-  try {
-    document = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& error) {
-    return Error(ErrorCode::kBadData,
-                 fmt::format("{}: {}; go back to a calibration that was kept", name, printable(error.what(), 200)));
-  }
+  TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "go back to a calibration that was kept"));
   StrictJson::Mistakes mistakes;
   StrictJson json(document, "", &mistakes);
   if (json.text("format", 60) != "cyclorama-light")

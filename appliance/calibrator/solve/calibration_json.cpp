@@ -21,16 +21,6 @@ constexpr int kMostPx = 16384;
 constexpr int kMostCells = 4096;
 constexpr std::size_t kMostNumbers = 8192;  // Of a wall's parameters.
 
-Json json_of(const Eigen::MatrixXd& matrix) {
-  Json rows = Json::array();
-  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
-    Json row = Json::array();
-    for (Eigen::Index c = 0; c < matrix.cols(); ++c) row.push_back(matrix(r, c));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 template <typename Vector>
 Json list_of(const Vector& values) {
   Json list = Json::array();
@@ -42,7 +32,7 @@ Json json_of(const MeasuredLens& lens) {
   return {{"width_px", lens.width_px},
           {"height_px", lens.height_px},
           {"focal_px_centre_px_k1_k2_k3_p1_p2", list_of(lens.values)},
-          {"covariance", json_of(Eigen::MatrixXd(lens.covariance))}};
+          {"covariance", rows_of(lens.covariance)}};
 }
 
 Json json_of(const SplineAxis& axis) {
@@ -50,7 +40,7 @@ Json json_of(const SplineAxis& axis) {
 }
 
 Json json_of(const Surface& surface) {
-  return {{"surface", name_of(surface.rung)}, {"R_eye_wall", json_of(Eigen::MatrixXd(surface.R_eye_wall))},
+  return {{"surface", name_of(surface.rung)}, {"R_eye_wall", rows_of(surface.R_eye_wall)},
           {"distance_m", surface.distance_m}, {"across", json_of(surface.across)},
           {"up", json_of(surface.up)},        {"parameters", list_of(surface.parameters)}};
 }
@@ -69,7 +59,7 @@ Json json_of(const TurnPlate& plate) {
             {"angles_rad", list_of(plate.angles_rad)},
             {"reference", plate.reference},
             {"parameters", plate.parameters},
-            {"covariance", json_of(plate.covariance)},
+            {"covariance", rows_of(plate.covariance)},
             {"rank", plate.rank},
             {"tracks", plate.tracks},
             {"rms_px", plate.rms_px},
@@ -99,7 +89,7 @@ Json json_of(const ModelChoice& wall) {
     projectors.push_back({{"lens", json_of(p.lens)},
                           {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
                           {"place_m", {t.x(), t.y(), t.z()}},
-                          {"pose_covariance", json_of(Eigen::MatrixXd(p.pose_covariance))}});
+                          {"pose_covariance", rows_of(p.pose_covariance)}});
   }
   Json json = json_of(wall.fit.surface);
   json.update(Json::object({{"lens", name_of(wall.lens)},
@@ -285,16 +275,7 @@ std::string calibration_json(const Calibration& calibration) {
 }
 
 Result<Calibration> parse_calibration(std::string_view text, const std::string& name) {
-  nlohmann::json document;
-  try {
-    document = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::parse_error& error) {
-    return Error(ErrorCode::kBadData,
-                 fmt::format("{}: byte {}: no JSON; go back to a calibration that was kept", name, error.byte));
-  } catch (const nlohmann::json::exception& error) {
-    return Error(ErrorCode::kBadData,
-                 fmt::format("{}: {}; go back to a calibration that was kept", name, printable(error.what())));
-  }
+  TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "go back to a calibration that was kept"));
   StrictJson::Mistakes mistakes;
   StrictJson json(document, "", &mistakes);
   Calibration calibration;

@@ -112,13 +112,7 @@ std::string colours_json(std::span<const CalibratedColour> colours) {
 }
 
 Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const std::string& name) {
-  nlohmann::json document;
-  try {
-    document = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& error) {
-    return Error(ErrorCode::kBadData,
-                 fmt::format("{}: {}; go back to a calibration that was kept", name, printable(error.what(), 200)));
-  }
+  TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "go back to a calibration that was kept"));
   StrictJson::Mistakes mistakes;
   StrictJson json(document, "", &mistakes);
   if (json.text("format", 60) != "cyclorama-colours")

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/base/text.h"
 
 namespace cyclorama {
 
@@ -104,5 +108,28 @@ class StrictJson {
   Mistakes* mistakes_;
   std::vector<std::string> asked_;
 };
+
+/// kBadData  it is no JSON, and where; `name` says what, `remedy` what to do about it.
+inline Result<nlohmann::json> parse_document(std::string_view text, const std::string& name, std::string_view remedy) {
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    return Error(ErrorCode::kBadData, fmt::format("{}: byte {}: no JSON; {}", name, error.byte, remedy));
+  } catch (const nlohmann::json::exception& error) {
+    return Error(ErrorCode::kBadData, fmt::format("{}: {}; {}", name, printable(error.what(), 200), remedy));
+  }
+}
+
+/// An Eigen matrix as a list of its rows.
+template <typename Matrix>
+nlohmann::ordered_json rows_of(const Matrix& matrix) {
+  auto rows = nlohmann::ordered_json::array();
+  for (long r = 0; r < matrix.rows(); ++r) {
+    auto row = nlohmann::ordered_json::array();
+    for (long c = 0; c < matrix.cols(); ++c) row.push_back(matrix(r, c));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
 
 }  // namespace cyclorama

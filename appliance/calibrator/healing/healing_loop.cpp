@@ -171,7 +171,7 @@ Status HealingLoop::step() {
   }
   std::string sentence = now.health.sentence();
   for (const std::string& trouble : troubles) sentence += "; " + trouble;
-  say(std::move(sentence), now.health.is_well() && troubles.empty());
+  say(sentence, now.health.is_well() && troubles.empty());
   return Done{};
 }
 
@@ -246,10 +246,9 @@ Result<std::vector<PlacedCamera>> HealingLoop::place_cameras(std::stop_token sto
   return placed;
 }
 
-void HealingLoop::say(std::string sentence, bool is_well) {
+void HealingLoop::say(const std::string& sentence, bool is_well) {
   inspection_.set_fact("watch", sentence);
   if (options_.tell) options_.tell(sentence, is_well);
-  said_ = std::move(sentence);
 }
 
 std::filesystem::file_time_type HealingLoop::calibrated_at() const {

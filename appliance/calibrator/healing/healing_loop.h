@@ -76,7 +76,7 @@ class HealingLoop {
   void keep(const ShowReport& report);
   Status write_state(bool with_correction);
   void log_corrections(const ShowReport& report);
-  void say(std::string sentence, bool is_well);
+  void say(const std::string& sentence, bool is_well);
   [[nodiscard]] std::filesystem::file_time_type calibrated_at() const;
 
   const Installation installation_;
@@ -92,7 +92,6 @@ class HealingLoop {
   std::atomic<int> holders_{0};
   std::mutex mutex_;
   std::condition_variable_any woken_;
-  std::string said_;
   std::jthread thread_;  ///< Last: it ends before what it uses.
 };
 

@@ -55,8 +55,8 @@ struct TrackedTag {
 
 struct TrackingResult {
   TrackingState state;
-  std::optional<TrackedTag>
-      tag;  ///< Nothing when the followed pattern is not in the picture, or which way it points is not known yet.
+  /// Nothing when the followed pattern is not in the picture, or which way it points is not known yet.
+  std::optional<TrackedTag> tag;
 };
 
 /// Follows one pattern: the same as before while it is seen or was lost for less than kKeepFor, else the largest. Pure.

@@ -140,24 +140,34 @@ std::vector<SurfaceFit> starts_of(SurfaceRung rung, const SurfaceFit& first, con
   const SurfaceFit& cylinder = found(SurfaceRung::kCylinder) != nullptr ? *found(SurfaceRung::kCylinder) : plane;
   std::vector<SurfaceFit> starts;
   const double round = 1.0 / first.surface.distance_m;
+  const auto bent = [&](double curvature) {
+    SurfaceFit start = richer(first, SurfaceRung::kCylinder, spread, knot_rad);
+    start.surface.parameters[3] = curvature;
+    return start;
+  };
   switch (rung) {
     case SurfaceRung::kPlane:
       starts.push_back(first);
       break;
     case SurfaceRung::kCylinder:
       starts.push_back(richer(plane, rung, spread, knot_rad));
-      for (const double curvature : {round, 0.4 * round}) {
-        starts.push_back(richer(first, rung, spread, knot_rad));
-        starts.back().surface.parameters[3] = curvature;
-      }
+      for (const double curvature : {round, 0.4 * round}) starts.push_back(bent(curvature));
       break;
     case SurfaceRung::kQuadric:
       starts.push_back(richer(cylinder, rung, spread, knot_rad));
+      starts.push_back(richer(bent(round), rung, spread, knot_rad));
+      if (const SurfaceFit* profile = found(SurfaceRung::kProfile); profile != nullptr) {
+        starts.push_back(starts.back());  // Where the projectors stand is told by what bends as it likes.
+        starts.back().projectors = profile->projectors;
+      }
       starts.push_back(richer(first, rung, spread, knot_rad));
       for (const std::size_t bend : {2U, 3U, 4U}) starts.back().surface.parameters[bend] = 0.5 * round;  // A dome.
       break;
     case SurfaceRung::kProfile:
       starts.push_back(richer(cylinder, rung, spread, knot_rad));
+      // In a corner plane and cylinder may both have ended on one of its walls, from where no way leads round it.
+      for (const double curvature : {round, 0.4 * round})
+        starts.push_back(richer(bent(curvature), rung, spread, knot_rad));
       break;
     case SurfaceRung::kMesh: {
       const SurfaceFit* best = &cylinder;

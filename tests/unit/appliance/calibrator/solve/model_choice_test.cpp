@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -68,6 +69,19 @@ TEST(ModelChoice, follows_walls_that_are_nearly_something_else) {
   // Two planes are a quadric, if a degenerate one: eight numbers tell them exactly, a profile only to its knots.
   EXPECT_THAT(rung_of(RoomKind::kCorner, 1), testing::AnyOf(SurfaceRung::kProfile, SurfaceRung::kQuadric));
   EXPECT_EQ(rung_of(RoomKind::kBumpy, 1), SurfaceRung::kMesh);
+}
+
+TEST(ModelChoice, finds_its_way_round_a_corner_where_plane_and_cylinder_ended_on_one_wall) {
+  const Given g = given(RoomKind::kCorner, 7);
+  const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
+  ASSERT_TRUE(choice) << choice.error().message();
+  const auto left_out = [&](SurfaceRung rung) {
+    const auto trial = std::ranges::find(choice->surfaces, name_of(rung), &ModelTrial::name);
+    return trial == choice->surfaces.end() ? -1.0 : trial->heldout_rms_px;
+  };
+  EXPECT_GT(left_out(SurfaceRung::kCylinder), 10.0) << "another corner, that shows nothing";
+  EXPECT_LT(left_out(SurfaceRung::kProfile), 1.0);
+  EXPECT_LT(left_out(SurfaceRung::kQuadric), 0.1);
 }
 
 TEST(ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {

@@ -108,6 +108,34 @@ TEST_F(CalibratorServiceTest, calibrates_tells_its_progress_and_goes_back) {
   EXPECT_EQ(read_calibration(folder_)->date, date);
 }
 
+TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
+  ASSERT_TRUE(calibrate({}).ok());
+  const Calibration before = *read_calibration(folder_);
+  auto& stands = preset_.truth.projectors[1].T_room_projector;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(2.0 * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY()));
+  stands = {turn * stands.rotation(), stands.translation()};
+  museum_.emplace(*SimulatedMuseum::make(preset_.installation, preset_.truth));
+
+  wire::CalibrateOrder quick;
+  quick.set_quick(true);
+  quick.set_projector(preset_.installation.projectors[1].name);
+  const auto done = calibrate(quick);
+  ASSERT_TRUE(done.ok()) << done.error_message();
+  ASSERT_TRUE(progress_.back().has_done());
+  const auto after = read_calibration(folder_);
+  ASSERT_TRUE(after) << after.error().message();
+  EXPECT_EQ(after->date, progress_.back().done().date());
+  EXPECT_TRUE(after->projectors[0].is_previous);
+  const auto turned_deg = [&](std::size_t p) {
+    const MeasuredMap& was = before.projectors[p].map;
+    const MeasuredMap& is = after->projectors[p].map;
+    const std::size_t middle = was.directions.size() / 2;
+    return std::acos(std::min(1.0, was.directions[middle].dot(is.directions[middle]))) * 180.0 / std::numbers::pi;
+  };
+  EXPECT_EQ(turned_deg(0), 0.0);
+  EXPECT_NEAR(turned_deg(1), 2.0, 1.0) << "an eye elsewhere sees another angle";
+}
+
 TEST_F(CalibratorServiceTest, cancelled_leaves_no_calibration_and_goes_on_when_told_to) {
   const auto cancelled = calibrate({}, 3);
   EXPECT_EQ(cancelled.error_code(), grpc::StatusCode::CANCELLED);

@@ -137,6 +137,7 @@ DeviceOpener simulated_opener(const Options& options, std::shared_ptr<SimulatedM
     CalibrationDevices devices;
     devices.plate = std::make_unique<SimulatedTurnplate>(museum.get());
     devices.camera = std::make_unique<SimulatedScanCamera>(museum.get(), PhotographColour::kGrey);
+    devices.colour_camera = std::make_unique<SimulatedScanCamera>(museum.get(), PhotographColour::kColour);
     devices.screen = std::make_unique<SimulatedPatternScreen>(museum.get());
     TRY_ASSIGN(devices.settings, settings_for(options, *devices.camera));
     return devices;
@@ -157,22 +158,25 @@ Result<DeviceOpener> real_opener(const Options& options, const Installation& ins
   if (displays.empty()) {
     return Error(ErrorCode::kInvalidArgument, "no display is named that shows the patterns; give --display HOST:PORT");
   }
-  return DeviceOpener([options, displays, projectors = installation.projectors,
-                       &clock]() -> Result<CalibrationDevices> {
-    const FrameScanCamera::Opener open_camera = [spec = options.camera, &clock](double exposure_s) {
-      const std::string more =
-          fmt::format("{}{}exposure_ms={}", spec, spec.find('?') == std::string::npos ? '?' : '&', 1e3 * exposure_s);
-      // Brightness is compared between pictures. libcamera's cameras hold their gain with a fixed exposure.
-      return make_camera(spec.starts_with("v4l2:") ? more + "&gain=held" : more, clock);
-    };
-    CalibrationDevices devices;
-    TRY_ASSIGN(devices.plate, make_turnplate(options.turnplate));
-    TRY_ASSIGN(devices.camera, FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
-    const auto settle = std::chrono::milliseconds(static_cast<int>(options.settle_ms));
-    TRY_ASSIGN(devices.screen, RemotePatternScreen::open(projectors, displays, settle));
-    TRY_ASSIGN(devices.settings, settings_for(options, *devices.camera));
-    return devices;
-  });
+  return DeviceOpener(
+      [options, displays, projectors = installation.projectors, &clock]() -> Result<CalibrationDevices> {
+        const FrameScanCamera::Opener open_camera = [spec = options.camera, &clock](double exposure_s) {
+          const std::size_t options_at = spec.find('?');
+          const std::string own = options_at == std::string::npos ? "" : "&" + spec.substr(options_at + 1);
+          // Brightness is compared between pictures. libcamera's cameras hold their gain with a fixed exposure. Colours
+          // may be refused (colour=no), so ours come first.
+          return make_camera(fmt::format("{}?exposure_ms={}&colour=yes{}{}", spec.substr(0, options_at),
+                                         1e3 * exposure_s, spec.starts_with("v4l2:") ? "&gain=held" : "", own),
+                             clock);
+        };
+        CalibrationDevices devices;
+        TRY_ASSIGN(devices.plate, make_turnplate(options.turnplate));
+        TRY_ASSIGN(devices.camera, FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
+        const auto settle = std::chrono::milliseconds(static_cast<int>(options.settle_ms));
+        TRY_ASSIGN(devices.screen, RemotePatternScreen::open(projectors, displays, settle));
+        TRY_ASSIGN(devices.settings, settings_for(options, *devices.camera));
+        return devices;
+      });
 }
 
 /// Null: nothing watches.

@@ -21,6 +21,9 @@ namespace cyclorama {
 /// One picture and when it was taken. Immutable once shared.
 struct Frame {
   GreyImage pixels;
+  /// The camera's own red, green and blue codes of the same pixels: in no colour space that is known, each channel with
+  /// a curve of its own. Empty, unless the camera was asked for colour and has it.
+  RgbImage colour;
   std::uint64_t sequence = 0;  ///< Counts the camera's pictures; a gap shows what was dropped.
   TimePoint captured_at{};     ///< Start of exposure, CLOCK_MONOTONIC.
 };

@@ -50,6 +50,8 @@ Result<bool> read_option(const CameraSpec& spec, std::string_view key, std::stri
   if (key == "width_px" || key == "height_px") {
     TRY_ASSIGN(const double pixels, spec.number(key, value, 16, 8192));
     (key == "width_px" ? ret_wish->width_px : ret_wish->height_px) = static_cast<int>(std::lround(pixels));
+  } else if (key == "colour" && (value == "yes" || value == "no")) {
+    ret_wish->is_coloured = value == "yes";
   } else if (key == "frames_per_second") {
     TRY_ASSIGN(ret_wish->frames_per_second, spec.number(key, value, 1, 1000));
   } else if (key == "exposure_ms") {
@@ -72,8 +74,8 @@ Made make_v4l2_camera(const CameraSpec& spec, const Clock& clock) {
     }
     if (key != "memory" || (value != "mapped" && value != "dma_buf")) {
       return spec.refused(
-          "knows the options width_px, height_px, frames_per_second, exposure_ms, gain=held or automatic, "
-          "memory=mapped or dma_buf");
+          "knows the options width_px, height_px, frames_per_second, exposure_ms, colour=yes or no, "
+          "gain=held or automatic, memory=mapped or dma_buf");
     }
     options.memory = value == "dma_buf" ? BufferMemory::kDmaBuf : BufferMemory::kMapped;
   }
@@ -84,7 +86,8 @@ Made make_libcamera_camera(const CameraSpec& spec, const Clock& clock) {
   LibcameraOptions options;
   for (const auto& [key, value] : spec.options) {
     TRY_ASSIGN(const bool is_known, read_option(spec, key, value, &options.wish, &options.exposure));
-    if (!is_known) return spec.refused("knows the options width_px, height_px, frames_per_second, exposure_ms");
+    if (!is_known)
+      return spec.refused("knows the options width_px, height_px, frames_per_second, exposure_ms, colour=yes or no");
   }
   return open_libcamera_camera(spec.argument, options, clock);
 }

@@ -17,6 +17,9 @@ constexpr double kRateWeight = 4.0;
 constexpr double kSmallerWeight = 1.0;
 constexpr double kLargerWeight = 0.5;
 
+/// A calibration takes its time, but finds no colour in grey.
+constexpr double kGreyWeight = 100.0;
+
 /// What reading the pixels weighs; a JPEG takes milliseconds, the others a tenth of one.
 double layout_weight(PixelLayout layout) {
   switch (layout) {
@@ -48,7 +51,8 @@ double penalty_of(const PictureOffer& offer, const PictureWish& wish) {
     // Quicker than needed leaves less time for light.
     if (shortfall < -kSameRate) rate = 0.05 * std::min(-shortfall, 4.0);
   }
-  return size + 0.25 * shape + rate + layout_weight(offer.layout);
+  const double colour = wish.is_coloured && !offer.is_coloured ? kGreyWeight : 0.0;
+  return size + 0.25 * shape + rate + layout_weight(offer.layout) + colour;
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct PictureWish {
   int width_px = 640;
   int height_px = 480;
   double frames_per_second = 30.0;
+  bool is_coloured = false;  ///< Colours as well, where any of the offers has them.
 };
 
 /// One thing that a camera can be told to send.
@@ -25,11 +26,12 @@ struct PictureOffer {
   int width_px = 0;
   int height_px = 0;
   double frames_per_second = 0.0;  ///< 0: the device does not say.
+  bool is_coloured = false;        ///< Its colours can be read.
 };
 
-/// The offer to take. In this order of weight: the rate is reached; the size is near, larger rather than smaller; the
-/// pixels are cheap to read. So 640x480 as YUYV beats it as JPEG, unless only the JPEG comes at the rate that is
-/// wanted, as on a USB 2 bus. Pure; the same for any order of equal offers.
+/// The offer to take. In this order of weight: colours, where they are wanted; the rate is reached; the size is near,
+/// larger rather than smaller; the pixels are cheap to read. So 640x480 as YUYV beats it as JPEG, unless only the JPEG
+/// comes at the rate that is wanted, as on a USB 2 bus. Pure; the same for any order of equal offers.
 ///
 /// kNotFound  there is none.
 Result<std::size_t> choose_picture(const std::vector<PictureOffer>& offers, const PictureWish& wish);

@@ -19,5 +19,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   GreyImage grey;
   const auto done = to_grey(raw, &jpeg, &grey);
   if (done && (grey.width() != raw.width || grey.height() != raw.height)) std::abort();
+  raw.colour = {static_cast<Chroma>(1 + data[0] / 16 % 3), data[0] >= 128, data[4] >= 128};
+  const bool is_packed = raw.layout == PixelLayout::kYuyv || raw.layout == PixelLayout::kUyvy;
+  const bool has_chroma = raw.colour.chroma == Chroma::kBetween ? is_packed
+                          : raw.colour.chroma == Chroma::kPairs ? raw.layout == PixelLayout::kPlanarYuv
+                                                                : raw.layout == PixelLayout::kJpeg;
+  if (!has_chroma) return 0;
+  RgbImage rgb;
+  const auto read = to_colour(raw, &jpeg, &rgb);
+  if (read && (rgb.width() != raw.width || rgb.height() != raw.height)) std::abort();
   return 0;
 }

@@ -12,10 +12,17 @@ constexpr double kWait_s = 3.0;  // Besides the exposure: some cameras take that
 /// A camera that was just opened delivers pictures whose exposure is not yet the new one.
 constexpr int kWarmUpFrames = 4;
 
-ScanPhotograph photograph_of(const GreyImage& codes) {
-  ScanPhotograph photograph(codes.width(), codes.height());
-  for (std::size_t i = 0; i < codes.data().size(); ++i) {
-    const float value = static_cast<float>(codes.data()[i]) * (1.0f / 255.0f);
+constexpr float kCode = 1.0f / 255.0f;
+
+ScanPhotograph photograph_of(const Frame& frame) {
+  ScanPhotograph photograph(frame.pixels.width(), frame.pixels.height());
+  if (!frame.colour.empty()) {
+    std::ranges::transform(frame.colour.data(), photograph.data().begin(),
+                           [](std::uint8_t code) { return static_cast<float>(code) * kCode; });
+    return photograph;
+  }
+  for (std::size_t i = 0; i < frame.pixels.data().size(); ++i) {
+    const float value = static_cast<float>(frame.pixels.data()[i]) * kCode;
     std::fill_n(photograph.data().begin() + static_cast<std::ptrdiff_t>(3 * i), 3, value);
   }
   return photograph;
@@ -29,6 +36,7 @@ Result<std::unique_ptr<FrameScanCamera>> FrameScanCamera::open(Opener opener, do
   camera->id_ = camera->camera_->id();
   camera->width_px_ = frame->pixels.width();
   camera->height_px_ = frame->pixels.height();
+  camera->has_colour_ = !frame->colour.empty();
   return camera;
 }
 
@@ -72,7 +80,7 @@ Result<std::shared_ptr<const Frame>> FrameScanCamera::next(double exposure_s) {
 
 Result<ScanPhotograph> FrameScanCamera::photograph(double exposure_s) {
   TRY_ASSIGN(const std::shared_ptr<const Frame> frame, next(exposure_s));
-  return photograph_of(frame->pixels);
+  return photograph_of(*frame);
 }
 
 }  // namespace cyclorama

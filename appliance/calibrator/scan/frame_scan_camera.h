@@ -14,7 +14,7 @@ namespace cyclorama {
 /// exposure is another opening: about a second, a few times in a scan. Thread-bound.
 class FrameScanCamera final : public ScanCamera {
  public:
-  /// Opens the camera with this exposure, its gain held.
+  /// Opens the camera with this exposure, its gain and white balance held; with its colours, if it has any.
   using Opener = std::function<Result<std::unique_ptr<Camera>>(double exposure_s)>;
 
   /// Takes one photograph, to know its size. `clock` is that of the frames, and borrowed. Errors as the opener's and
@@ -27,7 +27,7 @@ class FrameScanCamera final : public ScanCamera {
   [[nodiscard]] const std::string& id() const override { return id_; }
   [[nodiscard]] int width_px() const override { return width_px_; }
   [[nodiscard]] int height_px() const override { return height_px_; }
-  [[nodiscard]] bool has_colour() const override { return false; }
+  [[nodiscard]] bool has_colour() const override { return has_colour_; }
   Result<ScanPhotograph> photograph(double exposure_s) override;
 
  private:
@@ -41,6 +41,7 @@ class FrameScanCamera final : public ScanCamera {
   std::string id_;
   int width_px_ = 0;
   int height_px_ = 0;
+  bool has_colour_ = false;
 };
 
 }  // namespace cyclorama

@@ -86,15 +86,15 @@ Result<CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrd
   listener({"opens camera, turn-plate and projectors", 0.0, nullptr});
   TRY_ASSIGN(CalibrationDevices devices, opener_());
   devices.settings.resume = order.resume();
+  const ScanDevices scan{*devices.screen, *devices.camera, *devices.plate, devices.colour_camera.get()};
   if (order.quick()) {
     TRY_ASSIGN(RealignmentOutcome realigned,
-               realign_projector(installation_, order.projector(), devices.settings,
-                                 {*devices.screen, *devices.camera, *devices.plate}, folder_, calibration_date(),
+               realign_projector(installation_, order.projector(), devices.settings, scan, folder_, calibration_date(),
                                  clock_, listener, std::move(stop)));
     return std::move(realigned.outcome);
   }
-  return run_calibration(installation_, devices.settings, {*devices.screen, *devices.camera, *devices.plate}, folder_,
-                         calibration_date(), clock_, listener, std::move(stop));
+  return run_calibration(installation_, devices.settings, scan, folder_, calibration_date(), clock_, listener,
+                         std::move(stop));
 }
 
 grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wire::CalibrateOrder* request,

@@ -19,8 +19,9 @@ namespace cyclorama {
 struct CalibrationDevices {
   std::unique_ptr<Turnplate> plate;
   std::unique_ptr<ScanCamera> camera;
-  std::unique_ptr<PatternScreen> screen;  ///< Last: it is let go first.
-  ScanSettings settings;                  ///< With this camera's lens.
+  std::unique_ptr<ScanCamera> colour_camera;  ///< As ScanDevices has it. May be null.
+  std::unique_ptr<PatternScreen> screen;      ///< Last: it is let go first.
+  ScanSettings settings;                      ///< With this camera's lens.
 };
 using DeviceOpener = std::function<Result<CalibrationDevices>()>;
 

@@ -48,6 +48,22 @@ std::optional<PixelLayout> layout_of(const lc::PixelFormat& format) {
   return found->second;
 }
 
+/// Of the planes only the first is mapped, so colours are read where they are in it.
+ColourCode colour_of(const lc::StreamConfiguration& stream) {
+  const std::uint32_t code = stream.pixelFormat.fourcc();
+  if (code == fourcc("MJPG")) return {Chroma::kInJpeg, false, true};
+  const bool is_v_first = code == fourcc("YVYU") || code == fourcc("VYUY");
+  if (!is_v_first && code != fourcc("YUYV") && code != fourcc("UYVY")) return {};
+  const bool is_full_range = stream.colorSpace && stream.colorSpace->range == lc::ColorSpace::Range::Full;
+  return {Chroma::kBetween, is_v_first, is_full_range};
+}
+
+bool is_coloured(const lc::PixelFormat& format) {
+  lc::StreamConfiguration stream;
+  stream.pixelFormat = format;
+  return colour_of(stream).chroma != Chroma::kNone;
+}
+
 /// libcamera returns negative errno.
 Error lc_error(int result, const std::string& doing) {
   errno = -result;
@@ -88,7 +104,8 @@ std::vector<PictureOffer> offers_of(const lc::StreamConfiguration& stream, const
     const auto layout = layout_of(format);
     if (!layout) continue;
     const auto add = [&](const lc::Size& size) {
-      offers.push_back({format.fourcc(), *layout, static_cast<int>(size.width), static_cast<int>(size.height), 0.0});
+      offers.push_back({format.fourcc(), *layout, static_cast<int>(size.width), static_cast<int>(size.height), 0.0,
+                        is_coloured(format)});
     };
     const std::vector<lc::Size> sizes = stream.formats().sizes(format);
     for (const lc::Size& size : sizes) add(size);
@@ -155,6 +172,7 @@ class LibcameraCamera final : public Camera {
   std::vector<std::unique_ptr<lc::Request>> requests_;
   CompletedRequests<lc::Request> completed_;
   PixelLayout layout_ = PixelLayout::kGrey8;
+  ColourCode colour_{};
   JpegDecoder jpeg_;
   std::uint64_t sequence_ = 0;
   std::optional<unsigned> last_sequence_;
@@ -179,6 +197,10 @@ Status LibcameraCamera::set_up() {
   if (options_.exposure > Duration::zero()) {
     const auto us = std::chrono::duration_cast<std::chrono::microseconds>(options_.exposure).count();
     fix_exposure(camera_->controls(), static_cast<std::int32_t>(us), &controls);
+  }
+  // Colours are compared between pictures.
+  if (options_.wish.is_coloured && camera_->controls().count(&lc::controls::AwbEnable) != 0) {
+    controls.set(lc::controls::AwbEnable, false);
   }
   if (camera_->controls().count(&lc::controls::FrameDurationLimits) != 0) {
     const auto period_us = static_cast<std::int64_t>(1e6 / options_.wish.frames_per_second);
@@ -213,6 +235,7 @@ Status LibcameraCamera::configure() {
     return Error(ErrorCode::kSystem, fmt::format("camera '{}' does not take {}", id_, describe(offers[chosen])));
   }
   layout_ = *layout;
+  if (options_.wish.is_coloured) colour_ = colour_of(stream);
   if (const int done = camera_->configure(configuration_.get()); done != 0) {
     return lc_error(done, fmt::format("configuring camera '{}'", id_));
   }
@@ -308,14 +331,16 @@ Result<std::shared_ptr<const Frame>> LibcameraCamera::read(lc::Request& request)
   std::span<const std::byte> bytes = maps_.at(buffer).bytes();
   if (layout_ == PixelLayout::kJpeg)
     bytes = bytes.first(std::min<std::size_t>(bytes.size(), metadata.planes()[0].bytesused));
-  const RawPicture raw{layout_, static_cast<int>(stream.size.width), static_cast<int>(stream.size.height),
-                       stream.stride, bytes};
+  const RawPicture raw{
+      layout_, static_cast<int>(stream.size.width), static_cast<int>(stream.size.height), stream.stride, bytes,
+      colour_};
   auto frame = std::make_shared<Frame>();
   dma_buf_sync sync{};
   const int dma_buf = buffer->planes().front().fd.get();
   sync.flags = DMA_BUF_SYNC_READ | DMA_BUF_SYNC_START;
   static_cast<void>(::ioctl(dma_buf, DMA_BUF_IOCTL_SYNC, &sync));
-  const Status is_read = to_grey(raw, &jpeg_, &frame->pixels);
+  Status is_read = to_grey(raw, &jpeg_, &frame->pixels);
+  if (is_read && colour_.chroma != Chroma::kNone) is_read = to_colour(raw, &jpeg_, &frame->colour);
   sync.flags = DMA_BUF_SYNC_READ | DMA_BUF_SYNC_END;
   static_cast<void>(::ioctl(dma_buf, DMA_BUF_IOCTL_SYNC, &sync));
   TRY(is_read);

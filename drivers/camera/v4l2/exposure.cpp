@@ -34,7 +34,9 @@ Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished, Gai
     if (is_taken) set.exposure = kExposureUnit * value;
   }
   if (gain == GainRule::kHeld) {
-    TRY(device.set_control(V4L2_CID_AUTOGAIN, 0));  // Refused by those that have none.
+    // Refused by those that have none.
+    TRY(device.set_control(V4L2_CID_AUTOGAIN, 0));
+    TRY(device.set_control(V4L2_CID_AUTO_WHITE_BALANCE, 0));
     return set;
   }
   TRY_ASSIGN(const bool follows_light, device.set_control(V4L2_CID_AUTOGAIN, 1));

@@ -42,4 +42,24 @@ std::optional<PixelLayout> layout_of_v4l2(std::uint32_t fourcc) {
   }
 }
 
+ColourCode colour_of_v4l2(std::uint32_t fourcc) {
+  switch (fourcc) {
+    case V4L2_PIX_FMT_YUYV:
+    case V4L2_PIX_FMT_UYVY:
+      return {Chroma::kBetween, false, false};
+    case V4L2_PIX_FMT_YVYU:
+    case V4L2_PIX_FMT_VYUY:
+      return {Chroma::kBetween, true, false};
+    case V4L2_PIX_FMT_NV12:
+      return {Chroma::kPairs, false, false};
+    case V4L2_PIX_FMT_NV21:
+      return {Chroma::kPairs, true, false};
+    case V4L2_PIX_FMT_MJPEG:
+    case V4L2_PIX_FMT_JPEG:
+      return {Chroma::kInJpeg, false, true};
+    default:
+      return {};
+  }
+}
+
 }  // namespace cyclorama

@@ -12,4 +12,7 @@ namespace cyclorama {
 /// and video streams whose pictures need each other.
 [[nodiscard]] std::optional<PixelLayout> layout_of_v4l2(std::uint32_t fourcc);
 
+/// Where its colours are, in which order; of the range it says nothing.
+[[nodiscard]] ColourCode colour_of_v4l2(std::uint32_t fourcc);
+
 }  // namespace cyclorama

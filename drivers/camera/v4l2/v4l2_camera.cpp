@@ -121,9 +121,12 @@ Result<std::optional<FilledBuffer>> V4l2Camera::take_new(TimePoint deadline) {
 
 Result<std::shared_ptr<const Frame>> V4l2Camera::read(const FilledBuffer& filled) {
   auto frame = std::make_shared<Frame>();
-  const RawPicture raw{format_.layout, format_.width, format_.height, format_.row_bytes, buffers_->bytes(filled)};
+  const RawPicture raw{format_.layout,    format_.width,           format_.height,
+                       format_.row_bytes, buffers_->bytes(filled), format_.colour};
+  const bool wants_colour = options_.wish.is_coloured && raw.colour.chroma != Chroma::kNone;
   buffers_->begin_reading(filled);
-  const Status is_read = to_grey(raw, &jpeg_, &frame->pixels);
+  Status is_read = to_grey(raw, &jpeg_, &frame->pixels);
+  if (is_read && wants_colour) is_read = to_colour(raw, &jpeg_, &frame->colour);
   buffers_->end_reading(filled);
   TRY(is_read);
   // The driver counts in 32 bits, from 0 at each start; ours goes on.

@@ -121,6 +121,7 @@ Result<std::vector<PictureOffer>> VideoDevice::offers(const PictureWish& wish) c
 
 void VideoDevice::add_sizes(std::uint32_t fourcc, PixelLayout layout, const PictureWish& wish,
                             std::vector<PictureOffer>* ret_offers) const {
+  const bool is_coloured = colour_of_v4l2(fourcc).chroma != Chroma::kNone;
   for (std::uint32_t index = 0; index < kMostEntries; ++index) {
     v4l2_frmsizeenum size{};
     size.index = index;
@@ -130,19 +131,21 @@ void VideoDevice::add_sizes(std::uint32_t fourcc, PixelLayout layout, const Pict
       v4l2_format now{};
       now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
       if (index == 0 && device_call(fd(), VIDIOC_G_FMT, &now)) {
-        add_rates({fourcc, layout, static_cast<int>(now.fmt.pix.width), static_cast<int>(now.fmt.pix.height), 0.0},
+        add_rates({fourcc, layout, static_cast<int>(now.fmt.pix.width), static_cast<int>(now.fmt.pix.height), 0.0,
+                   is_coloured},
                   wish, ret_offers);
       }
       return;
     }
     if (size.type == V4L2_FRMSIZE_TYPE_DISCRETE) {
-      add_rates({fourcc, layout, static_cast<int>(size.discrete.width), static_cast<int>(size.discrete.height), 0.0},
+      add_rates({fourcc, layout, static_cast<int>(size.discrete.width), static_cast<int>(size.discrete.height), 0.0,
+                 is_coloured},
                 wish, ret_offers);
       continue;
     }
     const v4l2_frmsize_stepwise& range = size.stepwise;
     add_rates({fourcc, layout, nearest(range.min_width, range.max_width, range.step_width, wish.width_px),
-               nearest(range.min_height, range.max_height, range.step_height, wish.height_px), 0.0},
+               nearest(range.min_height, range.max_height, range.step_height, wish.height_px), 0.0, is_coloured},
               wish, ret_offers);
     return;
   }
@@ -201,8 +204,17 @@ Result<PictureFormat> VideoDevice::set_format(const PictureOffer& offer) const {
                  named(fmt::format("answers {}x{} {} when asked for {}", pixels.width, pixels.height,
                                    fourcc_text(pixels.pixelformat), describe(offer))));
   }
-  PictureFormat made{pixels.pixelformat, *layout, static_cast<int>(pixels.width), static_cast<int>(pixels.height),
-                     pixels.bytesperline};
+  PictureFormat made{pixels.pixelformat,
+                     *layout,
+                     static_cast<int>(pixels.width),
+                     static_cast<int>(pixels.height),
+                     pixels.bytesperline,
+                     colour_of_v4l2(pixels.pixelformat)};
+  std::uint32_t range = pixels.quantization;
+  if (range == V4L2_QUANTIZATION_DEFAULT) {
+    range = static_cast<std::uint32_t>(V4L2_MAP_QUANTIZATION_DEFAULT(false, pixels.colorspace, pixels.ycbcr_enc));
+  }
+  made.colour.is_full_range = range == V4L2_QUANTIZATION_FULL_RANGE;
   // Some drivers leave the row's length to whoever asks.
   made.row_bytes = std::max(made.row_bytes, static_cast<std::size_t>(pixels.width) * bytes_per_pixel(*layout));
   return made;

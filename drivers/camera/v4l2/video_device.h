@@ -31,6 +31,7 @@ struct PictureFormat {
   int width = 0;
   int height = 0;
   std::size_t row_bytes = 0;
+  ColourCode colour{};
 };
 
 /// A number that the device lets us set. A menu's entries are its numbers.

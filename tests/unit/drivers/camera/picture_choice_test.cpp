@@ -46,6 +46,16 @@ TEST(PictureChoice, takes_the_cheapest_pixels_of_what_is_wanted) {
   EXPECT_EQ(chosen({mjpg(640, 480, 30), yuyv(640, 480, 30)}), "640x480 YUYV at 30 per second");
 }
 
+TEST(PictureChoice, takes_colours_where_they_are_wanted_and_there) {
+  PictureOffer coloured = yuyv(640, 480, 5);
+  coloured.is_coloured = true;
+  PictureWish wish;
+  EXPECT_EQ(chosen({coloured, grey(640, 480, 30)}, wish), "640x480 GREY at 30 per second");
+  wish.is_coloured = true;
+  EXPECT_EQ(chosen({coloured, grey(640, 480, 30)}, wish), "640x480 YUYV at 5 per second");
+  EXPECT_EQ(chosen({grey(640, 480, 30), grey(640, 480, 15)}, wish), "640x480 GREY at 30 per second");
+}
+
 TEST(PictureChoice, takes_a_jpeg_where_only_that_comes_at_the_rate) {
   const PictureWish wish{1280, 720, 30.0};
   EXPECT_EQ(chosen({yuyv(1280, 720, 10), mjpg(1280, 720, 30)}, wish), "1280x720 MJPG at 30 per second");

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -164,6 +166,116 @@ TEST(ToGreyOfJpeg, decodes_a_camera_s_jpeg_without_huffman_tables) {
   const auto done = to_grey({PixelLayout::kJpeg, 32, 16, 0, bytes}, &jpeg, &grey);
   ASSERT_TRUE(done.has_value()) << done.error().message();
   EXPECT_NEAR(*grey.at(20, 10), 90, 2);
+}
+
+using Rgb = std::array<int, 3>;
+
+/// Red, green and blue as a camera sends them, by the standard's own formulas.
+Rgb yuv_of(const Rgb& rgb, bool is_full_range) {
+  const double y = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
+  const double u = (rgb[2] - y) / 1.772;
+  const double v = (rgb[0] - y) / 1.402;
+  const auto code = [](double value) { return static_cast<int>(std::lround(value)); };
+  if (is_full_range) return {code(y), code(u + 128), code(v + 128)};
+  return {code(16 + y * 219 / 255), code(128 + u * 224 / 255), code(128 + v * 224 / 255)};
+}
+
+/// One colour per two columns and rows, so that no chroma is of two; odd sizes, so that the last has half of its
+/// pixels.
+Rgb colour_at(int x, int y) { return {40 + 50 * (x / 2), 200 - 60 * (y / 2), 90 + 40 * (x / 2)}; }
+
+struct CodedPicture {
+  RawPicture raw;
+  std::vector<std::byte> bytes;
+};
+
+CodedPicture coded(PixelLayout layout, const ColourCode& colour, std::size_t padding) {
+  CodedPicture picture;
+  const std::size_t row = 6 * bytes_per_pixel(layout) + padding;
+  const bool is_between = colour.chroma == Chroma::kBetween;
+  picture.raw = {layout, kWidth, kHeight, row, {}, colour};
+  picture.bytes.assign(row * (is_between ? kHeight : kHeight + kHeight / 2) - padding, kNoise);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Rgb yuv = yuv_of(colour_at(x, y), colour.is_full_range);
+      const auto put = [&](std::size_t at, int value) { picture.bytes[at] = static_cast<std::byte>(value); };
+      const std::size_t start = static_cast<std::size_t>(y) * row;
+      const std::size_t plane = (kHeight + static_cast<std::size_t>(y) / 2) * row;
+      const auto column = static_cast<std::size_t>(x);
+      const std::size_t pair = column / 2 * 2;
+      const std::size_t first = layout == PixelLayout::kUyvy ? 1 : 0;
+      put(is_between ? start + 2 * column + first : start + column, yuv[0]);
+      const std::size_t chroma = is_between ? start + 2 * pair + 1 - first : plane + pair;
+      put(chroma, yuv[colour.is_v_first ? 2 : 1]);
+      put(chroma + (is_between ? 2 : 1), yuv[colour.is_v_first ? 1 : 2]);
+    }
+  }
+  return picture;
+}
+
+TEST(ToColour, reads_what_the_standard_writes) {
+  JpegDecoder jpeg;
+  for (const auto& [layout, chroma] :
+       {std::pair(PixelLayout::kYuyv, Chroma::kBetween), std::pair(PixelLayout::kUyvy, Chroma::kBetween),
+        std::pair(PixelLayout::kPlanarYuv, Chroma::kPairs)}) {
+    for (int variant = 0; variant < 8; ++variant) {
+      const ColourCode code{chroma, (variant & 1) != 0, (variant & 2) != 0};
+      CodedPicture picture = coded(layout, code, (variant & 4) != 0 ? 7 : 0);
+      picture.raw.bytes = picture.bytes;
+      RgbImage rgb;
+      const auto done = to_colour(picture.raw, &jpeg, &rgb);
+      ASSERT_TRUE(done.has_value()) << done.error().message();
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          const Rgb colour = colour_at(x, y);
+          for (std::size_t c = 0; c < 3; ++c) {
+            EXPECT_NEAR(rgb.at(x, y)[c], colour[c], 2) << name_of(layout) << " " << variant << ": " << x << " " << y;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(ToColour, refuses_a_picture_that_is_one_byte_short) {
+  JpegDecoder jpeg;
+  RgbImage rgb;
+  for (const auto& [layout, chroma] :
+       {std::pair(PixelLayout::kYuyv, Chroma::kBetween), std::pair(PixelLayout::kPlanarYuv, Chroma::kPairs)}) {
+    const CodedPicture picture = coded(layout, {chroma, false, false}, 3);
+    for (std::size_t bytes = 0; bytes < picture.bytes.size(); ++bytes) {
+      const std::vector<std::byte> cut(picture.bytes.begin(),
+                                       picture.bytes.begin() + static_cast<std::ptrdiff_t>(bytes));
+      RawPicture raw = picture.raw;
+      raw.bytes = cut;
+      const auto done = to_colour(raw, &jpeg, &rgb);
+      ASSERT_FALSE(done.has_value()) << bytes;
+      EXPECT_EQ(done.error().code(), ErrorCode::kBadData);
+    }
+  }
+}
+
+TEST(ToColour, cuts_off_what_no_colour_is) {
+  JpegDecoder jpeg;
+  RgbImage rgb;
+  const std::vector<std::byte> bytes{std::byte{255}, std::byte{255}, std::byte{0}, std::byte{255}};
+  ASSERT_TRUE(to_colour({PixelLayout::kYuyv, 2, 1, 4, bytes, {Chroma::kBetween, false, false}}, &jpeg, &rgb));
+  EXPECT_EQ(rgb.at(0, 0)[0], 255);
+  EXPECT_EQ(rgb.at(1, 0)[1], 0);
+}
+
+TEST(ToColour, decodes_a_jpeg) {
+  JpegDecoder jpeg;
+  RgbImage rgb;
+  RgbImage red(32, 16, 20);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 32; ++x) red.at(x, y)[0] = 220;
+  }
+  const auto bytes = *JpegEncoder().encode(red, {95, true});
+  ASSERT_TRUE(to_colour({PixelLayout::kJpeg, 32, 16, 0, bytes, {Chroma::kInJpeg, false, true}}, &jpeg, &rgb));
+  EXPECT_NEAR(rgb.at(9, 9)[0], 220, 3);
+  EXPECT_NEAR(rgb.at(9, 9)[2], 20, 3);
+  EXPECT_FALSE(to_colour({PixelLayout::kJpeg, 16, 16, 0, bytes, {Chroma::kInJpeg, false, true}}, &jpeg, &rgb));
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
   EXPECT_EQ((*camera)->width_px(), 8);
   EXPECT_EQ((*camera)->height_px(), 6);
   EXPECT_EQ((*camera)->id(), "steady");
+  EXPECT_FALSE((*camera)->has_colour());
   for (const double exposure : {0.05, 0.05, 0.1, 0.1}) {
     const TimePoint asked_at = clock.now();
     const auto photograph = (*camera)->photograph(exposure);
@@ -66,6 +67,43 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
   EXPECT_EQ((*camera)->photograph(0.1).error().code(), ErrorCode::kUnavailable);
   is_unplugged = false;  // It is back, and so is the scan.
   EXPECT_TRUE((*camera)->photograph(0.1).has_value());
+}
+
+/// Its pictures have colours.
+class ColourCamera final : public Camera {
+ public:
+  explicit ColourCamera(ManualClock* clock) : clock_(clock) {}
+  [[nodiscard]] const std::string& id() const override { return id_; }
+  Status start() override { return Done{}; }
+  Result<std::shared_ptr<const Frame>> next_frame(TimePoint) override {
+    auto frame = std::make_shared<Frame>();
+    frame->captured_at = clock_->now();
+    clock_->wait_until(clock_->now() + kPeriod);
+    frame->pixels = GreyImage(4, 2, 100);
+    frame->colour = RgbImage(4, 2, 51);
+    frame->colour.at(3, 1)[1] = 255;
+    return std::shared_ptr<const Frame>(std::move(frame));
+  }
+  void stop() override {}
+
+ private:
+  ManualClock* clock_;
+  std::string id_ = "colour";
+};
+
+TEST(FrameScanCamera, photographs_colours_where_the_camera_has_them) {
+  ManualClock clock;
+  const auto camera = FrameScanCamera::open(
+      [&](double) -> Result<std::unique_ptr<Camera>> {
+        return std::unique_ptr<Camera>(std::make_unique<ColourCamera>(&clock));
+      },
+      0.05, clock);
+  ASSERT_TRUE(camera.has_value()) << camera.error().message();
+  EXPECT_TRUE((*camera)->has_colour());
+  const auto photograph = (*camera)->photograph(0.05);
+  ASSERT_TRUE(photograph.has_value());
+  EXPECT_FLOAT_EQ(photograph->at(3, 1)[0], 0.2f);
+  EXPECT_FLOAT_EQ(photograph->at(3, 1)[1], 1.0f);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/doubles/fake_video/fake_video.h"
 
 namespace cyclorama {
@@ -88,6 +90,31 @@ TEST(V4l2Camera, makes_exposure_short_and_steady) {
   EXPECT_EQ(controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_MANUAL);
   EXPECT_EQ(controls.at(V4L2_CID_EXPOSURE_AUTO_PRIORITY).value, 0);
   EXPECT_EQ(controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50);
+}
+
+TEST(V4l2Camera, reads_colours_when_it_is_asked_for_them_and_holds_their_balance) {
+  FakeVideoDevice device = usb_camera();
+  device.controls[V4L2_CID_AUTO_WHITE_BALANCE] = {0, 1, 1, 1};
+  V4l2CameraOptions options;
+  options.gain = GainRule::kHeld;
+  {
+    Started plain(device, options);
+    const auto frame = plain.next();
+    ASSERT_TRUE(frame.has_value()) << frame.error().message();
+    EXPECT_TRUE((*frame)->colour.empty());
+  }
+  options.wish.is_coloured = true;
+  Started started(device, options);
+  EXPECT_EQ(started.video.device(0).controls.at(V4L2_CID_AUTO_WHITE_BALANCE).value, 0);
+  const auto frame = started.next();
+  ASSERT_TRUE(frame.has_value()) << frame.error().message();
+  EXPECT_TRUE(is_fake_picture((*frame)->pixels, 0));
+  ASSERT_EQ((*frame)->colour.width(), 640);
+  for (const auto& [x, y] : {std::pair(0, 0), std::pair(31, 17), std::pair(639, 479)}) {
+    // Of the fake's grey, from 16 to 235.
+    const double expected = std::clamp((fake_level(0, x, y) - 16.0) * 255.0 / 219.0, 0.0, 255.0);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR((*frame)->colour.at(x, y)[c], expected, 0.51);
+  }
 }
 
 TEST(V4l2Camera, leaves_exposure_to_the_device_when_told) {

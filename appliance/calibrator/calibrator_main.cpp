@@ -22,6 +22,7 @@
 #include "common/process/notify.h"
 #include "common/process/program.h"
 #include "common/wire/channel.h"
+#include "drivers/camera/camera_spec.h"
 #include "drivers/camera/make_camera.h"
 #include "drivers/turnplate/make_turnplate.h"
 #include "drivers/turnplate/simulated/simulated_turnplate.h"
@@ -161,12 +162,12 @@ Result<DeviceOpener> real_opener(const Options& options, const Installation& ins
   return DeviceOpener(
       [options, displays, projectors = installation.projectors, &clock]() -> Result<CalibrationDevices> {
         const FrameScanCamera::Opener open_camera = [spec = options.camera, &clock](double exposure_s) {
-          const std::size_t options_at = spec.find('?');
-          const std::string own = options_at == std::string::npos ? "" : "&" + spec.substr(options_at + 1);
-          // Brightness is compared between pictures. libcamera's cameras hold their gain with a fixed exposure. Colours
-          // may be refused (colour=no), so ours come first.
-          return make_camera(fmt::format("{}?exposure_ms={}&colour=yes{}{}", spec.substr(0, options_at),
-                                         1e3 * exposure_s, spec.starts_with("v4l2:") ? "&gain=held" : "", own),
+          // Pictures are compared. libcamera's cameras hold their gain with a fixed exposure.
+          const std::string_view held = spec.starts_with("v4l2:") ? "&gain=held" : "";
+          // Where a picture takes less time than its exposure, cameras cut the exposure.
+          const double rate_hz = std::min(30.0, 0.9 / exposure_s);
+          return make_camera(with_defaults(spec, fmt::format("{}&frames_per_second={:.4g}&colour=yes&exposure_ms={}{}",
+                                                             kCalibrationSize, rate_hz, 1e3 * exposure_s, held)),
                              clock);
         };
         CalibrationDevices devices;

@@ -26,6 +26,7 @@ struct Frame {
   RgbImage colour;
   std::uint64_t sequence = 0;  ///< Counts the camera's pictures; a gap shows what was dropped.
   TimePoint captured_at{};     ///< Start of exposure, CLOCK_MONOTONIC.
+  Duration exposure{};         ///< As the camera made it of what was asked for; 0: it does not tell, or sets its own.
 };
 
 /// Read by the tracker and the calibrator; neither knows which camera it holds.

@@ -45,4 +45,11 @@ Result<double> CameraSpec::number(std::string_view key, std::string_view text, d
   return *value;
 }
 
+std::string with_defaults(std::string_view line, std::string_view defaults) {
+  std::string_view own = line;
+  const std::string_view camera = cut(&own, '?');
+  if (!camera.starts_with("v4l2:") && !camera.starts_with("libcamera:")) return std::string(line);
+  return fmt::format("{}?{}{}{}", camera, defaults, own.empty() ? "" : "&", own);
+}
+
 }  // namespace cyclorama

@@ -26,4 +26,11 @@ struct CameraSpec {
   [[nodiscard]] Result<double> number(std::string_view key, std::string_view text, double least, double most) const;
 };
 
+/// The line of a V4L2 or libcamera camera with `defaults` ("key=value&key=value") before its own options, which count
+/// where both have a word. Any other line as it is: recordings have no such options.
+[[nodiscard]] std::string with_defaults(std::string_view line, std::string_view defaults);
+
+/// What a calibration wants of a camera, where its line says nothing else: places are told to a part of its pixels.
+inline constexpr std::string_view kCalibrationSize = "width_px=1920&height_px=1080";
+
 }  // namespace cyclorama

@@ -53,9 +53,9 @@ Result<bool> read_option(const CameraSpec& spec, std::string_view key, std::stri
   } else if (key == "colour" && (value == "yes" || value == "no")) {
     ret_wish->is_coloured = value == "yes";
   } else if (key == "frames_per_second") {
-    TRY_ASSIGN(ret_wish->frames_per_second, spec.number(key, value, 1, 1000));
+    TRY_ASSIGN(ret_wish->frames_per_second, spec.number(key, value, 0.1, 1000));
   } else if (key == "exposure_ms") {
-    TRY_ASSIGN(const double milliseconds, spec.number(key, value, 0, 1000));
+    TRY_ASSIGN(const double milliseconds, spec.number(key, value, 0, 10000));
     *ret_exposure = std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(milliseconds));
   } else {
     return false;

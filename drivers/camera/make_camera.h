@@ -9,7 +9,8 @@
 ///   simulated[:SIMULATION.toml]                 a hand with a tag; without a file, the demo's
 ///
 /// OPTIONS of the first two: width_px=N height_px=N frames_per_second=N exposure_ms=N (0: the camera's own), joined by
-/// '&'; of v4l2 also gain=held (brightness is to be compared between pictures) and memory=dma_buf.
+/// '&'; colour=yes (colours beside the brightness, where it has them); of v4l2 also gain=held (pictures are to be
+/// compared: gain, white balance and focus stay as they are) and memory=dma_buf.
 #pragma once
 
 #include <memory>

@@ -18,6 +18,7 @@
 #include "common/image/image_file.h"
 #include "common/process/program.h"
 #include "common/process/progress.h"
+#include "drivers/camera/camera_spec.h"
 #include "drivers/camera/make_camera.h"
 
 namespace cyclorama {
@@ -120,7 +121,7 @@ Result<Views> from_folder(const Options& options, const BoardKind& kind, const S
 Result<Views> from_camera(const Options& options, const BoardKind& kind, const StopSignal& stop) {
   constexpr double kStill_px = 1.0;
   const SteadyClock clock;
-  TRY_ASSIGN(const std::unique_ptr<Camera> camera, make_camera(options.camera, clock));
+  TRY_ASSIGN(const std::unique_ptr<Camera> camera, make_camera(with_defaults(options.camera, kCalibrationSize), clock));
   TRY_ASSIGN(TagDetector detector, make_board_detector());
   TRY(camera->start());
   Views found{camera->id(), 0, 0, {}};

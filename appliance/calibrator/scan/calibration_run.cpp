@@ -117,6 +117,7 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   if (stop.stop_requested()) return cancelled();
   tell("writes the calibration", kSeamPart);
   TRY(save_calibration(folder, outcome.calibration, colours));
+  ScanFolder::end(folder / "scan");
   if (outcome.light && outcome.light->lighting) {
     const auto own = calibration_folder(folder, date);
     if (const auto kept = write_light(own, outcome.calibration.projectors, *outcome.light->lighting); !kept)

@@ -69,7 +69,9 @@ Result<std::shared_ptr<const Frame>> FrameScanCamera::next(double exposure_s) {
       if (frame.error().code() == ErrorCode::kUnavailable) camera_.reset();  // Perhaps it comes back.
       return frame;
     }
-    if ((*frame)->captured_at >= asked_at && warm_up-- <= 0) return frame;
+    // Some drivers stamp the end of the exposure and call it the start: an exposure later both are right.
+    const TimePoint begins_at = asked_at + (*frame)->exposure;
+    if ((*frame)->captured_at >= begins_at && warm_up-- <= 0) return frame;
     if (clock_.now() >= deadline) {
       return Error(
           ErrorCode::kTimedOut,
@@ -80,6 +82,14 @@ Result<std::shared_ptr<const Frame>> FrameScanCamera::next(double exposure_s) {
 
 Result<ScanPhotograph> FrameScanCamera::photograph(double exposure_s) {
   TRY_ASSIGN(const std::shared_ptr<const Frame> frame, next(exposure_s));
+  if (frame->exposure <= Duration::zero()) {
+    return Error(
+        ErrorCode::kUnavailable,
+        fmt::format("camera '{}' does not hold an exposure, so its pictures cannot be compared; take one whose "
+                    "exposure can be set by hand",
+                    id_));
+  }
+  exposed_s_ = to_seconds(frame->exposure);
   return photograph_of(*frame);
 }
 

@@ -28,7 +28,9 @@ class FrameScanCamera final : public ScanCamera {
   [[nodiscard]] int width_px() const override { return width_px_; }
   [[nodiscard]] int height_px() const override { return height_px_; }
   [[nodiscard]] bool has_colour() const override { return has_colour_; }
+  /// kUnavailable  also of a camera that does not hold an exposure: what it photographs cannot be compared.
   Result<ScanPhotograph> photograph(double exposure_s) override;
+  [[nodiscard]] double exposed_s(double) const override { return exposed_s_; }
 
  private:
   FrameScanCamera(Opener opener, const Clock& clock) : opener_(std::move(opener)), clock_(clock) {}
@@ -37,7 +39,8 @@ class FrameScanCamera final : public ScanCamera {
   Opener opener_;
   const Clock& clock_;
   std::unique_ptr<Camera> camera_;
-  double exposure_s_ = 0.0;
+  double exposure_s_ = 0.0;  ///< As it was opened.
+  double exposed_s_ = 0.0;   ///< As it told with its last frame.
   std::string id_;
   int width_px_ = 0;
   int height_px_ = 0;

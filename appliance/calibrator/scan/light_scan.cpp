@@ -112,32 +112,29 @@ class LightScanning {
     read.projector = view.projector;
     TRY_ASSIGN(read.cells, cells_of(view));
     const PatternPicture black{.kind = PatternKind::kBlack};
-    TRY(read_picture(black, &read));
-    TRY(read_exposure(black, within(kBlackExposure * exposures_s_.front()), &read));
-    TRY(read_picture({.kind = PatternKind::kWhite}, &read));
+    std::vector<PatternPicture> pictures{black, {.kind = PatternKind::kWhite}};
     if (best_.at(view.projector) == &view) {
       TRY_ASSIGN(const PatternSet set, ramps(read.cells.width_px, read.cells.height_px, kRampSteps,
                                              {PatternLight::kRed, PatternLight::kGreen, PatternLight::kBlue}));
       for (const PatternPicture& picture : set.pictures) {
-        if (picture.level > 0.0) TRY(read_picture(picture, &read));
+        if (picture.level > 0.0) pictures.push_back(picture);
       }
     }
+    // All of one exposure, then all of the next: another exposure is another opening of many cameras.
+    for (const double exposure_s : exposures_s_) {
+      for (const PatternPicture& picture : pictures) TRY(read_picture(picture, exposure_s, &read));
+    }
+    TRY(read_picture(black, within(kBlackExposure * exposures_s_.front()), &read));
     TRY(devices_.screen.show(view.projector, RgbImage()));
     scan_.input.views.push_back(std::move(read));
     ++done_;
     return Done{};
   }
 
-  Status read_picture(const PatternPicture& picture, ProjectorView* read) {
+  Status read_picture(const PatternPicture& picture, double exposure_s, ProjectorView* read) {
     TRY(show(read->projector, picture));
-    for (const double exposure_s : exposures_s_) TRY(read_exposure(picture, exposure_s, read));
-    return Done{};
-  }
-
-  /// Precondition: the picture is shown.
-  Status read_exposure(const PatternPicture& picture, double exposure_s, ProjectorView* read) {
     TRY_ASSIGN(const ScanPhotograph photograph, photographed(exposure_s));
-    TRY_ASSIGN(LightReading reading, read_light(read->cells, photograph, picture, exposure_s));
+    TRY_ASSIGN(LightReading reading, read_light(read->cells, photograph, picture, camera_.exposed_s(exposure_s)));
     read->readings.push_back(std::move(reading));
     if (listener_) {
       listener_({fmt::format("measures the light of projector '{}': {}", name_of_projector(read->projector),

@@ -16,8 +16,10 @@
 
 namespace cyclorama {
 namespace {
-constexpr Duration kAnswerWithin = std::chrono::seconds(5);  // A refresh, and decoding a PNG of some megabytes.
-}
+/// A refresh, and decoding a PNG of some megabytes; but a display waits ten seconds for a head before it says which one
+/// is away.
+constexpr Duration kAnswerWithin = std::chrono::seconds(15);
+}  // namespace
 
 /// One display's stream. A blocking read has no deadline of its own, so a thread beside it cancels the call when one
 /// passes.

@@ -46,6 +46,9 @@ class ScanCamera {
   /// What was exposed wholly after the call began. Codes as the sensor has them, divided by the largest.
   /// kInvalidArgument  an exposure that it cannot do.   kTimedOut, kUnavailable  as Camera::next_frame().
   virtual Result<ScanPhotograph> photograph(double exposure_s) = 0;
+  /// How long the last photograph was exposed, which photometry takes as exact: cameras have steps and limits. Of one
+  /// that does what it is asked to, what was asked.
+  [[nodiscard]] virtual double exposed_s(double asked_s) const { return asked_s; }
 
  protected:
   ScanCamera() = default;

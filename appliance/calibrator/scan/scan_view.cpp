@@ -27,6 +27,7 @@ constexpr std::size_t kMostPlaces = 32'000'000;
 constexpr std::size_t kManifestLimit = 4 << 20;
 constexpr std::string_view kMagic = "cyclorama view 1";  // 16 bytes.
 constexpr std::size_t kPlaceBytes = 5 * sizeof(float);
+constexpr auto kStale = std::chrono::hours(12);
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kAnew = "; calibrate anew, without resuming";
 static_assert(std::endian::native == std::endian::little, "places are written as they lie in memory");
@@ -204,6 +205,12 @@ Result<ScanFolder> ScanFolder::resume(std::filesystem::path folder, const ScanId
     if (text.error().code() != ErrorCode::kNotFound) return std::move(text).error();
     return Error(ErrorCode::kNotFound, fmt::format("there is nothing to go on with in '{}'{}", folder.string(), kAnew));
   }
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(path, error);
+  if (!error && std::filesystem::file_time_type::clock::now() - written > kStale) {
+    return bad(fmt::format("the scan in '{}' was left alone for more than {} hours, in which projectors may have moved",
+                           folder.string(), std::chrono::hours(kStale).count()));
+  }
   TRY_ASSIGN(ScanManifest manifest, parse_manifest(*text, path.string()));
   if (!(manifest.identity == identity)) {
     return bad(fmt::format("the scan in '{}' cannot be gone on with: {}", folder.string(),
@@ -224,6 +231,11 @@ Result<ScanFolder> ScanFolder::resume(std::filesystem::path folder, const ScanId
   }
   scan.manifest_ = std::move(manifest);
   return scan;
+}
+
+void ScanFolder::end(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::remove(folder / kManifest, ignored);
 }
 
 const ScanView* ScanFolder::find(std::size_t direction, std::size_t projector) const {

@@ -74,9 +74,12 @@ class ScanFolder {
  public:
   /// Makes the folder, and empties it of an earlier scan. kSystem  errno says why.
   static Result<ScanFolder> begin(std::filesystem::path folder, const ScanIdentity& identity);
-  /// Goes on with what is there. kNotFound  nothing is.     kBadData  it is damaged, or of another scan: says what
-  /// differs, and what to do.
+  /// Goes on with what is there. kNotFound  nothing is.     kBadData  it is damaged, of another scan, or was left alone
+  /// for half a day, in which projectors move: says what differs, and what to do.
   static Result<ScanFolder> resume(std::filesystem::path folder, const ScanIdentity& identity);
+
+  /// What it was for has been calibrated: there is nothing to go on with any more.
+  static void end(const std::filesystem::path& folder);
 
   /// Null: it is not there. Lives until the next keep().
   [[nodiscard]] const ScanView* find(std::size_t direction, std::size_t projector) const;

@@ -6,6 +6,9 @@
 namespace cyclorama {
 namespace {
 
+/// Closing, opening, four pictures to warm up.
+constexpr double kOpening_s = 0.5;
+
 template <int Channels>
 ScanPhotograph photograph_of(const Image<std::uint16_t, Channels>& codes, int bits) {
   ScanPhotograph photograph(codes.width(), codes.height());
@@ -46,6 +49,8 @@ Status SimulatedPatternScreen::show(std::size_t projector, const RgbImage& pictu
 }
 
 Result<ScanPhotograph> SimulatedScanCamera::photograph(double exposure_s) {
+  if (exposure_s != exposure_s_) museum_->wait(kOpening_s);
+  exposure_s_ = exposure_s;
   if (colour_ == PhotographColour::kColour) {
     TRY_ASSIGN(const RgbPhotograph codes, museum_->photograph_colour(exposure_s));
     return photograph_of(codes, museum_->camera_bits());

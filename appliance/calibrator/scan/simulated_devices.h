@@ -27,7 +27,8 @@ class SimulatedPatternScreen final : public PatternScreen {
 
 enum class PhotographColour { kGrey, kColour };
 
-/// With its colour filters or, three times as fast, without. Borrows the museum for its whole life.
+/// With its colour filters or, three times as fast, without. Another exposure takes it as long as it takes a camera
+/// that must be opened anew for it. Borrows the museum for its whole life.
 class SimulatedScanCamera final : public ScanCamera {
  public:
   SimulatedScanCamera(SimulatedMuseum* museum, PhotographColour colour) : museum_(museum), colour_(colour) {}
@@ -41,6 +42,7 @@ class SimulatedScanCamera final : public ScanCamera {
 
  private:
   std::string id_ = "simulated";
+  double exposure_s_ = 0.0;  ///< Of the last photograph.
   SimulatedMuseum* museum_;
   PhotographColour colour_;
 };

@@ -63,25 +63,31 @@ class WallScanning {
   Status measure_all(ScanFolder* kept) {
     for (std::size_t p = 0; p < installation_.projectors.size(); ++p) TRY(devices_.screen.show(p, RgbImage()));
     for (std::size_t d = 0; d < plan_.directions.size(); ++d) {
-      bool has_turned = false;
-      for (const std::size_t p : plan_.directions[d].projectors) {
-        const ScanView* before = kept->find(d, p);
-        // What lit nothing is looked at again: perhaps it has been switched on since.
-        if (before == nullptr || before->places.size() < kLeastPlaces) {
-          if (stop_.stop_requested()) return cancelled();
-          if (!has_turned) {
-            tell(fmt::format("turns the camera to {:.0f} degrees", plan_.directions[d].angle_rad / kDegree), 0.0,
-                 nullptr);
-            TRY(turn_plate(devices_.plate, plan_.directions[d].angle_rad));
-            has_turned = true;
-          }
-          TRY_ASSIGN(ScanView view, undisturbed_view(d, p));
-          TRY(kept->keep(std::move(view)));
-        }
+      const std::vector<std::size_t>& projectors = plan_.directions[d].projectors;
+      if (is_complete(*kept, d)) {
+        done_ += projectors.size();
+        continue;
+      }
+      tell(fmt::format("turns the camera to {:.0f} degrees", plan_.directions[d].angle_rad / kDegree), 0.0, nullptr);
+      TRY(turn_plate(devices_.plate, plan_.directions[d].angle_rad));
+      for (const std::size_t p : projectors) {
+        if (stop_.stop_requested()) return cancelled();
+        TRY_ASSIGN(ScanView view, undisturbed_view(d, p));
+        TRY(kept->keep(std::move(view)));
         ++done_;
       }
     }
     return Done{};
+  }
+
+  /// All views of a direction are of one stop of the plate, which has one pose: it never stops twice at the same angle,
+  /// so what an interrupted scan has of a direction counts only if nothing is missing. What lit nothing is looked at
+  /// again: perhaps it has been switched on since.
+  [[nodiscard]] bool is_complete(const ScanFolder& kept, std::size_t d) const {
+    return std::ranges::all_of(plan_.directions[d].projectors, [&](std::size_t p) {
+      const ScanView* before = kept.find(d, p);
+      return before != nullptr && before->places.size() >= kLeastPlaces;
+    });
   }
 
   /// Measured again, once, when somebody was in the way; the better one counts.

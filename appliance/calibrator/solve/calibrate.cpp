@@ -16,6 +16,8 @@ constexpr double kWallFloor_px = 0.05;  // Of a sample's sigma: what lens models
 // A map that predicts new measurements as well as the new one predicts what it left out is still right; left-out
 // errors of some hundred places scatter by some percent.
 constexpr double kStillRight = 1.1;
+/// Of the new measurements, where an old map may have no direction: at the rim either map may end a little earlier.
+constexpr double kMostUnknown = 0.01;
 constexpr double kWorthSaying_px = 0.5;  // Held-out error of a map.
 // Tracks that were left out are predicted as well as without the hint, or it is wrong; they scatter by some percent.
 constexpr double kHintAgrees = 1.02;
@@ -201,7 +203,9 @@ class Calibrating {
       const MeasuredMap old = turned(before->map, turn_);
       const auto error = map_error_px(old, samples_[p]);
       const double own = projector.map.heldout_rms_px;
-      projector.is_previous = error && *error < kStillRight * own;
+      // One with a hole where the new one has none does not do as well, however right the rest of it is.
+      const bool has_hole = known_part(old, samples_[p]) < known_part(projector.map, samples_[p]) - kMostUnknown;
+      projector.is_previous = error && *error < kStillRight * own && !has_hole;
       if (projector.is_previous) projector.map = old;
       if (error) {
         remark(

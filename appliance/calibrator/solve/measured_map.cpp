@@ -325,6 +325,13 @@ Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<cons
   return map;
 }
 
+double known_part(const MeasuredMap& map, std::span<const MapSample> samples) {
+  if (samples.empty()) return 0.0;
+  const auto known = std::ranges::count_if(
+      samples, [&](const MapSample& sample) { return map.direction_at(sample.projector_px).has_value(); });
+  return static_cast<double>(known) / static_cast<double>(samples.size());
+}
+
 std::optional<double> map_error_px(const MeasuredMap& map, std::span<const MapSample> samples) {
   constexpr double kStep_px = 1.0;
   std::vector<double> squares;

@@ -55,6 +55,9 @@ struct MapOptions {
 Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<const MapSample> samples,
                                      const MapOptions& options = {});
 
+/// Of the samples, where the map has a direction: 0 to 1.
+[[nodiscard]] double known_part(const MeasuredMap& map, std::span<const MapSample> samples);
+
 /// Of samples, in projector pixels per axis, without the worst twentieth; nothing where the map has no direction for
 /// most of them.
 [[nodiscard]] std::optional<double> map_error_px(const MeasuredMap& map, std::span<const MapSample> samples);

@@ -198,7 +198,10 @@ Status LibcameraCamera::set_up() {
     const auto us = std::chrono::duration_cast<std::chrono::microseconds>(options_.exposure).count();
     fix_exposure(camera_->controls(), static_cast<std::int32_t>(us), &controls);
   }
-  // Colours are compared between pictures.
+  // Colours are compared between pictures, and another focus is another lens.
+  if (options_.wish.is_coloured && camera_->controls().count(&lc::controls::AfMode) != 0) {
+    controls.set(lc::controls::AfMode, static_cast<std::int32_t>(lc::controls::AfModeManual));
+  }
   if (options_.wish.is_coloured && camera_->controls().count(&lc::controls::AwbEnable) != 0) {
     controls.set(lc::controls::AwbEnable, false);
   }
@@ -353,6 +356,9 @@ Result<std::shared_ptr<const Frame>> LibcameraCamera::read(lc::Request& request)
   KernelStamp stamp{true, sensor_ns.has_value(), from_nanoseconds(static_cast<std::int64_t>(metadata.timestamp))};
   if (sensor_ns) stamp.at = from_nanoseconds(*sensor_ns);
   frame->captured_at = capture_time(stamp, options_.exposure, clock_.now());
+  if (const auto exposed_us = request.metadata().get(lc::controls::ExposureTime); exposed_us) {
+    frame->exposure = std::chrono::microseconds(*exposed_us);
+  }
   return std::shared_ptr<const Frame>(std::move(frame));
 }
 

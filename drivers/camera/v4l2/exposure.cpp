@@ -31,12 +31,15 @@ Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished, Gai
   if (const auto time = device.control(V4L2_CID_EXPOSURE_ABSOLUTE)) {
     const long value = nearest(*time, std::max(1L, wished / kExposureUnit));
     TRY_ASSIGN(const bool is_taken, device.set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value));
-    if (is_taken) set.exposure = kExposureUnit * value;
+    // The device's word for it: some take what they cannot do, and do what is nearest.
+    const auto now = is_taken ? device.control(V4L2_CID_EXPOSURE_ABSOLUTE) : std::nullopt;
+    if (is_taken) set.exposure = kExposureUnit * (now ? now->value : value);
   }
   if (gain == GainRule::kHeld) {
     // Refused by those that have none.
     TRY(device.set_control(V4L2_CID_AUTOGAIN, 0));
     TRY(device.set_control(V4L2_CID_AUTO_WHITE_BALANCE, 0));
+    TRY(device.set_control(V4L2_CID_FOCUS_AUTO, 0));  // Another focus is another lens.
     return set;
   }
   TRY_ASSIGN(const bool follows_light, device.set_control(V4L2_CID_AUTOGAIN, 1));

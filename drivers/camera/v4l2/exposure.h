@@ -19,7 +19,7 @@ struct ExposureSet {
 /// A tracker's pictures stay bright enough; a calibration compares brightness between pictures.
 enum class GainRule {
   kFollowsLight,
-  kHeld,  ///< Automatic gain and white balance are switched off, and both stay as they are.
+  kHeld,  ///< Automatic gain, white balance and focus are switched off, and stay as they are.
 };
 
 /// The control that GainRange is of.

@@ -135,7 +135,8 @@ Result<std::shared_ptr<const Frame>> V4l2Camera::read(const FilledBuffer& filled
   sequence_ += step == 0 || step > kMostStep ? 1U : step;
   last_kernel_sequence_ = filled.sequence;
   frame->sequence = sequence_;
-  frame->captured_at = capture_time(filled.stamp, exposure_.exposure.value_or(Duration::zero()), clock_.now());
+  frame->exposure = exposure_.exposure.value_or(Duration::zero());
+  frame->captured_at = capture_time(filled.stamp, frame->exposure, clock_.now());
   return std::shared_ptr<const Frame>(std::move(frame));
 }
 

@@ -27,11 +27,17 @@ class SteadyCamera final : public Camera {
     auto frame = std::make_shared<Frame>();
     frame->pixels = GreyImage(8, 6, static_cast<std::uint8_t>(1000.0 * exposure_s_));
     frame->captured_at = captured_at;
+    frame->exposure =
+        holds_exposure_
+            ? std::chrono::duration_cast<Duration>(std::chrono::duration<double>(std::min(exposure_s_, kLongest_s)))
+            : Duration::zero();
     captured_.push_back(captured_at);
     return std::shared_ptr<const Frame>(std::move(frame));
   }
   void stop() override {}
   static inline std::vector<TimePoint> captured_;
+  static inline bool holds_exposure_ = true;
+  static constexpr double kLongest_s = 0.08;
 
  private:
   ManualClock* clock_;
@@ -59,6 +65,7 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
     const auto photograph = (*camera)->photograph(exposure);
     ASSERT_TRUE(photograph.has_value()) << photograph.error().message();
     EXPECT_GE(SteadyCamera::captured_.back(), asked_at);
+    EXPECT_NEAR((*camera)->exposed_s(exposure), std::min(exposure, SteadyCamera::kLongest_s), 1e-9) << "not as asked";
     EXPECT_NEAR(static_cast<double>(photograph->at(3, 3)[2]), exposure * 1000.0 / 255.0, 1e-6);
   }
   EXPECT_EQ(opened, (std::vector<double>{0.05, 0.1})) << "opened again only for another exposure";
@@ -67,6 +74,10 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
   EXPECT_EQ((*camera)->photograph(0.1).error().code(), ErrorCode::kUnavailable);
   is_unplugged = false;  // It is back, and so is the scan.
   EXPECT_TRUE((*camera)->photograph(0.1).has_value());
+  SteadyCamera::holds_exposure_ = false;
+  const auto automatic = (*camera)->photograph(0.1);
+  ASSERT_FALSE(automatic.has_value());
+  EXPECT_THAT(automatic.error().message(), ::testing::HasSubstr("exposure can be set by hand"));
 }
 
 /// Its pictures have colours.
@@ -78,6 +89,7 @@ class ColourCamera final : public Camera {
   Result<std::shared_ptr<const Frame>> next_frame(TimePoint) override {
     auto frame = std::make_shared<Frame>();
     frame->captured_at = clock_->now();
+    frame->exposure = kPeriod;
     clock_->wait_until(clock_->now() + kPeriod);
     frame->pixels = GreyImage(4, 2, 100);
     frame->colour = RgbImage(4, 2, 51);

@@ -69,6 +69,24 @@ TEST_F(ScanFolderTest, goes_on_with_what_was_kept) {
   EXPECT_EQ(scan->find(2, 0), nullptr);
 }
 
+TEST_F(ScanFolderTest, does_not_go_on_with_what_has_been_calibrated_or_was_left_alone) {
+  ASSERT_TRUE(ScanFolder::begin(folder_, identity()));
+  std::filesystem::last_write_time(folder_ / "manifest.json",
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(11));
+  EXPECT_TRUE(ScanFolder::resume(folder_, identity()));
+  std::filesystem::last_write_time(folder_ / "manifest.json",
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(13));
+  const auto stale = ScanFolder::resume(folder_, identity());
+  ASSERT_FALSE(stale);
+  EXPECT_EQ(stale.error().code(), ErrorCode::kBadData);
+  EXPECT_THAT(stale.error().message(), HasSubstr("more than 12 hours"));
+  ASSERT_TRUE(ScanFolder::begin(folder_, identity()));
+  ScanFolder::end(folder_);
+  const auto ended = ScanFolder::resume(folder_, identity());
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code(), ErrorCode::kNotFound);
+}
+
 TEST_F(ScanFolderTest, begins_anew_where_an_older_scan_lies) {
   ASSERT_TRUE(ScanFolder::begin(folder_, identity())->keep(view(0, 0, 10)).has_value());
   ASSERT_TRUE(ScanFolder::begin(folder_, identity()).has_value());

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <cmath>
 
 #include "tests/doubles/generated_room.h"
@@ -99,6 +100,27 @@ TEST(Calibrate, gives_a_knocked_projector_a_new_map_that_fits_those_that_stay) {
     return healed->projectors[p].map.direction_at(moved);
   });
   EXPECT_LE(score.p95_px, 0.2);
+}
+
+TEST(Calibrate, replaces_a_map_with_a_hole_however_right_the_rest_of_it_is) {
+  CalibrateOptions options;
+  options.with_wall = false;
+  RoomPlan plan = coarse_plan(RoomKind::kCylinder);
+  auto good = calibrate(GeneratedRoom(plan).measurements(), "2026-01-01T00-00-00Z", options);
+  ASSERT_TRUE(good) << good.error().message();
+  MeasuredMap& map = good->projectors[1].map;
+  for (int y = map.cells_y / 3; y < map.cells_y / 2; ++y) {
+    for (int x = map.cells_x / 3; x < map.cells_x / 2; ++x) {
+      map.directions[static_cast<std::size_t>(y * (map.cells_x + 1) + x)].setConstant(
+          std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  plan.noise_px = 0.3;  // Alone it would be no reason for another map.
+  options.previous = &*good;
+  const auto anew = calibrate(GeneratedRoom(plan).measurements(), "2026-01-02T00-00-00Z", options);
+  ASSERT_TRUE(anew) << anew.error().message();
+  EXPECT_TRUE(anew->projectors[0].is_previous);
+  EXPECT_FALSE(anew->projectors[1].is_previous);
 }
 
 TEST(Calibrate, replaces_maps_that_were_off_by_parallax_once_the_camera_is_known) {

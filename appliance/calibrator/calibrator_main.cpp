@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cyclorama-calibrator: measures the wall when it is told to, and keeps it in its place while the show goes on.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -73,7 +74,7 @@ void add_options(CLI::App& app, Options* ret) {
   app.add_option("--camera", ret->camera, "On the turn-plate: v4l2:PORT[?OPTIONS], libcamera:ID[?OPTIONS]")
       ->type_name("CAMERA")
       ->capture_default_str();
-  app.add_option("--turnplate", ret->turnplate, "serial:DEVICE[?OPTIONS], or manual: asks on the terminal")
+  app.add_option("--turnplate", ret->turnplate, "serial:DEVICE[?OPTIONS], or manual: asks somebody to turn it")
       ->type_name("PLATE")
       ->capture_default_str();
   app.add_option("--display", ret->displays,
@@ -120,6 +121,7 @@ void add_options(CLI::App& app, Options* ret) {
 }
 
 constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kReadByEye_rad = 0.3 * kDegree;  // Off a scale of whole degrees.
 
 Result<ScanSettings> settings_for(const Options& options, const ScanCamera& camera) {
   ScanSettings settings;
@@ -154,13 +156,20 @@ Result<std::vector<PatternDisplay>> displays_of(const Options& options) {
   return displays;
 }
 
-Result<DeviceOpener> real_opener(const Options& options, const Installation& installation, const Clock& clock) {
+/// A calibrator in a terminal asks there, a service asks whoever told it to calibrate.
+std::unique_ptr<TurnplateOperator> operator_at(TurnplateDesk* desk) {
+  if (::isatty(STDIN_FILENO) == 1) return std::make_unique<TerminalOperator>(STDIN_FILENO, STDERR_FILENO);
+  return std::make_unique<DeskOperator>(desk);
+}
+
+Result<DeviceOpener> real_opener(const Options& options, const Installation& installation, TurnplateDesk* desk,
+                                 const Clock& clock) {
   TRY_ASSIGN(const std::vector<PatternDisplay> displays, displays_of(options));
   if (displays.empty()) {
     return Error(ErrorCode::kInvalidArgument, "no display is named that shows the patterns; give --display HOST:PORT");
   }
   return DeviceOpener(
-      [options, displays, projectors = installation.projectors, &clock]() -> Result<CalibrationDevices> {
+      [options, displays, projectors = installation.projectors, desk, &clock]() -> Result<CalibrationDevices> {
         const FrameScanCamera::Opener open_camera = [spec = options.camera, &clock](double exposure_s) {
           // Pictures are compared. libcamera's cameras hold their gain with a fixed exposure.
           const std::string_view held = spec.starts_with("v4l2:") ? "&gain=held" : "";
@@ -171,11 +180,12 @@ Result<DeviceOpener> real_opener(const Options& options, const Installation& ins
                              clock);
         };
         CalibrationDevices devices;
-        TRY_ASSIGN(devices.plate, make_turnplate(options.turnplate));
+        TRY_ASSIGN(devices.plate, make_turnplate(options.turnplate, operator_at(desk)));
         TRY_ASSIGN(devices.camera, FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
         const auto settle = std::chrono::milliseconds(static_cast<int>(options.settle_ms));
         TRY_ASSIGN(devices.screen, RemotePatternScreen::open(projectors, displays, settle));
         TRY_ASSIGN(devices.settings, settings_for(options, *devices.camera));
+        if (options.turnplate == "manual") devices.settings.plate_sigma_rad = kReadByEye_rad;
         return devices;
       });
 }
@@ -233,18 +243,20 @@ Status run(const Options& options, const StopSignal& stop) {
   const SteadyClock clock;
   Installation installation;
   DeviceOpener opener;
+  TurnplateDesk desk;
   if (!options.simulated.empty()) {
     TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::open(options.simulated));
     installation = museum.installation();
     opener = simulated_opener(options, std::make_shared<SimulatedMuseum>(std::move(museum)));
   } else if (!options.installation.empty()) {
     TRY_ASSIGN(installation, read_installation(options.installation));
-    TRY_ASSIGN(opener, real_opener(options, installation, clock));
+    TRY_ASSIGN(opener, real_opener(options, installation, &desk, clock));
   } else {
     return Error(ErrorCode::kInvalidArgument, "no room is named; give --installation FILE, or --simulated FILE");
   }
   InspectionService inspection("calibrator");
   CalibratorService calibrator(installation, options.folder, std::move(opener), clock, &inspection);
+  calibrator.ask_at(&desk);
   TRY_ASSIGN(std::unique_ptr<ShowRooms> rooms, rooms_of(options, installation, clock));
   std::unique_ptr<HealingLoop> loop;
   if (rooms != nullptr) {

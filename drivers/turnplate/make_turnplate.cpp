@@ -2,8 +2,6 @@
 #include "drivers/turnplate/make_turnplate.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
 #include "common/base/text.h"
 #include "drivers/turnplate/manual/manual_turnplate.h"
 #include "drivers/turnplate/serial/serial_turnplate.h"
@@ -53,12 +51,12 @@ bool take(std::string_view key, std::string_view value, SerialTurnplateOptions* 
 
 }  // namespace
 
-Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec) {
+Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec,
+                                                  std::unique_ptr<TurnplateOperator> operated_by) {
   std::string_view rest = spec;
   const std::string_view kind = cut(&rest, ':');
   if (kind == "manual" && rest.empty()) {
-    return std::unique_ptr<Turnplate>(
-        std::make_unique<ManualTurnplate>(std::make_unique<TerminalOperator>(STDIN_FILENO, STDERR_FILENO)));
+    return std::unique_ptr<Turnplate>(std::make_unique<ManualTurnplate>(std::move(operated_by)));
   }
   if (kind != "serial") return refuse(spec, "no such kind of turn-plate; the kinds are serial:DEVICE and manual");
   SerialTurnplateOptions options;

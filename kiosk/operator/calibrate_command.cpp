@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 #include <grpcpp/client_context.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstdio>
@@ -18,6 +20,7 @@ namespace cyclorama {
 namespace {
 
 constexpr auto kLookAtStop = std::chrono::milliseconds(100);
+constexpr auto kToAnswer = std::chrono::seconds(5);
 constexpr auto kToRestore = std::chrono::seconds(30);
 constexpr std::size_t kLongestRemark = 600;
 
@@ -39,6 +42,55 @@ class StoppedCall {
   std::jthread watcher_;
 };
 
+/// Asks whoever sits at the terminal, and sends what is typed, as long as it lives.
+class TypedAnswers {
+ public:
+  explicit TypedAnswers(wire::Calibrator::Stub* stub)
+      : stub_(*stub), reader_([this](const std::stop_token& is_over) { read(is_over); }) {}
+  /// Empty: nothing is asked any more.
+  void ask(const std::string& question) {
+    if (!question.empty()) std::fprintf(stderr, "\n%s", printable(question, kLongestRemark).c_str());
+    is_asked_ = !question.empty();
+  }
+
+ private:
+  void read(const std::stop_token& is_over) {
+    std::string typed;
+    while (!is_over.stop_requested()) {
+      if (!is_asked_) {
+        std::this_thread::sleep_for(kLookAtStop);
+        continue;
+      }
+      pollfd entry{STDIN_FILENO, POLLIN, 0};
+      if (::poll(&entry, 1, static_cast<int>(kLookAtStop.count())) <= 0) continue;
+      char bytes[64];
+      const ssize_t count = ::read(STDIN_FILENO, bytes, sizeof bytes);
+      if (count <= 0) {
+        std::fputs("(nobody can type here: answer on the operator's page)\n", stderr);
+        return;
+      }
+      typed.append(bytes, static_cast<std::size_t>(count));
+      const std::size_t end = typed.find_first_of("\r\n");
+      if (end == std::string::npos) continue;
+      send(typed.substr(0, end));
+      typed.clear();
+    }
+  }
+  void send(const std::string& text) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kToAnswer);
+    wire::AnswerOrder order;
+    order.set_text(text);
+    wire::AnswerReply ignored;
+    // Answered on the page meanwhile, or over: then this one is not needed.
+    static_cast<void>(stub_.Answer(&context, order, &ignored));
+  }
+
+  wire::Calibrator::Stub& stub_;
+  std::atomic<bool> is_asked_{false};
+  std::jthread reader_;
+};
+
 Result<wire::CalibrateDone> calibrate(wire::Calibrator::Stub* stub, const wire::CalibrateOrder& order,
                                       const StopSignal& stop) {
   grpc::ClientContext context;
@@ -47,11 +99,14 @@ Result<wire::CalibrateDone> calibrate(wire::Calibrator::Stub* stub, const wire::
   std::optional<wire::CalibrateDone> done;
   {
     Progress progress("calibrating");
+    TypedAnswers answers(stub);
+    std::string asked;
     wire::CalibrateProgress message;
     while (stream->Read(&message)) {
       progress.set_step(printable(message.step(), 50));
       progress.update(message.has_done() ? 1.0 : message.fraction());
       if (message.has_done()) done = message.done();
+      if (message.question() != asked) answers.ask(asked = message.question());
     }
   }
   const grpc::Status end = finish_after_read(context, [&] { return stream->Finish(); });

@@ -17,6 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr auto kAnswerDeadline = std::chrono::seconds(5);
 constexpr auto kRestoreDeadline = std::chrono::seconds(30);
 constexpr std::size_t kLargestPicture = 4 << 20;
 constexpr int kMostRemarks = 100;
@@ -87,6 +88,18 @@ void CalibrationDesk::cancel() {
   running_->TryCancel();
 }
 
+Status CalibrationDesk::answer(const std::string& text) {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kAnswerDeadline);
+  wire::AnswerOrder order;
+  order.set_text(text);
+  wire::AnswerReply reply;
+  const grpc::Status status = calibrator_->Answer(&context, order, &reply);
+  if (status.error_code() == grpc::StatusCode::FAILED_PRECONDITION)
+    return Error(ErrorCode::kNotFound, "the calibration asks nothing any more");
+  return status.ok() ? Status(Done{}) : from_grpc(status, "answering the calibration");
+}
+
 Result<std::string> CalibrationDesk::restore() {
   {
     const std::lock_guard lock(mutex_);
@@ -110,7 +123,8 @@ std::string CalibrationDesk::json() const {
             {"date", printable(newest_.done().date(), 100)},
             {"remarks", Json::array()},
             {"registration_p95_px", nullptr},
-            {"has_picture", !jpeg_.empty()}};
+            {"has_picture", !jpeg_.empty()},
+            {"question", running_ ? printable(newest_.question(), 300) : ""}};
   if (newest_.has_done()) {
     const double error_px = newest_.done().registration_p95_px();
     if (std::isfinite(error_px)) json["registration_p95_px"] = error_px;
@@ -132,6 +146,7 @@ Result<CalibrationWish> parse_calibration_wish(std::string_view text) {
   if (!json.is_object()) return bad("not a JSON object; send {\"do\": \"start\"}");
   CalibrationWish wish;
   std::string kind;
+  bool has_text = false;
   for (const auto& [key, value] : json.items()) {
     if (key == "do" && value.is_string()) {
       kind = value.get<std::string>();
@@ -141,10 +156,19 @@ Result<CalibrationWish> parse_calibration_wish(std::string_view text) {
       wish.order.set_resume(value.get<bool>());
     } else if (key == "projector" && value.is_string()) {
       wish.order.set_projector(printable(value.get<std::string>(), 100));
+    } else if (key == "text" && value.is_string()) {
+      wish.text = printable(value.get<std::string>(), 100);
+      has_text = true;
     } else {
-      return bad(
-          fmt::format("'{}' is none of do, quick, projector, resume, or has another kind of value", printable(key)));
+      return bad(fmt::format("'{}' is none of do, quick, projector, resume, text, or has another kind of value",
+                             printable(key)));
     }
+  }
+  if (has_text != (kind == "answer")) return bad("'text' belongs to 'answer', which needs it");
+  if (kind == "answer") {
+    wish.kind = CalibrationWish::Kind::kAnswer;
+    if (json.size() != 2) return bad("'answer' takes 'text' and nothing else");
+    return wish;
   }
   if (kind == "start") {
     if (wish.order.quick() && wish.order.projector().empty())
@@ -152,7 +176,7 @@ Result<CalibrationWish> parse_calibration_wish(std::string_view text) {
     return wish;
   }
   wish.kind = kind == "cancel" ? CalibrationWish::Kind::kCancel : CalibrationWish::Kind::kRestore;
-  if (kind != "cancel" && kind != "restore") return bad("'do' must be start, cancel or restore");
+  if (kind != "cancel" && kind != "restore") return bad("'do' must be start, answer, cancel or restore");
   if (json.size() != 1) return bad(fmt::format("'{}' takes nothing else", kind));
   return wish;
 }

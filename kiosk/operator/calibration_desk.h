@@ -31,10 +31,12 @@ class CalibrationDesk {
   Status start(const wire::CalibrateOrder& order);
   /// Idempotent; the state becomes "cancelled" when the calibrator has heard it.
   void cancel();
+  /// To what the calibration asks. kNotFound  it asks nothing (any more).     kUnavailable, kTimedOut
+  Status answer(const std::string& text);
   /// The calibration of before; its date. kBusy  one runs.     kNotFound  there is none.     kUnavailable, kTimedOut
   Result<std::string> restore();
 
-  /// {"state", "step", "fraction", "error", "date", "remarks": [], "registration_p95_px", "has_picture"}
+  /// {"state", "step", "fraction", "error", "date", "remarks": [], "registration_p95_px", "has_picture", "question"}
   [[nodiscard]] std::string json() const;
   /// The camera's newest picture, as JPEG; empty: none.
   [[nodiscard]] std::string picture() const;
@@ -55,11 +57,13 @@ class CalibrationDesk {
   std::shared_ptr<grpc::ClientContext> running_;  ///< Null: nothing runs.
 };
 
-/// {"do": "start", "quick": false, "projector": "", "resume": false}, {"do": "cancel"} or {"do": "restore"}.
+/// {"do": "start", "quick": false, "projector": "", "resume": false}, {"do": "answer", "text": ""}, {"do": "cancel"} or
+/// {"do": "restore"}.
 struct CalibrationWish {
-  enum class Kind { kStart, kCancel, kRestore };
+  enum class Kind { kStart, kAnswer, kCancel, kRestore };
   Kind kind = Kind::kStart;
-  wire::CalibrateOrder order;
+  wire::CalibrateOrder order;  ///< Of kStart.
+  std::string text;            ///< Of kAnswer.
 };
 /// kBadData  not such JSON: the message names what.
 Result<CalibrationWish> parse_calibration_wish(std::string_view json);

@@ -118,6 +118,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
   grpc::Status end = grpc::Status::OK;
   std::string restored_date = "2026-10-01";  ///< Empty: there is none.
   std::vector<wire::CalibrateOrder> orders;
+  std::vector<std::string> answers;
 
  private:
   grpc::Status Calibrate(grpc::ServerContext* context, const wire::CalibrateOrder* order,
@@ -127,6 +128,10 @@ class FakeCalibrator final : private wire::Calibrator::Service {
     changed_.notify_all();
     for (const wire::CalibrateProgress& message : messages) {
       writer->Write(message);
+      // Goes on once it is answered.
+      const std::size_t heard = answers.size();
+      while (!message.question().empty() && answers.size() == heard && !context->IsCancelled())
+        changed_.wait_for(lock, std::chrono::milliseconds(2));
       const TimePoint until = SteadyClock().now() + step_takes;
       while ((is_held || SteadyClock().now() < until) && !context->IsCancelled())
         changed_.wait_for(lock, std::chrono::milliseconds(2));
@@ -136,6 +141,13 @@ class FakeCalibrator final : private wire::Calibrator::Service {
       return grpc::Status::CANCELLED;
     }
     return end;
+  }
+  grpc::Status Answer(grpc::ServerContext*, const wire::AnswerOrder* order, wire::AnswerReply*) override {
+    const std::lock_guard lock(mutex_);
+    if (orders.empty()) return {grpc::StatusCode::FAILED_PRECONDITION, "nothing is asked"};
+    answers.push_back(order->text());
+    changed_.notify_all();
+    return grpc::Status::OK;
   }
   grpc::Status Restore(grpc::ServerContext*, const wire::RestoreOrder*, wire::RestoreAnswer* answer) override {
     if (restored_date.empty()) return {grpc::StatusCode::NOT_FOUND, "there is no calibration of before"};

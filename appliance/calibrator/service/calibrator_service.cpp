@@ -113,8 +113,10 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   TimePoint told_at{};
   TimePoint pictured_at{};
   std::string told;
+  double fraction = 0.0;
   const ScanListener listener = [&](const ScanProgress& progress) {
     const TimePoint now = clock_.now();
+    fraction = progress.fraction;
     say(fmt::format("is calibrating, {:.0f} %: {}", 100.0 * progress.fraction, progress.step), true);
     inspection_->set_gauge("calibrated_fraction", progress.fraction);
     if (context->IsCancelled()) stop.request_stop();
@@ -135,7 +137,24 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
     }
     if (!writer->Write(message)) stop.request_stop();  // Nobody listens any more: that is a cancellation.
   };
+  std::string asked;
+  const TurnplateDesk::Listener questions = [&](const std::string& question) {
+    if (context->IsCancelled() || stop.stop_requested()) {
+      stop.request_stop();
+      return false;
+    }
+    if (question == asked) return true;
+    asked = question;
+    if (!question.empty()) say("asks whoever stands beside the turn-plate: " + question, true);
+    wire::CalibrateProgress message;
+    message.set_step(told);
+    message.set_fraction(fraction);
+    message.set_question(question);
+    return writer->Write(message);
+  };
+  if (desk_ != nullptr) desk_->set_listener(questions);
   const auto outcome = calibrate(*request, listener, stop.get_token());
+  if (desk_ != nullptr) desk_->set_listener(nullptr);
   if (!outcome) {
     if (stop.stop_requested()) {
       say("waits to be told to calibrate; the last calibration was cancelled", true);
@@ -158,6 +177,11 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   last.mutable_done()->set_report_path(outcome->report.string());
   writer->Write(last);
   return grpc::Status::OK;
+}
+
+grpc::Status CalibratorService::Answer(grpc::ServerContext*, const wire::AnswerOrder* request, wire::AnswerReply*) {
+  if (desk_ != nullptr && desk_->answer(request->text())) return grpc::Status::OK;
+  return refused("nothing is asked any more");
 }
 
 grpc::Status CalibratorService::Restore(grpc::ServerContext*, const wire::RestoreOrder*, wire::RestoreAnswer* reply) {

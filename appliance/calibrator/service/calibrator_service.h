@@ -9,6 +9,7 @@
 #include <string>
 
 #include "appliance/calibrator/scan/calibration_run.h"
+#include "appliance/calibrator/service/turnplate_desk.h"
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/inspection_service.h"
 
@@ -34,6 +35,8 @@ class CalibratorService final : public wire::Calibrator::Service {
 
   /// Before the first call: what is let go of while a calibration runs is held by what `hold` returns.
   void hold_with(std::function<std::shared_ptr<void>()> hold) { hold_ = std::move(hold); }
+  /// Before the first call: where its turn-plate asks. Borrowed.
+  void ask_at(TurnplateDesk* desk) { desk_ = desk; }
   /// What else the process does, for its state: "keeps 3 projectors in place".
   void also(std::string sentence, bool is_healthy);
   /// Cancels what runs; later calls are refused. It ends within a picture.
@@ -46,6 +49,8 @@ class CalibratorService final : public wire::Calibrator::Service {
                          grpc::ServerWriter<wire::CalibrateProgress>* writer) override;
   grpc::Status Restore(grpc::ServerContext* context, const wire::RestoreOrder* request,
                        wire::RestoreAnswer* reply) override;
+  grpc::Status Answer(grpc::ServerContext* context, const wire::AnswerOrder* request,
+                      wire::AnswerReply* reply) override;
   Result<CalibrationOutcome> calibrate(const wire::CalibrateOrder& order, const ScanListener& listener,
                                        std::stop_token stop);
   void say(std::string sentence, bool is_healthy);
@@ -64,6 +69,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   std::string also_;
   bool is_also_healthy_ = true;
   std::function<std::shared_ptr<void>()> hold_;
+  TurnplateDesk* desk_ = nullptr;  ///< Null: no plate asks.
   std::stop_source stop_;
 };
 

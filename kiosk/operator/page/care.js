@@ -92,6 +92,9 @@ function showCalibration(calibration) {
   byId("calibration-progress").value = calibration.fraction;
   byId("calibration-remarks").replaceChildren(...calibration.remarks.map((remark) => make("li", remark)));
   byId("calibrate").hidden = isRunning;
+  byId("calibrate-resume").hidden = calibration.state !== "cancelled" && calibration.state !== "failed";
+  byId("calibration-question").hidden = calibration.question === "";
+  byId("calibration-asked").textContent = calibration.question;
   byId("calibrate-restore").hidden = isRunning;
   byId("calibrate-cancel").hidden = !isRunning;
   const picture = byId("calibration-picture");
@@ -100,6 +103,11 @@ function showCalibration(calibration) {
 }
 
 press("calibrate", () => ask("/calibration", { do: "start" }));
+press("calibrate-resume", () => ask("/calibration", { do: "start", resume: true }));
+press("calibration-done", async () => {
+  await ask("/calibration", { do: "answer", text: byId("calibration-answer").value });
+  byId("calibration-answer").value = "";
+});
 press("calibrate-cancel", () => ask("/calibration", { do: "cancel" }));
 pressTwice("calibrate-restore", "Really bring it back?", async () => {
   const answer = await ask("/calibration", { do: "restore" }, 35);

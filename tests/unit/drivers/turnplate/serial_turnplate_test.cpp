@@ -215,16 +215,17 @@ TEST(Gcode, reads_the_lines_that_firmwares_send) {
 }
 
 TEST(MakeTurnplate, says_what_is_wrong_with_a_line_of_text) {
-  const auto code = [](std::string_view spec) { return make_turnplate(spec).error().code(); };
+  const auto code = [](std::string_view spec) { return make_turnplate(spec, nullptr).error().code(); };
   EXPECT_EQ(code("lazy-susan"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:/dev/null?speed=3"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:/dev/null?axis=XY"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:/dev/null?baud=nan"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:/dev/there-is-none?baud=9600&axis=A"), ErrorCode::kNotFound);
-  EXPECT_TRUE(make_turnplate("manual"));
+  EXPECT_TRUE(make_turnplate("manual", nullptr));
   ScriptedController controller;
-  auto plate = make_turnplate("serial:" + controller.device() + "?units_per_turn=1600&least_deg=-90&most_deg=45");
+  auto plate =
+      make_turnplate("serial:" + controller.device() + "?units_per_turn=1600&least_deg=-90&most_deg=45", nullptr);
   ASSERT_TRUE(plate);
   EXPECT_NEAR((*plate)->range().most_rad, 0.785398, 1e-6);
 }

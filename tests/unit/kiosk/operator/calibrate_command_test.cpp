@@ -77,6 +77,23 @@ TEST_F(Calibrating, tells_each_step_in_plain_lines_and_the_result_with_its_remar
   EXPECT_FALSE(calibrator_.orders[0].resume());
 }
 
+TEST_F(Calibrating, asks_whoever_sits_there_and_sends_what_is_typed) {
+  int ends[2] = {-1, -1};
+  ASSERT_EQ(::pipe(ends), 0);
+  const int before = ::dup(STDIN_FILENO);
+  ::dup2(ends[0], STDIN_FILENO);
+  ASSERT_EQ(::write(ends[1], "12.5\n", 5), 5);
+  wire::CalibrateProgress question = step("turn the camera", 0.1);
+  question.set_question("Turn the plate to 12 degrees: ");
+  calibrator_.messages = {question, step("solve", 0.9), end_of_it()};
+  const Outcome outcome = run({});
+  ::dup2(before, STDIN_FILENO);
+  for (const int fd : {ends[0], ends[1], before}) ::close(fd);
+  ASSERT_TRUE(outcome.status) << outcome.status.error().message();
+  EXPECT_THAT(outcome.err, HasSubstr("Turn the plate to 12 degrees"));
+  EXPECT_EQ(calibrator_.answers, std::vector<std::string>{"12.5"});
+}
+
 TEST_F(Calibrating, orders_what_was_asked) {
   calibrator_.messages = {end_of_it()};
   EXPECT_TRUE(run({"--quick", "left"}).status);

@@ -109,6 +109,12 @@ TEST(CalibrationWish, is_read_strictly) {
   EXPECT_TRUE(start->order.quick());
   EXPECT_EQ(start->order.projector(), "left");
   EXPECT_EQ(parse_calibration_wish(R"({"do": "cancel"})")->kind, CalibrationWish::Kind::kCancel);
+  const auto answer = parse_calibration_wish(R"({"do": "answer", "text": "12.5"})");
+  EXPECT_EQ(answer->kind, CalibrationWish::Kind::kAnswer);
+  EXPECT_EQ(answer->text, "12.5");
+  EXPECT_FALSE(parse_calibration_wish(R"({"do": "answer"})"));
+  EXPECT_FALSE(parse_calibration_wish(R"({"do": "start", "text": "12.5"})"));
+  EXPECT_FALSE(parse_calibration_wish(R"({"do": "answer", "text": "", "quick": true})"));
   for (const char* const bad :
        {"", "[]", "{}", R"({"do": 1})", R"({"do": "stop"})", R"({"do": "start", "quick": true})",
         R"({"do": "start", "fast": true})", R"({"do": "restore", "quick": true})"}) {

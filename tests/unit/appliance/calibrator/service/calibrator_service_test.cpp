@@ -136,6 +136,66 @@ TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
   EXPECT_NEAR(turned_deg(1), 2.0, 1.0) << "an eye elsewhere sees another angle";
 }
 
+/// A plate that somebody turns, and that the museum follows.
+class HandTurnedPlate final : public Turnplate {
+ public:
+  HandTurnedPlate(TurnplateDesk* desk, SimulatedMuseum* museum)
+      : Turnplate({-3.0, 3.0}), desk_(*desk), museum_(*museum) {}
+  [[nodiscard]] const std::string& id() const override { return id_; }
+
+ private:
+  Status move_home() override { return move_to(0.0); }
+  Status move_to(double angle_rad) override {
+    TRY_ASSIGN(const std::string answer, desk_.ask("turn it", std::chrono::minutes(1)));
+    if (answer != "") return Error(ErrorCode::kUnavailable, "the operator has stopped");
+    museum_.turn_to(angle_rad);
+    return Done{};
+  }
+  Result<double> ask_angle() override { return museum_.plate_angle_rad(); }
+  const std::string id_ = "by hand";
+  TurnplateDesk& desk_;
+  SimulatedMuseum& museum_;
+};
+
+TEST_F(CalibratorServiceTest, asks_its_client_to_turn_the_plate) {
+  TurnplateDesk desk;
+  CalibratorService service(
+      preset_.installation, folder_,
+      [&]() -> Result<CalibrationDevices> {
+        TRY_ASSIGN(CalibrationDevices devices, open());
+        devices.plate = std::make_unique<HandTurnedPlate>(&desk, &*museum_);
+        return devices;
+      },
+      clock_, &inspection_);
+  service.ask_at(&desk);
+  const auto server = *WireServer::start("[::1]:0", {&service});
+  const auto stub = wire::Calibrator::NewStub(*make_channel("[::1]:" + std::to_string(server->port())));
+  const auto answered = [&](const std::string& text) {
+    grpc::ClientContext context;
+    wire::AnswerOrder order;
+    order.set_text(text);
+    wire::AnswerReply reply;
+    return stub->Answer(&context, order, &reply).error_code();
+  };
+  EXPECT_EQ(answered(""), grpc::StatusCode::FAILED_PRECONDITION);
+  grpc::ClientContext context;
+  const auto reader = stub->Calibrate(&context, {});
+  wire::CalibrateProgress message;
+  int questions = 0;
+  // Home, the first direction, and then the operator gives up.
+  while (reader->Read(&message)) {
+    if (message.question().empty()) continue;
+    EXPECT_EQ(message.question(), "turn it");
+    EXPECT_EQ(answered(++questions < 3 ? "" : "q"), grpc::StatusCode::OK);
+  }
+  EXPECT_EQ(questions, 3);
+  const auto end = reader->Finish();
+  EXPECT_EQ(end.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_THAT(end.error_message(), HasSubstr("has stopped"));
+  service.stop();
+  server->stop(std::chrono::seconds(5));
+}
+
 TEST_F(CalibratorServiceTest, cancelled_leaves_no_calibration_and_goes_on_when_told_to) {
   const auto cancelled = calibrate({}, 3);
   EXPECT_EQ(cancelled.error_code(), grpc::StatusCode::CANCELLED);

@@ -53,7 +53,7 @@ TEST(TurnplateDesk, ends_when_the_calibration_is_cancelled_while_it_waits) {
 TEST(TurnplateDesk, turns_a_plate_by_hand) {
   TurnplateDesk desk;
   desk.set_listener([&](const std::string& question) {
-    if (!question.empty()) desk.answer(question.find("0 degrees") != std::string::npos ? "" : "44");
+    if (!question.empty()) desk.answer(question.find("its mark") != std::string::npos ? "" : "44");
     return true;
   });
   ManualTurnplate plate(std::make_unique<DeskOperator>(&desk));

@@ -171,6 +171,8 @@ Result<MuseumLight> photograph_light(SimulatedMuseum* museum, const MuseumLightO
   result.input.camera_width_px = museum->camera_width_px();
   result.input.camera_height_px = museum->camera_height_px();
   result.input.code_step = 1.0 / ((1 << museum->camera_bits()) - 1);
+  const Pinhole& lens = museum->truth().truth().camera.lens.pinhole();
+  result.input.camera_centre_px = Eigen::Vector2d(lens.centre_u_px, lens.centre_v_px);
   for (std::size_t p = 0; p < museum->projector_count(); ++p) {
     result.input.projectors.push_back(
         {museum->installation().projectors[p].name, true_map(museum->truth(), p, scan.map_cell_px)});

@@ -108,14 +108,13 @@ Result<KeptLight> parse_light(std::string_view text, const std::string& name) {
   return light;
 }
 
-Status write_light(const std::filesystem::path& own_folder, std::span<const CalibratedProjector> projectors,
-                   const WallLighting& lighting) {
+Result<CalibrationPart> light_part(std::span<const CalibratedProjector> projectors, const WallLighting& lighting) {
   KeptLight light;
   for (const CalibratedProjector& projector : projectors) light.names.push_back(projector.name);
   if (light.names.size() != lighting.projectors.size())
     return Error(ErrorCode::kInvalidArgument, "not as many projectors as their light; calibrate again");
   light.lighting = lighting;
-  return write_file_atomically(own_folder / kFile, light_json(light));
+  return CalibrationPart{kFile, light_json(light)};
 }
 
 Result<WallLighting> read_light(const std::filesystem::path& own_folder) {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "appliance/calibrator/photometry/wall_light.h"
-#include "appliance/calibrator/solve/calibrate.h"
+#include "appliance/calibrator/solve/calibration_file.h"
 
 namespace cyclorama {
 
@@ -31,9 +31,9 @@ struct KeptLight {
 /// The opposite. kBadData  "light.json: /projectors/0/leak: ...; remedy", as parse_calibration().
 Result<KeptLight> parse_light(std::string_view text, const std::string& name);
 
-/// Into a calibration's own folder. kSystem  errno says why.
-Status write_light(const std::filesystem::path& own_folder, std::span<const CalibratedProjector> projectors,
-                   const WallLighting& lighting);
+/// For save_calibration(), which writes it before the calibration counts. kInvalidArgument  not as many projectors as
+/// their light.
+Result<CalibrationPart> light_part(std::span<const CalibratedProjector> projectors, const WallLighting& lighting);
 /// kNotFound  there is none.     Others as parse_light().
 Result<WallLighting> read_light(const std::filesystem::path& own_folder);
 

@@ -116,6 +116,11 @@ Status PhotometryInput::validate() const {
   if (camera_width_px < 1 || camera_height_px < 1) return bad("a camera without pixels");
   if (!(code_step > 0.0 && code_step < 0.5))
     return bad(fmt::format("a camera's code step of {}; it is one over the largest code, 1/255 for 8 bits", code_step));
+  if (camera_centre_px) {
+    const Eigen::Vector2d size(camera_width_px, camera_height_px);
+    const bool is_inside = camera_centre_px->minCoeff() >= 0.0 && (size - *camera_centre_px).minCoeff() >= 0.0;
+    if (!is_inside) return bad("a camera whose axis lies outside of its picture; calibrate its lens again");
+  }
   for (const ProjectorView& view : views) TRY(check(view, *this));
   return Done{};
 }

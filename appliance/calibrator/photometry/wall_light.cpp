@@ -19,7 +19,8 @@ constexpr double kBend = 0.01;        // Change of slope of log(light) from knot
 constexpr double kLeastSigma = 2e-3;  // Relative: what a wall's paint and speckle differ by.
 constexpr std::size_t kLeastGroups = 12;
 constexpr double kVignetting = 0.7;  // Prior of each of its terms.
-constexpr int kRounds = 3;           // Of weights against disturbed cells.
+constexpr double kLeastTrust = 1e-3;
+constexpr int kRounds = 3;  // Of weights against disturbed cells.
 constexpr double kGross = 0.01;
 constexpr double kLeakPrior = 1e-3;  // A projector's contrast is about 1000 to 1 or more.
 
@@ -29,6 +30,7 @@ struct Sample {
   CellLight light;
   double log_white = 0.0;
   Eigen::Vector3d by_radius = Eigen::Vector3d::Zero();  ///< r^2, r^4, r^6.
+  double trust = 1.0;  ///< Of the stops that saw the same cell, against the one that saw it best.
   double weight = 1.0;
 
   [[nodiscard]] Eigen::Vector2d pixel() const { return view->cells.cells[light.cell].projector_px; }
@@ -36,8 +38,17 @@ struct Sample {
 
 Eigen::Vector3d radius_terms(const PhotometryInput& input, const Eigen::Vector2d& camera_px) {
   const Eigen::Vector2d middle(0.5 * input.camera_width_px, 0.5 * input.camera_height_px);
-  const double square = (camera_px - middle).squaredNorm() / middle.squaredNorm();
+  const double square = (camera_px - input.camera_centre_px.value_or(middle)).squaredNorm() / middle.squaredNorm();
   return {square, square * square, square * square * square};
+}
+
+/// How much a place of the camera's picture counts against other stops' views of the same cell: less towards its sides,
+/// so that where a view ends, what it is off by ends slowly.
+double trust(const PhotometryInput& input, const Eigen::Vector2d& camera_px) {
+  const double from_side = std::min(
+      {camera_px.x(), camera_px.y(), input.camera_width_px - camera_px.x(), input.camera_height_px - camera_px.y()});
+  const double t = std::clamp(2.0 * from_side / std::min(input.camera_width_px, input.camera_height_px), 0.0, 1.0);
+  return std::max(kLeastTrust, t * t);
 }
 
 /// The primaries that most cells agree on: white's luminance is 1. How far cells differ goes to `spread`.
@@ -155,7 +166,7 @@ bool solve_fields(const PhotometryInput& input, std::vector<std::vector<Sample>>
       std::vector<FieldSample> places;
       Eigen::VectorXd values(static_cast<Eigen::Index>(samples.size()));
       for (std::size_t i = 0; i < samples.size(); ++i) {
-        places.push_back({samples[i].pixel(), sigma_of(samples[i]) / std::sqrt(samples[i].weight)});
+        places.push_back({samples[i].pixel(), sigma_of(samples[i]) / std::sqrt(samples[i].weight * samples[i].trust)});
         values(static_cast<Eigen::Index>(i)) = samples[i].log_white - samples[i].by_radius.dot(result->vignetting);
       }
       const FieldFit fit(map.width_px, map.height_px, kKnot_px, kBend, places);
@@ -238,10 +249,14 @@ Result<WallLighting> wall_lighting(const PhotometryInput& input, const SolvedRes
     for (const CellLight& light : cell_lights(input, view, responses.camera, curves[view.projector])) {
       Sample sample{&view, light};
       sample.by_radius = radius_terms(input, view.cells.cells[light.cell].camera_px);
+      sample.trust = trust(input, view.cells.cells[light.cell].camera_px);
       samples[view.projector].push_back(sample);
     }
   }
   for (std::size_t p = 0; p < samples.size(); ++p) {
+    std::map<std::size_t, double> best;
+    for (const Sample& sample : samples[p]) best[sample.light.cell] = std::max(best[sample.light.cell], sample.trust);
+    for (Sample& sample : samples[p]) sample.trust /= best[sample.light.cell];
     ProjectorLighting& lighting = result.projectors[p];
     const auto primaries = common_primaries(samples[p], &lighting.colour_spread);
     if (primaries) lighting.primaries = *primaries;

@@ -532,11 +532,12 @@ class Realigning {
     }
     calibration().date = date;
     tell("writes the calibration", 0.97);
-    TRY(save_calibration(folder, calibration(), colours_));
+    std::vector<CalibrationPart> parts;
     if (result_.has_colours) {
-      if (const auto kept = write_light(calibration_folder(folder, date), calibration().projectors, light_); !kept)
-        remarks.push_back("the light was not kept: " + kept.error().message());
+      TRY_ASSIGN(CalibrationPart kept, light_part(calibration().projectors, light_));
+      parts.push_back(std::move(kept));
     }
+    TRY(save_calibration(folder, calibration(), colours_, parts));
     ReportFindings findings;
     const MeasuredRegistration& told = outcome().registration;
     findings.registration = {told.mean_px, told.p95_px, told.places};

@@ -21,6 +21,9 @@ constexpr double kSeamPart = 0.98;
 Result<Photometry> photometry_of(LightScan light, const Calibration& calibration) {
   for (const CalibratedProjector& projector : calibration.projectors)
     light.input.projectors.push_back({projector.name, projector.map});
+  const MeasuredLens& lens = calibration.plate.camera;
+  light.input.camera_centre_px =
+      Eigen::Vector2d(lens.values[MeasuredLens::kCentreU], lens.values[MeasuredLens::kCentreV]);
   return photometry(light.input);
 }
 
@@ -116,13 +119,13 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   remarks.insert(remarks.begin(), scan.remarks.begin(), scan.remarks.end());
   if (stop.stop_requested()) return cancelled();
   tell("writes the calibration", kSeamPart);
-  TRY(save_calibration(folder, outcome.calibration, colours));
-  ScanFolder::end(folder / "scan");
+  std::vector<CalibrationPart> parts;
   if (outcome.light && outcome.light->lighting) {
-    const auto own = calibration_folder(folder, date);
-    if (const auto kept = write_light(own, outcome.calibration.projectors, *outcome.light->lighting); !kept)
-      remarks.push_back("the light was not kept for --quick: " + kept.error().message());
+    TRY_ASSIGN(CalibrationPart kept, light_part(outcome.calibration.projectors, *outcome.light->lighting));
+    parts.push_back(std::move(kept));
   }
+  TRY(save_calibration(folder, outcome.calibration, colours, parts));
+  ScanFolder::end(folder / "scan");
   findings.residuals = wall_residuals(scan.measurements, outcome.calibration);
   findings.registration = {outcome.registration.mean_px, outcome.registration.p95_px, outcome.registration.places};
   if (auto report = write_report(folder, outcome.calibration, findings)) {

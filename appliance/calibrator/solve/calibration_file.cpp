@@ -77,6 +77,18 @@ bool is_date(const std::string& date) {
   return !date.empty() && date.size() <= 40 && date.find_first_not_of("0123456789TZ-") == std::string::npos;
 }
 
+/// What a calibration that was cut off has left. It counts for nothing; what stays does no harm.
+void remove_unfinished(const fs::path& calibrations) {
+  std::error_code error;
+  std::vector<fs::path> unfinished;
+  for (fs::directory_iterator at(calibrations, error), end; !error && at != end; at.increment(error)) {
+    std::error_code ignored;
+    if (is_date(at->path().filename().string()) && !fs::exists(at->path() / kFile, ignored))
+      unfinished.push_back(at->path());
+  }
+  for (const fs::path& folder : unfinished) fs::remove_all(folder, error);
+}
+
 Result<Calibration> read_from(const fs::path& folder, const fs::path& file) {
   TRY_ASSIGN(const std::string text, read_text_file(file, kMostBytes));
   TRY_ASSIGN(Calibration calibration, parse_calibration(text, file.string()));
@@ -91,9 +103,13 @@ Result<Calibration> read_from(const fs::path& folder, const fs::path& file) {
 fs::path calibration_folder(const fs::path& folder, const std::string& date) { return folder / kFolder / date; }
 
 Status save_calibration(const fs::path& folder, const Calibration& calibration,
-                        std::span<const CalibratedColour> colours) {
+                        std::span<const CalibratedColour> colours, std::span<const CalibrationPart> parts) {
   if (!is_date(calibration.date)) {
     return Error(ErrorCode::kInvalidArgument, "a calibration's date is as 2026-11-22T13-05-00Z; give it one");
+  }
+  for (const CalibrationPart& part : parts) {
+    if (!part.file.empty() && part.file.front() != '.' && part.file.find('/') == std::string::npos) continue;
+    return Error(ErrorCode::kInvalidArgument, fmt::format("'{}' is no name of a file; give another", part.file));
   }
   const fs::path own = folder / kFolder / calibration.date;
   std::error_code error;
@@ -106,9 +122,11 @@ Status save_calibration(const fs::path& folder, const Calibration& calibration,
   for (std::size_t i = 0; i < calibration.projectors.size(); ++i)
     TRY(write_map(own, i + 1, calibration.projectors[i].map));
   if (!colours.empty()) TRY(write_colours(own, colours));
+  for (const CalibrationPart& part : parts) TRY(write_file_atomically(own / part.file, part.text));
   const std::string text = calibration_json(calibration);
   TRY(write_file_atomically(own / kFile, text));
   TRY(write_file_atomically(folder / kFile, text));
+  remove_unfinished(folder / kFolder);
   const auto kept = kept_calibrations(folder);
   for (std::size_t i = kKept; i < kept.size(); ++i) {
     if (kept[i] != calibration.date)

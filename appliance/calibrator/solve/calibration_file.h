@@ -6,8 +6,10 @@
 ///     FOLDER/calibrations/DATE/N.map.pfm          directions of the control points of projector N (from 1); NaN: none
 ///     FOLDER/calibrations/DATE/N.sigma.pfm        how sure they are, in projector pixels; infinite where there is none
 ///     FOLDER/calibrations/DATE/colours.json       brightness and colours, if they were measured: colour_file.h
+///     FOLDER/calibrations/DATE/light.json         what they were made from: photometry/light_file.h
 ///
-/// Maps are written before the file that names them, and never changed, so a reader of either file finds its maps.
+/// FOLDER/calibration.json is written last, and the others are never changed: whoever reads it finds all that belongs
+/// to it, also after a power cut. What a power cut left unfinished counts for nothing, and goes with the next one.
 #pragma once
 
 #include <filesystem>
@@ -30,11 +32,17 @@ namespace cyclorama {
 /// a number out of range, counts that do not fit one another, or no JSON at all (then the byte).
 Result<Calibration> parse_calibration(std::string_view text, const std::string& name);
 
+/// A file of a calibration's own folder that others read and write.
+struct CalibrationPart {
+  std::string file;  ///< Its name, without folders.
+  std::string text;
+};
+
 /// Writes all files, then replaces FOLDER/calibration.json. Keeps the newest ten. kInvalidArgument  the date is no
-/// folder's name, or there is one of that date already; or as write_colours().     kSystem  errno says why. Nothing
-/// that counts has changed then.
+/// folder's name, or there is one of that date already; a part's name is no file's; or as write_colours().
+/// kSystem  errno says why. Nothing that counts has changed then.
 Status save_calibration(const std::filesystem::path& folder, const Calibration& calibration,
-                        std::span<const CalibratedColour> colours = {});
+                        std::span<const CalibratedColour> colours = {}, std::span<const CalibrationPart> parts = {});
 
 /// FOLDER/calibration.json and its maps. Errors as parse_calibration(), and the files'.
 Result<Calibration> read_calibration(const std::filesystem::path& folder);

@@ -94,6 +94,38 @@ TEST_F(CalibrationFile, keeps_the_newest_ten) {
   EXPECT_EQ(kept_calibrations(folder_).back(), "2026-01-14T00-00-00Z");
 }
 
+// A power cut falls between two files: whatever was not written before the last one is not there.
+TEST_F(CalibrationFile, counts_only_when_all_that_belongs_to_it_is_written) {
+  const CalibrationPart light{"light.json", "{}"};
+  ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z"), {}, {&light, 1}));
+  const auto own = folder_ / "calibrations/2026-01-01T00-00-00Z";
+  EXPECT_EQ(*read_text_file(own / "light.json", 100), "{}");
+  const auto written = [&](const char* name) { return std::filesystem::last_write_time(own / name); };
+  EXPECT_LE(written("2.sigma.pfm"), written("light.json"));
+  EXPECT_LE(written("light.json"), written("calibration.json"));
+
+  // The last step fails: a folder lies where the file belongs.
+  std::filesystem::rename(folder_ / "calibration.json", folder_ / "before.json");
+  std::filesystem::create_directories(folder_ / "calibration.json/in the way");
+  ASSERT_FALSE(save_calibration(folder_, small_calibration("2026-01-02T00-00-00Z"), {}, {&light, 1}));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "calibrations/2026-01-02T00-00-00Z/light.json"));
+
+  // A part fails: nothing of that date counts, and the one of before still does.
+  std::filesystem::remove_all(folder_ / "calibration.json");
+  std::filesystem::rename(folder_ / "before.json", folder_ / "calibration.json");
+  const CalibrationPart too_long{std::string(300, 'x'), ""};
+  ASSERT_FALSE(save_calibration(folder_, small_calibration("2026-01-03T00-00-00Z"), {}, {&too_long, 1}));
+  EXPECT_EQ(read_calibration(folder_)->date, "2026-01-01T00-00-00Z");
+  EXPECT_EQ(kept_calibrations(folder_).size(), 2U);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "calibrations/2026-01-03T00-00-00Z"));
+  ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-04T00-00-00Z"), {}, {&light, 1}));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "calibrations/2026-01-03T00-00-00Z")) << "the unfinished one is left";
+  for (const char* name : {"", ".", "..", "../light.json", "/tmp/light.json"}) {
+    const CalibrationPart elsewhere{name, ""};
+    EXPECT_FALSE(save_calibration(folder_, small_calibration("2026-01-05T00-00-00Z"), {}, {&elsewhere, 1})) << name;
+  }
+}
+
 TEST_F(CalibrationFile, whose_map_is_broken_is_refused_by_its_name) {
   ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z")));
   const auto map = folder_ / "calibrations/2026-01-01T00-00-00Z/2.map.pfm";

@@ -12,8 +12,9 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kStep_deg = 0.1;
-constexpr double kRim_deg = 0.2;
 constexpr int kAside = 4;  // Steps from the border's two neighbours: 0.45 degrees from the border.
+constexpr int kFar = 9;    // 0.95 degrees.
+constexpr double kMaskGoal = 0.005;
 constexpr std::array<double, 4> kContents = {1.0, 0.2, 0.02, 0.0};
 const Eigen::Vector3d kLuminance{0.2126, 0.7152, 0.0722};  // ITU-R BT.709.
 
@@ -136,9 +137,16 @@ struct Sight {
   Eigen::Vector2d at_deg = Eigen::Vector2d::Zero();
 };
 
+/// The places of a line that one side of a border is continued through, and how far from it they are.
+struct Side {
+  std::vector<TrueWall::Hit> hits;
+  std::vector<double> from_deg;
+};
+
 struct Pairs {
   std::vector<std::pair<TrueWall::Hit, TrueWall::Hit>> borders;
-  std::vector<Eigen::Vector2d> borders_deg;
+  std::vector<std::pair<Side, Side>> sides;
+  std::vector<SeamScore::Border> told;
   struct Bump {
     TrueWall::Hit before, middle, behind;
     double part;
@@ -146,7 +154,40 @@ struct Pairs {
   std::vector<Bump> bumps;
 };
 
-void add_line(const std::vector<Sight>& line, Pairs* pairs) {
+/// From the border's neighbour on, `way` 1 or -1; all of them see the same projectors.
+Side side_of(const std::vector<Sight>& line, std::size_t neighbour, int way) {
+  const auto at = [&](int step) { return static_cast<std::size_t>(static_cast<int>(neighbour) + way * step); };
+  const auto is_same = [&](int step) {
+    return at(step) < line.size() && line[at(step)].hit && line[at(step)].projectors == line[neighbour].projectors;
+  };
+  int last = kAside;
+  while (last < kFar && is_same(last + 1)) ++last;
+  Side side;
+  for (int step = last > kAside + 2 ? kAside : 0; step <= last; ++step) {
+    side.hits.push_back(*line[at(step)].hit);
+    side.from_deg.push_back((step + 0.5) * kStep_deg);
+  }
+  return side;
+}
+
+/// Where a straight line through the places of a side meets the border, and how it rises from there.
+struct Continued {
+  double value;
+  double per_deg;
+};
+Continued continued(const Side& side, const std::vector<double>& values) {
+  const double x = mean(side.from_deg);
+  const double y = mean(values);
+  double over = 0.0;
+  double under = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    over += (side.from_deg[i] - x) * (values[i] - y);
+    under += (side.from_deg[i] - x) * (side.from_deg[i] - x);
+  }
+  return {y - over / under * x, over / under};
+}
+
+void add_line(const std::vector<Sight>& line, bool is_upwards, Pairs* pairs) {
   const auto is_even = [&line](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i <= last; ++i) {
       if (!line[i].hit || line[i].projectors != line[first].projectors || line[i].projectors == 0) return false;
@@ -159,7 +200,8 @@ void add_line(const std::vector<Sight>& line, Pairs* pairs) {
     const bool is_border = is_even(i - kAside, i) && is_even(i + 1, i + 1 + kAside);
     if (is_border) {
       pairs->borders.emplace_back(*line[i - kAside].hit, *line[i + 1 + kAside].hit);
-      pairs->borders_deg.push_back(line[i].at_deg);
+      pairs->sides.emplace_back(side_of(line, i, -1), side_of(line, i + 1, 1));
+      pairs->told.push_back({line[i].at_deg, is_upwards, line[i].projectors, line[i + 1].projectors});
     }
     const bool is_overlap = std::popcount(line[i + 1].projectors) > std::popcount(line[i].projectors);
     if (opened && is_border && !is_overlap) {
@@ -175,8 +217,10 @@ void add_line(const std::vector<Sight>& line, Pairs* pairs) {
 
 }  // namespace
 
-SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry) {
+SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry, double rim_deg) {
   SeamScore score;
+  std::size_t shared = 0;
+  std::size_t off = 0;
   Pairs pairs;
   const auto sight_of = [&](double azimuth_deg, double elevation_deg) {
     const double azimuth = azimuth_deg * kDegree;
@@ -199,12 +243,15 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
   const auto judge_weights = [&](const std::vector<Sight>& line) {
     for (const Sight& sight : line) {
       const double error = std::abs(sight.weights - 1.0);
-      if (std::popcount(sight.projectors) < 2 || !(error > score.mask_sum_error)) continue;
+      if (std::popcount(sight.projectors) < 2) continue;
+      ++shared;
+      off += static_cast<std::size_t>(error > kMaskGoal);
+      if (!(error > score.mask_sum_error)) continue;
       score.mask_sum_error_rim = std::max(score.mask_sum_error_rim, error);
       bool is_inside = true;
       for (int way = 0; way < 8 && is_inside; ++way) {
         const double turn = way * 45.0 * kDegree;
-        is_inside = is_lit(sight.at_deg + kRim_deg * Eigen::Vector2d(std::cos(turn), std::sin(turn)));
+        is_inside = is_lit(sight.at_deg + rim_deg * Eigen::Vector2d(std::cos(turn), std::sin(turn)));
       }
       if (!is_inside) continue;
       score.mask_sum_error = error;
@@ -214,19 +261,21 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
   for (double elevation = -60.0; elevation <= 80.0; elevation += 1.7) {
     std::vector<Sight> line;
     for (double azimuth = -110.0; azimuth <= 110.0; azimuth += kStep_deg) line.push_back(sight_of(azimuth, elevation));
-    add_line(line, &pairs);
+    add_line(line, false, &pairs);
     judge_weights(line);
   }
   for (double azimuth = -105.0; azimuth <= 105.0; azimuth += 3.3) {
     std::vector<Sight> line;
     for (double elevation = -60.0; elevation <= 80.0; elevation += kStep_deg)
       line.push_back(sight_of(azimuth, elevation));
-    add_line(line, &pairs);
+    add_line(line, true, &pairs);
     judge_weights(line);
   }
+  score.mask_off = static_cast<double>(off) / static_cast<double>(std::max<std::size_t>(1, shared));
   score.pairs = pairs.borders.size();
   Eigen::Vector3d white = Eigen::Vector3d::Zero();
   std::vector<double> steps;
+  std::vector<double> jumps;
   std::vector<double> bumps;
   std::vector<double> all;
   for (const double content : kContents) {
@@ -241,6 +290,20 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
         const double ya = kLuminance.dot(a);
         const double yb = kLuminance.dot(b);
         steps.push_back(2.0 * std::abs(ya - yb) / (ya + yb));
+        SeamScore::Border& told = pairs.told[steps.size() - 1];
+        const auto& [before, behind] = pairs.sides[steps.size() - 1];
+        const auto line = [&](const Side& side) {
+          std::vector<double> values;
+          for (const TrueWall::Hit& hit : side.hits) values.push_back(2.0 * kLuminance.dot(wall.at(hit)) / (ya + yb));
+          return continued(side, values);
+        };
+        const Continued from = line(before);
+        const Continued to = line(behind);
+        told.step = 2.0 * (yb - ya) / (ya + yb);
+        told.jump = to.value - from.value;
+        told.slope_before = -from.per_deg;
+        told.slope_behind = to.per_deg;
+        jumps.push_back(std::abs(told.jump));
       }
       for (const Pairs::Bump& bump : pairs.bumps) {
         const double line =
@@ -258,8 +321,11 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
   score.step_max = percentile(steps, 1.0);
   if (!steps.empty()) {
     const auto worst = std::max_element(steps.begin(), steps.end()) - steps.begin();
-    score.step_worst_deg = pairs.borders_deg[static_cast<std::size_t>(worst)];
+    score.step_worst_deg = pairs.told[static_cast<std::size_t>(worst)].at_deg;
   }
+  score.jump_p95 = percentile(jumps, 0.95);
+  score.jump_max = percentile(jumps, 1.0);
+  score.borders = std::move(pairs.told);
   score.bump_p95 = percentile(bumps, 0.95);
   score.delta_e_mean = mean(all);
   score.delta_e_p95 = percentile(all, 0.95);

@@ -19,7 +19,8 @@ constexpr double kBlur_rad = 1.0 * kDegree;
 constexpr double kBeside_rad = 2.0 * kDegree;  // Of a border: two deviations of the blur.
 constexpr double kNoShare = 1e-3;              // Who has less of a place does not limit it.
 constexpr int kStep_px = 2;                    // Masks are smooth: every other pixel is enough.
-constexpr float kSteep = 0.03f;                // Where pictures' corners meet weights change quickly.
+constexpr float kSteep = 0.03f;                // Where pictures' corners meet weights change quickly,
+constexpr float kBent = 0.004f;                // or bend: an eighth of it is what lies between off by.
 constexpr double kLeastLift = 1e-7;
 
 /// What one pixel of a head gets.
@@ -30,17 +31,40 @@ struct PixelShare {
   float lift = 0.0f;  ///< In parts of the head's own white there; not yet scaled.
 };
 
-/// Whether what lies between is as well interpolated.
-bool is_even(const std::array<const PixelShare*, 4>& corners) {
-  float least = 1.0f;
-  float most = 0.0f;
-  for (const PixelShare* corner : corners) {
-    if (!corner->is_lit) return false;
-    least = std::min(least, corner->weight);
-    most = std::max(most, corner->weight);
+/// Of every kStep_px-th pixel each way.
+struct CoarseShares {
+  int columns = 0;
+  int rows = 0;
+  std::vector<PixelShare> all;
+
+  [[nodiscard]] const PixelShare& at(int column, int row) const {
+    return all[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
   }
-  return most - least < kSteep;
-}
+  /// Change of slope of the weights; 0 at the rim. What is not lit bends too much.
+  [[nodiscard]] float bend(int column, int row) const {
+    float most = 0.0f;
+    for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+      if (column < dx || row < dy || column + dx >= columns || row + dy >= rows) continue;
+      const PixelShare& before = at(column - dx, row - dy);
+      const PixelShare& behind = at(column + dx, row + dy);
+      if (!before.is_lit || !behind.is_lit) return 1.0f;
+      most = std::max(most, std::abs(before.weight - 2.0f * at(column, row).weight + behind.weight));
+    }
+    return most;
+  }
+  /// Whether what lies between this place and the next ones, to the right and below, is as well interpolated.
+  [[nodiscard]] bool is_even(int column, int row) const {
+    float least = 1.0f;
+    float most = 0.0f;
+    for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
+      const PixelShare& corner = at(column + dx, row + dy);
+      if (!corner.is_lit || bend(column + dx, row + dy) > kBent) return false;
+      least = std::min(least, corner.weight);
+      most = std::max(most, corner.weight);
+    }
+    return most - least < kSteep;
+  }
+};
 
 class HeadMaker {
  public:
@@ -179,14 +203,11 @@ Eigen::Vector3d HeadMaker::lift_colour(std::size_t projector) const {
 
 void HeadMaker::make_images(std::size_t projector, PhotometricHead* head) const {
   const MeasuredMap& map = input_.projectors[projector].map;
-  const int columns = map.width_px / kStep_px + 2;
-  const int rows = map.height_px / kStep_px + 2;
-  std::vector<PixelShare> coarse;
-  coarse.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  for (int y = 0; y < rows; ++y) {
-    for (int x = 0; x < columns; ++x) {
+  CoarseShares coarse{map.width_px / kStep_px + 2, map.height_px / kStep_px + 2, {}};
+  for (int y = 0; y < coarse.rows; ++y) {
+    for (int x = 0; x < coarse.columns; ++x) {
       const Eigen::Vector2d pixel(std::min(x * kStep_px, map.width_px), std::min(y * kStep_px, map.height_px));
-      coarse.push_back(share_of(projector, pixel));
+      coarse.all.push_back(share_of(projector, pixel));
     }
   }
   head->mask = MaskImage(map.width_px, map.height_px);
@@ -199,15 +220,12 @@ void HeadMaker::make_images(std::size_t projector, PhotometricHead* head) const 
     for (int x = 0; x < map.width_px; ++x) {
       const int column = x / kStep_px;
       const float fx = (static_cast<float>(x - column * kStep_px) + 0.5f) / kStep_px;
-      const auto at =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
-      const auto below = at + static_cast<std::size_t>(columns);
-      const std::array<const PixelShare*, 4> corners = {&coarse[at], &coarse[at + 1], &coarse[below],
-                                                        &coarse[below + 1]};
+      const std::array<const PixelShare*, 4> corners = {&coarse.at(column, row), &coarse.at(column + 1, row),
+                                                        &coarse.at(column, row + 1), &coarse.at(column + 1, row + 1)};
       const std::array<float, 4> parts = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
       PixelShare share;
       const bool is_inside = (column + 1) * kStep_px <= map.width_px && (row + 1) * kStep_px <= map.height_px;
-      if (is_inside && is_even(corners)) {
+      if (is_inside && coarse.is_even(column, row)) {
         for (std::size_t i = 0; i < 4; ++i) {
           share.mask += parts.at(i) * corners.at(i)->mask;
           share.weight += parts.at(i) * corners.at(i)->weight;

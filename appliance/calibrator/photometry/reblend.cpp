@@ -67,7 +67,7 @@ void move_light(const MeasuredMap& before, const MeasuredMap& after,
 }
 
 Result<Photometry> reblended(const std::vector<PhotometricProjector>& projectors, const WallLighting& light,
-                             std::span<const CalibratedColour> before) {
+                             std::span<const CalibratedColour> before, const PhotometryOptions& options) {
   bool fits = before.size() == projectors.size() && light.projectors.size() == projectors.size() && !projectors.empty();
   for (std::size_t p = 0; fits && p < projectors.size(); ++p) {
     const PictureField& white = light.projectors[p].log_white;
@@ -99,7 +99,7 @@ Result<Photometry> reblended(const std::vector<PhotometricProjector>& projectors
     TRY_ASSIGN(gamut, common_gamut(primaries, kCameraLuminance, names));
   }
   const BlendWeights weights(input.projectors, inverses);
-  TRY(make_heads(input, {}, light, weights, gamut ? &*gamut : nullptr, &result));
+  TRY(make_heads(input, options, light, weights, gamut ? &*gamut : nullptr, &result));
   return result;
 }
 

@@ -24,6 +24,6 @@ void move_light(const MeasuredMap& before, const MeasuredMap& after,
 /// light kept are told. kInvalidArgument  counts or names that do not go together. Others as
 /// make_heads() and common_gamut(). Reentrant.
 Result<Photometry> reblended(const std::vector<PhotometricProjector>& projectors, const WallLighting& light,
-                             std::span<const CalibratedColour> before);
+                             std::span<const CalibratedColour> before, const PhotometryOptions& options = {});
 
 }  // namespace cyclorama

@@ -19,6 +19,25 @@ class ProcessorClock final : public Clock {
   }
 };
 
+/// Counts how long it exposes.
+class CountingCamera final : public ScanCamera {
+ public:
+  CountingCamera(ScanCamera* camera, double* exposed_s) : camera_(*camera), exposed_s_(*exposed_s) {}
+  [[nodiscard]] const std::string& id() const override { return camera_.id(); }
+  [[nodiscard]] int width_px() const override { return camera_.width_px(); }
+  [[nodiscard]] int height_px() const override { return camera_.height_px(); }
+  [[nodiscard]] bool has_colour() const override { return camera_.has_colour(); }
+  [[nodiscard]] double code_step() const override { return camera_.code_step(); }
+  Result<ScanPhotograph> photograph(double exposure_s) override {
+    exposed_s_ += exposure_s;
+    return camera_.photograph(exposure_s);
+  }
+
+ private:
+  ScanCamera& camera_;
+  double& exposed_s_;
+};
+
 }  // namespace
 
 KnownCamera camera_of_preset(const std::string& name) {
@@ -34,8 +53,11 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   TRY_ASSIGN(const Preset preset, make_preset(chain.name, chain.seed, chain.museum));
   TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::make(preset.installation, preset.truth));
   SimulatedPatternScreen screen(&museum);
-  SimulatedScanCamera camera(&museum, PhotographColour::kGrey);
-  SimulatedScanCamera colour_camera(&museum, PhotographColour::kColour);
+  ChainResult result;
+  SimulatedScanCamera grey(&museum, PhotographColour::kGrey);
+  SimulatedScanCamera colour(&museum, PhotographColour::kColour);
+  CountingCamera camera(&grey, &result.patterns_exposed_s);
+  CountingCamera colour_camera(&colour, &result.light_exposed_s);
   SimulatedTurnplate plate(&museum);
   const KnownCamera known = camera_of_preset(chain.name);
   ScanSettings settings;
@@ -46,7 +68,6 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   settings.with_wall = chain.with_wall;
   const ProcessorClock clock;
   const double museum_begun = museum.now_s();
-  ChainResult result;
   TRY_ASSIGN(result.outcome, run_calibration(museum.installation(), settings, {screen, camera, plate, &colour_camera},
                                              folder, "2026-01-01T00-00-00Z", clock, {}, {}));
   result.museum_s = museum.now_s() - museum_begun;
@@ -60,7 +81,7 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
     result.seams_before = seam_score(museum.truth(), *result.outcome.light, false);
     result.response_rms = response_rms(museum.truth(), *result.outcome.light);
   }
-  std::filesystem::remove_all(folder, ignored);
+  if (!chain.keeps_folder) std::filesystem::remove_all(folder, ignored);
   return result;
 }
 

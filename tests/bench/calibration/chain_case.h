@@ -21,6 +21,7 @@ struct ChainCase {
   ViewSettings view{};
   int directions = 0;
   bool with_wall = true;
+  bool keeps_folder = false;  ///< What was measured stays there.
 };
 
 /// Times of the outcome are this process's processor time: the machine may be shared, and solving has one thread.
@@ -30,7 +31,9 @@ struct ChainResult {
   SeamScore seams{};         ///< Of the corrected wall; where the outcome has light.
   SeamScore seams_before{};  ///< Without its correction: blended, and taken for sRGB.
   double response_rms = 0.0;
-  double museum_s = 0.0;  ///< Of the museum's clock: what a visitor would wait.
+  double museum_s = 0.0;            ///< Of the museum's clock: what a visitor would wait.
+  double patterns_exposed_s = 0.0;  ///< Of that, with the shutter open for places,
+  double light_exposed_s = 0.0;     ///< and for brightness and colours. The rest: projectors, plate, read-out.
   std::size_t directions = 0;
 };
 
@@ -41,7 +44,7 @@ struct KnownCamera {
 };
 [[nodiscard]] KnownCamera camera_of_preset(const std::string& name);
 
-/// `folder` is made, and emptied afterwards.
+/// `folder` is made, and emptied afterwards, unless it is to be kept.
 Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::path& folder);
 
 }  // namespace cyclorama

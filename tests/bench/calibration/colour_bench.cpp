@@ -11,6 +11,7 @@
 #include <string>
 
 #include "common/image/png.h"
+#include "tests/doubles/even_light.h"
 #include "tests/doubles/photometry_museum.h"
 
 namespace cyclorama {
@@ -121,10 +122,34 @@ PhotometryInput thinned(const PhotometryInput& input, int steps, const std::vect
   return result;
 }
 
+/// The same of a projector that is clipped and crushed, without photographs: a museum's are not.
+int clipped_trade() {
+  const auto clipped = [](double code) { return std::pow(std::clamp((code - 0.07) / 0.83, 0.0, 1.0), 2.2); };
+  for (const int steps : {5, 9, 17, 33}) {
+    EvenLight light;
+    light.projector.fill(clipped);
+    light.noise = 5e-4;
+    light.bits = 12;
+    light.steps = steps;
+    const auto result = photometry(even_light({light}));
+    if (!result) return failed("a clipped projector", result.error());
+    double worst = 0.0;
+    for (const ChannelResponse& response : result->heads.front().response) {
+      double sum = 0.0;
+      for (int code = 0; code < 256; ++code)
+        sum += std::pow(response.light_of(code / 255.0) - clipped(code / 255.0), 2.0) / 256.0;
+      worst = std::max(worst, std::sqrt(sum));
+    }
+    fmt::print("12 clipped,{},1 3,{},{:.5f}\n", steps, 6 * (steps - 1), worst);
+  }
+  return 0;
+}
+
 /// Levels of the ramps and their exposures against the response's error: one scan of all, thinned out.
 int trade(bool is_quick) {
   const std::vector<std::vector<double>> exposures = {{1.0, 1.5}, {1.0, 3.0}, {1.0, 9.0}, {1.0, 3.0, 9.0}};
   fmt::print("bits,steps,exposures,pictures,worst_response_rms\n");
+  if (const int code = clipped_trade(); code != 0) return code;
   for (const int bits : {8, 12}) {
     auto museum = small_museum("cylinder126", 2, bits);
     if (!museum) return failed("cylinder126", museum.error());

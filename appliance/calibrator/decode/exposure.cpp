@@ -12,6 +12,7 @@ namespace {
 constexpr double kSaturated = 0.98;
 constexpr float kLitGain = 0.02f;
 constexpr double kBrightLow = 0.6;
+constexpr double kDimLow = 0.3;
 constexpr double kBrightHigh = 0.9;
 constexpr double kMostSaturated = 0.005;
 /// How far below the darkest saturated exposure one goes on, when nothing says how much too bright it is.
@@ -71,7 +72,11 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
                           false};
   }
   const ExposureSample& newest = samples.back();
-  if (!is_too_bright(newest) && newest.bright >= kBrightLow) return ExposureAdvice{newest.exposure, true};
+  // A period more or less, since exposures are whole ones.
+  const bool is_long = newest.exposure >= limits.patient - 1.001 * limits.projector_period;
+  const bool is_patient = limits.patient < limits.longest && is_long;
+  if (!is_too_bright(newest) && newest.bright >= (is_patient ? kDimLow : kBrightLow))
+    return ExposureAdvice{newest.exposure, true};
 
   // Light is proportional to exposure: any sample that is neither black nor saturated tells the right one; the
   // brightest best.
@@ -87,6 +92,7 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
   ExposureTime wanted = newest.exposure * kStepUp;
   if (best != nullptr) {
     wanted = best->exposure * (kBrightAim / best->bright);
+    if (wanted > limits.patient) wanted = std::max(limits.patient, best->exposure * (kDimAim / best->bright));
     // Ambient light or a response curve can mislead: never try again what is known to be too bright.
     if (shortest_too_bright && wanted >= *shortest_too_bright) wanted = 0.5 * (best->exposure + *shortest_too_bright);
   } else if (shortest_too_bright) {

@@ -15,6 +15,8 @@ using ExposureTime = std::chrono::duration<double>;
 struct ExposureLimits {
   ExposureTime shortest{1e-4};
   ExposureTime longest{0.25};
+  /// Longer ones are taken only as far as the picture would be too dim without: a scan has hundreds of photographs.
+  ExposureTime patient{0.1};
   /// A projector that makes its colours one after the other looks right only over whole refreshes: exposures are
   /// multiples of this where that is possible. 0: it does not matter.
   ExposureTime projector_period{1.0 / 60.0};
@@ -36,8 +38,10 @@ struct ExposureAdvice {
   bool is_good = false;  ///< The newest sample has this exposure already, and may be used.
 };
 
-/// What 99.5 % of the lit pixels are to stay below: 0.6 to 0.9 is good, and 0.8 is aimed at.
+/// What 99.5 % of the lit pixels are to stay below: 0.6 to 0.9 is good, and 0.8 is aimed at. From
+/// ExposureLimits::patient on 0.3 is enough, and 0.35 is aimed at.
 inline constexpr double kBrightAim = 0.8;
+inline constexpr double kDimAim = 0.35;
 
 /// From all samples so far to the exposure to try next: two or three lead to a good one. A pure function.
 ///

@@ -26,8 +26,10 @@ ExposureSample photograph(double radiance_per_s, ExposureTime exposure, double a
 }
 
 TEST(Exposure, is_found_in_a_few_photographs_however_bright_the_wall) {
-  const ExposureLimits limits{
-      .shortest = ExposureTime(1e-4), .longest = ExposureTime(0.25), .projector_period = ExposureTime(0.0)};
+  const ExposureLimits limits{.shortest = ExposureTime(1e-4),
+                              .longest = ExposureTime(0.25),
+                              .patient = ExposureTime(0.25),
+                              .projector_period = ExposureTime(0.0)};
   for (double radiance = 4.0; radiance < 8000.0; radiance *= 1.37) {
     std::vector<ExposureSample> samples;
     int photographs = 0;
@@ -63,6 +65,35 @@ TEST(Exposure, is_in_whole_periods_of_the_projector_where_one_fits) {
       }
       ASSERT_LT(i, 11) << radiance;
       samples.push_back(photograph(radiance, advice->exposure));
+    }
+  }
+}
+
+TEST(Exposure, of_a_dim_wall_is_no_longer_than_it_must_be) {
+  for (const double period : {0.0, 1.0 / 60.0}) {
+    const ExposureLimits limits{.projector_period = ExposureTime(period)};
+    double before = 1.0;
+    for (double radiance = 1.3; radiance < 60.0; radiance *= 1.13) {
+      std::vector<ExposureSample> samples;
+      for (int i = 0;; ++i) {
+        ASSERT_LT(i, 9) << radiance;
+        const auto advice = next_exposure(samples, limits);
+        ASSERT_TRUE(advice.has_value()) << radiance << ": " << advice.error().message();
+        if (advice->is_good) break;
+        samples.push_back(photograph(radiance, advice->exposure));
+      }
+      const ExposureSample& good = samples.back();
+      EXPECT_LE(good.bright, 0.9) << radiance;
+      EXPECT_GE(good.bright, 0.28) << radiance;
+      // Longer than patience: only as far as it is dim. Shorter: bright, as ever, but for a period of the projector.
+      if (good.exposure > limits.patient + ExposureTime(period)) {
+        EXPECT_LE(good.bright, 0.45) << radiance;
+      }
+      if (good.exposure < limits.patient - 2.0 * ExposureTime(period)) {
+        EXPECT_GE(good.bright, period > 0.0 ? 0.38 : 0.6) << radiance;
+      }
+      EXPECT_LE(good.exposure.count(), 1.6 * before) << radiance;
+      before = good.exposure.count();
     }
   }
 }

@@ -17,8 +17,8 @@
 
 namespace cyclorama {
 
-/// How every view is measured. The defaults, all bits of the Gray code and nothing else, hold the goals of registration
-/// (docs/design/calibration.md); what less or more of it is worth, `./bench.sh calibration-trade` measures.
+/// How every view is measured. The defaults, all bits of the Gray code and nothing else, are chosen on the curve of
+/// `./bench.sh calibration-trade` and on a room at full size (docs/trade.md).
 struct ViewSettings {
   int finest_bit = 0;  ///< As PatternChoice's, all five.
   int base_bit = -1;

@@ -16,6 +16,7 @@
 namespace cyclorama {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -214,7 +215,7 @@ TEST_F(WallScanTest, says_so_when_somebody_does_not_go_away) {
   camera_.person_until = 100000;
   const auto result = scan();
   if (!result) {
-    EXPECT_THAT(result.error().message(), HasSubstr("; "));
+    EXPECT_THAT(result.error().message(), AnyOf(HasSubstr("; "), HasSubstr("open the iris")));
     return;
   }
   EXPECT_GE(result->retries, 2);
@@ -283,7 +284,7 @@ TEST_F(WallScanTest, homes_a_plate_that_stalled_once_and_gives_up_on_one_that_st
 TEST_F(WallScanTest, refuses_to_go_on_with_other_patterns) {
   ASSERT_TRUE(scan().has_value());
   settings_.resume = true;
-  settings_.view.finest_bit = 1;
+  settings_.view.finest_bit = 2;
   const auto other = scan();
   ASSERT_FALSE(other.has_value());
   EXPECT_EQ(other.error().code(), ErrorCode::kBadData);

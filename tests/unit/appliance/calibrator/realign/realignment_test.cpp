@@ -24,6 +24,7 @@ constexpr const char* kSecond = "2026-01-02T00-00-00Z";
 class Realignment : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
+    if (!master_.empty()) return;  // The suites of all tests here calibrate one museum, once.
     master_ = fs::path(::testing::TempDir()) / ("realign-" + std::to_string(getpid()));
     fs::create_directories(master_);
     const PushedMuseum museum = small_museum();
@@ -35,10 +36,6 @@ class Realignment : public ::testing::Test {
           ASSERT_TRUE(outcome->light.has_value()) << ::testing::PrintToString(outcome->calibration.remarks);
         });
     ASSERT_TRUE(done.has_value());
-  }
-  static void TearDownTestSuite() {
-    std::error_code ignored;
-    fs::remove_all(master_, ignored);
   }
   Realignment() : folder_(master_.string() + "-now"), museum_(small_museum()) {
     fs::remove_all(folder_);
@@ -95,7 +92,15 @@ class Realignment : public ::testing::Test {
     EXPECT_EQ(kept_calibrations(folder_).size(), 1u);
   }
 
-  static inline fs::path master_;
+  /// Goes with the process.
+  struct Folder : fs::path {
+    using fs::path::operator=;
+    ~Folder() {
+      std::error_code ignored;
+      if (!empty()) fs::remove_all(*this, ignored);
+    }
+  };
+  static inline Folder master_;
   fs::path folder_;
   PushedMuseum museum_;
 };

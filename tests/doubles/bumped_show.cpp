@@ -39,8 +39,11 @@ std::vector<FixedCamera> fixed_cameras(const Preset& preset, const BumpedShowOpt
     const TrueLens& drawn = preset.truth.camera.lens;
     camera.optics.lens = TrueLens(lens, drawn.radial(), drawn.tangential());
     camera.optics.bits = 8;
-    const Eigen::Vector3d beside = projector.T_room_projector.rotation() * Eigen::Vector3d(0.12, 0.1, 0.0);
-    camera.T_room_camera = {projector.T_room_projector.rotation(), projector.T_room_projector.translation() + beside};
+    const bool is_together = options.camera_apart_m > 0.0;
+    const TrueProjector& near = is_together ? preset.truth.projectors[preset.truth.projectors.size() / 2] : projector;
+    const double across = 0.12 + options.camera_apart_m * static_cast<double>(cameras.size());
+    const Eigen::Vector3d beside = near.T_room_projector.rotation() * Eigen::Vector3d(across, 0.1, 0.0);
+    camera.T_room_camera = {projector.T_room_projector.rotation(), near.T_room_projector.translation() + beside};
     cameras.push_back(camera);
   }
   return cameras;
@@ -132,13 +135,17 @@ Result<ShowContent> read_content(const std::string& path, double tan_top, double
 }
 
 BumpedShow::BumpedShow(const BumpedShowOptions& options, ShowContent content, SimulatedShow room,
-                       ContinuousCalibrator calibrator)
+                       ContinuousCalibrator calibrator, std::string installation_text)
     : options_(options),
       content_(std::move(content)),
       room_(std::make_unique<SimulatedShow>(std::move(room))),
       calibrator_(std::make_unique<ContinuousCalibrator>(std::move(calibrator))),
       heads_(calibrator_->applied().projectors.size()),
-      is_on_(heads_.size(), true) {}
+      is_on_(heads_.size(), true),
+      installation_text_(std::move(installation_text)) {
+  for (const ShowProjector& projector : calibrator_->applied().projectors)
+    draws_for_.push_back(projector.T_room_projector);
+}
 
 Result<BumpedShow> BumpedShow::make(const BumpedShowOptions& options, ShowContent content) {
   PresetOptions wanted;
@@ -152,11 +159,12 @@ Result<BumpedShow> BumpedShow::make(const BumpedShowOptions& options, ShowConten
   TRY_ASSIGN(ContinuousCalibrator calibrator,
              ContinuousCalibrator::make(calibration_of(preset, cameras, options), options.calibrator));
   TRY_ASSIGN(SimulatedShow room, SimulatedShow::make(preset.installation, preset.truth, cameras, options.threads));
-  return BumpedShow(options, std::move(content), std::move(room), std::move(calibrator));
+  return BumpedShow(options, std::move(content), std::move(room), std::move(calibrator), preset.installation_text);
 }
 
 RgbImage BumpedShow::draw(std::size_t index) const {
-  const ShowCalibration& room = calibrator_->applied();
+  ShowCalibration room = calibrator_->applied();
+  for (std::size_t i = 0; i < draws_for_.size(); ++i) room.projectors[i].T_room_projector = draws_for_[i];
   const ShowProjector& projector = room.projectors[index];
   const int width = projector.lens.width_px;
   const int height = projector.lens.height_px;
@@ -242,17 +250,26 @@ RgbImage BumpedShow::draw(std::size_t index) const {
 }
 
 Result<ShowReport> BumpedShow::step() {
+  for (std::size_t i = 0; i < draws_for_.size(); ++i)
+    draws_for_[i] = calibrator_->applied().projectors[i].T_room_projector;
+  TRY_ASSIGN(ShowMoment moment, look());
+  const double begun = thread_cpu_seconds();
+  ShowReport report = calibrator_->step(moment);
+  cpu_s_ += thread_cpu_seconds() - begun;
+  moment_ = std::move(moment);
+  return report;
+}
+
+Result<ShowMoment> BumpedShow::look() {
   now_ += options_.period;
   heading_rad_ += options_.turn_rad_s * std::chrono::duration<double>(options_.period).count();
   ShowMoment moment;
   const Duration exposure = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options_.exposure_s));
-  const std::vector<ShowProjector>& now_applied = calibrator_->applied().projectors;
-  bool is_same = !is_changed_ && heading_rad_ == drawn_heading_rad_ && drawn_for_.size() == now_applied.size();
-  for (std::size_t i = 0; is_same && i < now_applied.size(); ++i)
-    is_same = step_between(drawn_for_[i], now_applied[i].T_room_projector).norm() == 0.0;
+  bool is_same = !is_changed_ && heading_rad_ == drawn_heading_rad_ && drawn_for_.size() == draws_for_.size();
+  for (std::size_t i = 0; is_same && i < draws_for_.size(); ++i)
+    is_same = step_between(drawn_for_[i], draws_for_[i]).norm() == 0.0;
   if (!is_same) {
-    drawn_for_.clear();
-    for (const ShowProjector& projector : now_applied) drawn_for_.push_back(projector.T_room_projector);
+    drawn_for_ = draws_for_;
     drawn_heading_rad_ = heading_rad_;
     is_changed_ = false;
     for (std::size_t i = 0; i < heads_.size(); ++i) {
@@ -267,11 +284,18 @@ Result<ShowReport> BumpedShow::step() {
     moment.seen.push_back({i, now_ - exposure, now_, std::make_shared<const GreyImage>(std::move(seen))});
   }
   moment.now = now_;
-  const double begun = thread_cpu_seconds();
-  ShowReport report = calibrator_->step(moment);
-  cpu_s_ += thread_cpu_seconds() - begun;
-  moment_ = std::move(moment);
-  return report;
+  if (teller_) teller_(&moment);
+  return moment;
+}
+
+Status BumpedShow::restart() {
+  const ShowCalibration applied = calibrator_->applied();
+  const auto learned = calibrator_->learned();
+  TRY_ASSIGN(ContinuousCalibrator anew, learned ? ContinuousCalibrator::resume(applied, *learned, options_.calibrator)
+                                                : ContinuousCalibrator::make(applied, options_.calibrator));
+  *calibrator_ = std::move(anew);
+  is_changed_ = true;  // It knows nothing of what is being shown.
+  return Done{};
 }
 
 void BumpedShow::bump(std::size_t projector, const PoseStep& step) {
@@ -286,7 +310,16 @@ void BumpedShow::bump_camera(std::size_t camera, const PoseStep& step) {
 }
 
 double BumpedShow::error_px(std::size_t projector, double percentile) const {
-  const ShowProjector& drawn_for = calibrator_->applied().projectors[projector];
+  return off_px(projector, calibrator_->applied().projectors[projector], percentile);
+}
+
+double BumpedShow::drawn_error_px(std::size_t projector, double percentile) const {
+  ShowProjector drawn_for = calibrator_->applied().projectors[projector];
+  drawn_for.T_room_projector = draws_for_[projector];
+  return off_px(projector, drawn_for, percentile);
+}
+
+double BumpedShow::off_px(std::size_t projector, const ShowProjector& drawn_for, double percentile) const {
   std::vector<double> errors;
   constexpr int kColumns = 32;
   constexpr int kRows = 18;

@@ -3,6 +3,7 @@
 /// and the continuous calibration between them. For tests and benchmarks; the truth is only used to score.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,7 +34,8 @@ struct BumpedShowOptions {
   int projector_height_px = 1080;
   double camera_megapixels = 2.0;
   double camera_field_deg = 80.0;
-  int wall_cells = 64;  ///< That throw light at each other.
+  double camera_apart_m = 0.0;  ///< Not 0: all beside the projector in the middle, so far from each other.
+  int wall_cells = 64;          ///< That throw light at each other.
   double exposure_s = 0.04;
   Duration period = std::chrono::milliseconds(250);  ///< From one step to the next.
   double turn_rad_s = 0.0;                           ///< The visitor's.
@@ -50,7 +52,18 @@ class BumpedShow {
 
   /// One period: the displays draw for where projectors are believed to be, cameras look, the calibration steps.
   Result<ShowReport> step();
+  /// The same for a calibration that somebody else makes: what it is to be told.
+  Result<ShowMoment> look();
+  /// From the next look on.
+  void draw_for(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& pose) {
+    draws_for_[projector] = pose;
+  }
+  /// Nobody knows what is being shown: it is told anew.
+  void forget_told() { is_changed_ = true; }
+  [[nodiscard]] const std::string& installation_text() const { return installation_text_; }
 
+  /// As a calibrator's process that was killed, and came back with what it had kept.
+  Status restart();
   void bump(std::size_t projector, const PoseStep& step);
   void bump_camera(std::size_t camera, const PoseStep& step);
   SimulatedShow& room() { return *room_; }
@@ -61,6 +74,8 @@ class BumpedShow {
     content_ = std::move(content);
     is_changed_ = true;
   }
+  /// Changes what the calibration is told of each moment: clocks that are wrong, reports that are lost.
+  void set_teller(std::function<void(ShowMoment*)> teller) { teller_ = std::move(teller); }
   void set_turn(double turn_rad_s) { options_.turn_rad_s = turn_rad_s; }
   void set_period(Duration period) { options_.period = period; }
   void set_lamp(std::size_t projector, bool is_on) {
@@ -73,15 +88,17 @@ class BumpedShow {
 
   /// How far a projector's pixels are from where they are drawn for, by the truth; percentile in [0, 1] of its picture.
   [[nodiscard]] double error_px(std::size_t projector, double percentile = 0.95) const;
-  /// Where its pixels would be if nobody had bumped it: for scripts of bumps.
+  /// The same of what the displays draw for now.
+  [[nodiscard]] double drawn_error_px(std::size_t projector, double percentile = 0.95) const;
   [[nodiscard]] std::size_t projector_count() const { return is_on_.size(); }
   /// What a head shows now.
   [[nodiscard]] const RgbImage& head(std::size_t projector) const { return *heads_[projector]; }
 
  private:
-  BumpedShow(const BumpedShowOptions& options, ShowContent content, SimulatedShow room,
-             ContinuousCalibrator calibrator);
+  BumpedShow(const BumpedShowOptions& options, ShowContent content, SimulatedShow room, ContinuousCalibrator calibrator,
+             std::string installation_text);
   [[nodiscard]] RgbImage draw(std::size_t projector) const;
+  [[nodiscard]] double off_px(std::size_t projector, const ShowProjector& drawn_for, double percentile) const;
 
   BumpedShowOptions options_;
   ShowContent content_;
@@ -89,12 +106,15 @@ class BumpedShow {
   std::unique_ptr<ContinuousCalibrator> calibrator_;
   std::vector<std::shared_ptr<const RgbImage>> heads_;
   std::vector<bool> is_on_;
+  std::string installation_text_;
+  std::vector<RigidTransform<frame::Room, frame::Projector>> draws_for_;
   std::vector<RigidTransform<frame::Room, frame::Projector>> drawn_for_;
   double drawn_heading_rad_ = 0.0;
   bool is_changed_ = true;  ///< What is to be drawn, or what lights the wall.
   TimePoint now_ = TimePoint{} + std::chrono::seconds(100);
   double heading_rad_ = 0.0;
   ShowMoment moment_;
+  std::function<void(ShowMoment*)> teller_;
   double cpu_s_ = 0.0;
 };
 

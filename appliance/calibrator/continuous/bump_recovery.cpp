@@ -13,6 +13,7 @@ constexpr int kLeastCompared = 10;    // Patches, before a projector is called l
 constexpr double kLostBelow = 0.35;   // Part of them that fits.
 constexpr double kFoundAbove = 0.45;  // Part that has to fit when it is found again.
 constexpr int kLeastFits = 10;
+constexpr std::size_t kLeastEdges = 8;
 constexpr double kNoisiest = 6.0;   // Residuals, in promised deviations.
 constexpr double kSurest_px = 1.0;  // What a new place must be known to.
 constexpr double kCoarseSigma_px = 3.0;
@@ -159,10 +160,10 @@ std::optional<Movers> ContinuousCalibrator::State::by_features() const {
 bool ContinuousCalibrator::State::recover(TimePoint now, bool is_lost, ShowReport* report) {
   if (!is_lost) {
     const auto movers = by_patches();
-    return movers && accept(*movers, now, report);
+    return movers && accept_some(*movers, now, report);
   }
   const auto near = by_coarse_patches();
-  if (near && accept(*near, now, report)) {
+  if (near && accept_some(*near, now, report)) {
     fruitless = 0;
     return true;
   }
@@ -170,9 +171,42 @@ bool ContinuousCalibrator::State::recover(TimePoint now, bool is_lost, ShowRepor
   ++fruitless;
   if (!is_due) return false;
   const auto far = by_features();
-  if (!far || !accept(*far, now, report)) return false;
+  if (!far || !accept_some(*far, now, report)) return false;
   fruitless = 0;
   return true;
+}
+
+bool ContinuousCalibrator::State::are_anchored(std::span<const BodyIndex> movers, std::span<const Look> anew) {
+  std::vector<bool> is_held(bodies(), false);
+  for (const Look& look : anew) {
+    const std::vector<Tally> tallies = tally(look.patches, projectors());
+    const auto seen = std::ranges::count_if(tallies, [](const Tally& t) { return t.compared() >= kLeastFits; });
+    if (look.edges.size() < kLeastEdges && seen < 2) continue;
+    is_held[projectors() + look.camera] = true;
+    for (std::size_t i = 0; i < tallies.size(); ++i) is_held[i] = is_held[i] || tallies[i].compared() >= kLeastFits;
+  }
+  bool are_all = true;
+  for (const BodyIndex body : movers) {
+    if (is_held[body]) continue;
+    are_all = false;
+    if (body < projectors()) is_unanchored[body] = true;
+    for (const Look& look : anew) {
+      if (body != projectors() + look.camera) continue;
+      const std::vector<Tally> tallies = tally(look.patches, projectors());
+      for (std::size_t i = 0; i < tallies.size(); ++i) {
+        if (tallies[i].compared() >= kLeastFits) is_unanchored[i] = true;
+      }
+    }
+  }
+  return are_all;
+}
+
+bool ContinuousCalibrator::State::accept_some(const Movers& movers, TimePoint now, ShowReport* report) {
+  if (accept(movers, now, report)) return true;
+  if (movers.bodies.size() < 2) return false;
+  return std::ranges::any_of(movers.bodies, [&](BodyIndex body) {
+    return accept({{body}, movers.solution}, now, report);
+  });
 }
 
 bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, ShowReport* report) {
@@ -213,7 +247,7 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
   }
   const std::vector<Tally> before = sums(looks);
   const std::vector<Tally> after = sums(anew);
-  if (solution->noise > kNoisiest) return false;
+  if (solution->noise > kNoisiest || !are_anchored(movers.bodies, anew)) return false;
   for (const BodyIndex body : movers.bodies) {
     const bool is_found = after[body].fits >= kLeastFits && after[body].fits >= kFoundAbove * after[body].compared() &&
                           10 * after[body].fits >= 9 * before[body].fits;
@@ -233,6 +267,7 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
   for (const BodyIndex body : movers.bodies) {
     filters[body].restart(kCaution * solution->bodies[body].covariance);
     surprises[body] = 0;
+    if (body < projectors()) lately[body].forget();
     if (body >= projectors()) {
       const std::size_t camera = body - projectors();
       const PoseStep step = step_between(believed.cameras[camera].T_room_camera, tried.cameras[camera].T_room_camera);
@@ -244,6 +279,7 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
     }
     notice(body, report);
     is_noticed[body] = false;
+    is_unanchored[body] = false;
     const auto was = applied.projectors[body].T_room_projector;
     // What the scan left over stays what it was: only the change is applied.
     const PoseStep change =

@@ -22,8 +22,9 @@ bool is_same(const RigidTransform<frame::Room, Body>& a, const RigidTransform<fr
 
 }  // namespace
 
-CameraLook::CameraLook(const ShowCalibration& room, std::size_t camera, int width_px)
+CameraLook::CameraLook(const ShowCalibration& room, std::size_t camera, int width_px, const PatchOptions& patches)
     : camera_(camera),
+      patches_(patches),
       room_(room),
       slopes_(camera_slopes(room.cameras[camera],
                             std::max(1, static_cast<int>(std::lround(
@@ -60,7 +61,7 @@ void CameraLook::compare(double usual_gain, Look* look) const {
   look->prediction = predict(wall_, lit_, look->shone, slopes_.factor);
   look->scale = light_scale(look->prediction, look->seen);
   const double gain = usual_gain > 0.0 ? usual_gain : look->scale.gain;
-  look->patches = align_patches(look->prediction, look->seen, gain);
+  look->patches = align_patches(look->prediction, look->seen, gain, patches_);
   const std::vector<EdgePoint> lit = lit_across(edges_, room_, camera_, slopes_.factor, look->shone);
   look->edges = see_edges(lit, camera_, look->prediction, look->seen, gain);
 }

@@ -35,7 +35,7 @@ struct Look {
 class CameraLook {
  public:
   /// Precondition: room.cameras[camera] is there. `width_px`: about how wide pictures are made.
-  CameraLook(const ShowCalibration& room, std::size_t camera, int width_px);
+  CameraLook(const ShowCalibration& room, std::size_t camera, int width_px, const PatchOptions& patches);
 
   [[nodiscard]] int factor() const { return slopes_.factor; }
   /// By what head pictures may be reduced for this camera, so that their pixels are about its own.
@@ -51,6 +51,7 @@ class CameraLook {
 
  private:
   std::size_t camera_;
+  PatchOptions patches_;
   ShowCalibration room_;
   CameraSlopes slopes_;
   SeenWall wall_;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -23,6 +24,7 @@ constexpr Duration kSettlesWithin = std::chrono::minutes(2);
 constexpr int kSurprisesAreABump = 2;
 constexpr int kStubborn = 6;  // Surprises that nobody's move explains: the filter was too sure of itself.
 constexpr int kLeastPatches = 12;
+constexpr int kSearchesSeveralTimes = 8;
 constexpr double kMostBlown = 0.25;
 constexpr double kDarkest = 0.004;  // Mean light predicted, of the camera's full scale.
 constexpr Duration kRealignsFor = std::chrono::seconds(10);
@@ -66,12 +68,15 @@ ContinuousCalibrator::State::State(const ShowCalibration& calibration, const Con
       health(calibration.projectors.size()),
       measured_at(calibration.projectors.size()),
       surprises(calibration.projectors.size() + calibration.cameras.size(), 0),
+      lately(calibration.projectors.size()),
+      is_creeping(calibration.projectors.size(), false),
+      is_unanchored(calibration.projectors.size(), false),
       is_noticed(calibration.projectors.size(), false),
       areas(calibration.cameras.size()),
       gains(calibration.cameras.size(), 0.0) {
   int head_factor = 8;
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
-    cameras.emplace_back(calibration, i, options.width_px);
+    cameras.emplace_back(calibration, i, options.width_px, options.patches);
     head_factor = std::min(head_factor, cameras.back().head_factor(calibration));
   }
   for (const ShowProjector& projector : calibration.projectors) {
@@ -86,7 +91,7 @@ ContinuousCalibrator::State::State(const ShowCalibration& calibration, const Con
 void ContinuousCalibrator::State::hold(std::size_t projector, Hold why, std::string reason, TimePoint now,
                                        ShowReport* report) {
   ProjectorHealth& one = health[projector];
-  if (one.hold != why) {
+  if (one.hold != why || (why == Hold::kSearching && one.reason != reason)) {
     report->log.push_back(why == Hold::kNone
                               ? fmt::format("{}: projector '{}' is measured again", clock_text(*begun_at, now),
                                             believed.projectors[projector].name)
@@ -156,6 +161,7 @@ void ContinuousCalibrator::State::look_at(const ShowMoment& moment, ShowReport* 
 void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solution, ShowReport* report) {
   const std::vector<BodyPrior> known = loose_projectors();
   std::vector<std::optional<PoseFilter::Measured>> told(bodies());
+  is_creeping.assign(projectors(), false);
   bool has_camera_moved = false;
   for (BodyIndex body = 0; body < bodies(); ++body) {
     const BodySolution& one = solution.bodies[body];
@@ -165,6 +171,11 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
     const PoseFilter::Innovation innovation = filters[body].innovation(measured);
     const bool is_surprise = innovation.squared > innovation_limit(innovation.directions);
     surprises[body] = is_surprise ? surprises[body] + 1 : 0;
+    if (body < projectors()) {
+      lately[body].add(innovation);
+      // Less than what would be corrected may be followed.
+      is_creeping[body] = lately[body].is_surprising() && motion[body].rms_px(one.step) >= options.correct_from_px;
+    }
     has_camera_moved = has_camera_moved || (is_surprise && body >= projectors());
     if (is_surprise && body < projectors() && is_settled) notice(body, report);
     if (!is_surprise) told[body] = measured;
@@ -177,6 +188,7 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
     const PoseStep step = filters[body].update(*told[body]);
     if (body < projectors()) {
       is_noticed[body] = false;
+      is_unanchored[body] = false;
       measured_at[body] = now;
       believed.projectors[body].T_room_projector = stepped(believed.projectors[body].T_room_projector, step);
     } else {
@@ -259,13 +271,27 @@ void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
     } else if (2 * sum.faint > sum.compared()) {
       notice(i, report);
       hold(i, Hold::kNoLight, "its part of the wall is dark; is its lamp off, or its shutter closed?", now, report);
+    } else if (is_unanchored[i]) {
+      notice(i, report);
+      hold(i, Hold::kSearching,
+           fmt::format(
+               "it moved, or the camera that sees nothing else did; let that camera see a neighbour's picture or "
+               "the wall's edge, and calibrate it with 'cyclorama calibrate --quick {}'",
+               believed.projectors[i].name),
+           now, report);
     } else if (sum.fits >= 3 * kLeastPatches / 4 && surprises[i] == 0) {
       hold(i, Hold::kInTheWay,
            fmt::format("something stands in the way of {} of {} places", sum.differs, sum.compared()), now, report);
     } else {
       notice(i, report);
-      hold(i, Hold::kSearching, "it moved, or something hides it; nothing explains yet what the cameras see", now,
-           report);
+      const std::string& name = believed.projectors[i].name;
+      hold(i, Hold::kSearching,
+           fruitless < kSearchesSeveralTimes
+               ? "it moved, or something hides it; nothing explains yet what the cameras see"
+               : fmt::format("nothing that a bump can do explains what the cameras see of it; if nothing hides it, set "
+                             "it back and its lens as it was, then calibrate it with 'cyclorama calibrate --quick {}'",
+                             name),
+           now, report);
     }
   }
 }
@@ -281,16 +307,27 @@ Result<ContinuousCalibrator> ContinuousCalibrator::make(const ShowCalibration& c
   return ContinuousCalibrator(std::make_unique<State>(calibration, options));
 }
 
-Result<ContinuousCalibrator> ContinuousCalibrator::resume(const ShowCalibration& applied,
-                                                          const ShowCalibration& believed,
+Result<ContinuousCalibrator> ContinuousCalibrator::resume(const ShowCalibration& applied, const LearnedRoom& learned,
                                                           const ContinuousOptions& options) {
+  const ShowCalibration& believed = learned.believed;
   TRY(applied.validate());
   TRY(believed.validate());
-  if (applied.projectors.size() != believed.projectors.size() || applied.cameras.size() != believed.cameras.size())
-    return Error(ErrorCode::kInvalidArgument, "what is applied and what is believed are of two rooms");
+  const bool is_one_room = applied.projectors.size() == believed.projectors.size() &&
+                           applied.cameras.size() == believed.cameras.size() &&
+                           applied.projectors.size() == learned.at_rest.size() &&
+                           applied.projectors.size() + applied.cameras.size() == learned.roots.size();
+  if (!is_one_room) return Error(ErrorCode::kInvalidArgument, "what is applied and what was learned are of two rooms");
+  for (const PoseMatrix& root : learned.roots) {
+    if (!root.allFinite() || !root.inverse().allFinite())
+      return Error(ErrorCode::kInvalidArgument, "what was learned is surer than can be; place the cameras again");
+  }
   auto state = std::make_unique<State>(applied, options);
   state->believed = believed;
   state->reference = believed;
+  for (std::size_t i = 0; i < learned.at_rest.size(); ++i)
+    state->reference.projectors[i].T_room_projector = learned.at_rest[i];
+  for (std::size_t i = 0; i < learned.roots.size(); ++i)
+    state->filters[i].restart(learned.roots[i] * learned.roots[i].transpose());
   state->is_settled = true;
   return ContinuousCalibrator(std::move(state));
 }
@@ -331,7 +368,14 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
           solve_poses(state.believed, state.trusted_sightings(), state.edges(state.looks), state.loose_projectors());
       if (solution) state.learn(moment.now, *solution, &report);
       const bool is_bumped = std::ranges::any_of(state.surprises, [](int n) { return n >= kSurprisesAreABump; });
-      if (is_bumped && state.is_settled) is_recovered = state.recover(moment.now, false, &report);
+      const bool creeps = std::ranges::find(state.is_creeping, true) != state.is_creeping.end();
+      if ((is_bumped || creeps) && state.is_settled) {
+        is_recovered = state.recover(moment.now, false, &report);
+        // What nobody's move explains is followed, and is asked about again when there is more of it.
+        for (std::size_t i = 0; i < state.projectors(); ++i) {
+          if (state.is_creeping[i]) state.lately[i].forget();
+        }
+      }
       if (!is_recovered) state.loosen();
     }
     state.settle(moment.now);
@@ -344,6 +388,18 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
 
 const ShowCalibration& ContinuousCalibrator::believed() const { return state_->believed; }
 const ShowCalibration& ContinuousCalibrator::applied() const { return state_->applied; }
+std::optional<LearnedRoom> ContinuousCalibrator::learned() const {
+  const State& state = *state_;
+  if (!state.is_settled) return std::nullopt;
+  LearnedRoom learned{state.believed, {}, {}};
+  for (std::size_t i = 0; i < state.projectors(); ++i) {
+    const PoseStep change =
+        step_between(state.scanned.projectors[i].T_room_projector, state.applied.projectors[i].T_room_projector);
+    learned.at_rest.push_back(stepped(state.reference.projectors[i].T_room_projector, change));
+  }
+  for (const PoseFilter& filter : state.filters) learned.roots.push_back(filter.root());
+  return learned;
+}
 std::span<const Look> ContinuousCalibrator::looks() const { return state_->looks; }
 const AreaMap& ContinuousCalibrator::areas(std::size_t camera) const {
   CHECK(camera < state_->areas.size());

@@ -62,6 +62,7 @@ struct ShowReport {
 
 struct ContinuousOptions {
   int width_px = 816;            ///< About how wide cameras' pictures are looked at.
+  PatchOptions patches = {};     ///< How densely, and in how large parts, they are compared.
   double least_sigma_px = 0.3;   ///< No sighting is better, in projector pixels.
   double correct_from_px = 0.2;  ///< Drift of less stays as it is: correcting would be seen more than the error.
   double correct_from_sigmas = 4.0;
@@ -71,6 +72,15 @@ struct ContinuousOptions {
   PoseFilter::Walk walk = {};
   bool uses_arcs = true;   ///< The wall's upper and lower edge hold the cameras.
   bool uses_sides = true;  ///< Its upright sides, alike.
+};
+
+/// What has been learned of a room, for another one to go on with.
+struct LearnedRoom {
+  ShowCalibration believed;  ///< Where all is believed to stand.
+  /// Per projector, where it would be believed to stand if what is applied were right: what the scan left over, without
+  /// what is about to be corrected.
+  std::vector<RigidTransform<frame::Room, frame::Projector>> at_rest;
+  std::vector<PoseMatrix> roots;  ///< How sure that is: PoseFilter::root() per projector, then per camera.
 };
 
 /// Keeps a calibration true while the show goes on, by what fixed cameras see of it.
@@ -91,9 +101,10 @@ class ContinuousCalibrator {
  public:
   /// Errors of ShowCalibration::validate().
   static Result<ContinuousCalibrator> make(const ShowCalibration& calibration, const ContinuousOptions& options = {});
-  /// Goes on where another one was when it ended, in mid-recovery too: `applied` is what displays draw for, `believed`
-  /// where everything was believed to stand, so what the scan left over need not be learned again. Errors alike.
-  static Result<ContinuousCalibrator> resume(const ShowCalibration& applied, const ShowCalibration& believed,
+  /// Goes on where another one was when it ended, in mid-recovery too: `applied` is what displays draw for, `learned`
+  /// what the other one knew. It is as sure as that one was, so what moved meanwhile is a bump, not drift. Errors
+  /// alike.
+  static Result<ContinuousCalibrator> resume(const ShowCalibration& applied, const LearnedRoom& learned,
                                              const ContinuousOptions& options = {});
   ContinuousCalibrator(ContinuousCalibrator&&) noexcept;
   ContinuousCalibrator& operator=(ContinuousCalibrator&&) noexcept;
@@ -110,6 +121,8 @@ class ContinuousCalibrator {
   [[nodiscard]] const ShowCalibration& believed() const;
   /// What the displays draw for: the calibration and all corrections.
   [[nodiscard]] const ShowCalibration& applied() const;
+  /// Nothing before it is settled.
+  [[nodiscard]] std::optional<LearnedRoom> learned() const;
   /// Of the last step, for pages and benchmarks.
   [[nodiscard]] std::span<const Look> looks() const;
   [[nodiscard]] const AreaMap& areas(std::size_t camera) const;

@@ -22,8 +22,11 @@ struct ContinuousCalibrator::State {
   std::vector<PixelMotion> motion;  ///< Per projector.
   std::vector<ProjectorHealth> health;
   std::vector<TimePoint> measured_at;
-  std::vector<int> surprises;    ///< Steps in a row whose innovation was too large, per body.
-  std::vector<bool> is_noticed;  ///< It was reported, and has not been found again.
+  std::vector<int> surprises;            ///< Steps in a row whose innovation was too large, per body.
+  std::vector<InnovationWindow> lately;  ///< Per projector.
+  std::vector<bool> is_creeping;         ///< Small innovations in a row that are no drift, per projector.
+  std::vector<bool> is_unanchored;       ///< It or the one camera that sees it moved, per projector.
+  std::vector<bool> is_noticed;          ///< It was reported, and has not been found again.
   std::vector<CameraLook> cameras;
   std::vector<AreaMap> areas;
   std::vector<double> gains;  ///< Per camera; 0: not known yet.
@@ -61,6 +64,11 @@ struct ContinuousCalibrator::State {
   /// Tries, in rising cost, what explains the looks. Whether something was found, verified and taken.
   bool recover(TimePoint now, bool is_lost, ShowReport* report);
   bool accept(const Movers& movers, TimePoint now, ShowReport* report);
+  /// Whether it can be told who moved: a camera that sees one projector's light and nothing else cannot tell its own
+  /// move from that projector's.
+  bool are_anchored(std::span<const BodyIndex> movers, std::span<const Look> anew);
+  /// All of them, or the first of them that is found alone: one that has left the wall does not keep back the others.
+  bool accept_some(const Movers& movers, TimePoint now, ShowReport* report);
   [[nodiscard]] std::optional<Movers> by_patches() const;
   [[nodiscard]] std::optional<Movers> by_coarse_patches() const;
   [[nodiscard]] std::optional<Movers> by_features() const;

@@ -97,6 +97,21 @@ double innovation_limit(int directions) {
   return directions * root * root * root;
 }
 
+void InnovationWindow::add(const PoseFilter::Innovation& innovation) {
+  last_.push_front(innovation);
+  if (last_.size() > kMost) last_.pop_back();
+}
+
+bool InnovationWindow::is_surprising() const {
+  PoseFilter::Innovation sum;
+  for (std::size_t i = 0; i < last_.size(); ++i) {
+    sum.squared += last_[i].squared;
+    sum.directions += last_[i].directions;
+    if (i > 0 && sum.squared > innovation_limit(sum.directions)) return true;
+  }
+  return false;
+}
+
 PoseFilter::Measured without_prior(const PoseStep& step, const PoseMatrix& information, const PoseMatrix& prior) {
   // (information + prior) step = information * measured.
   const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(information);

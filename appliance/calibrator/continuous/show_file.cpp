@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/calibrator/continuous/show_file.h"
 
+#include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
 #include "appliance/calibrator/solve/strict_json.h"
@@ -14,6 +15,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kVersion = 1;
 constexpr int kMostPx = 16384;
 constexpr double kFarthest_m = 1e3;
+constexpr double kFlattest = 1e-60;  // Determinant of six deviations of a micrometre or microradian: 1e-36.
 constexpr std::size_t kMost = 64;
 constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
@@ -30,6 +32,12 @@ Json json_of(const RigidTransform<frame::Room, Body>& T) {
   const Eigen::Quaterniond& q = T.rotation();
   const Eigen::Vector3d& t = T.translation();
   return {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"place_m", {t.x(), t.y(), t.z()}}};
+}
+
+Json json_of(const PoseMatrix& root) {
+  Json values = Json::array();
+  for (const double value : root.reshaped()) values.push_back(value);
+  return values;
 }
 
 BrownParameters lens_of(StrictJson json) {
@@ -61,6 +69,16 @@ RigidTransform<frame::Room, Body> pose_of(StrictJson json) {
   return {turn, {t[0], t[1], t[2]}};
 }
 
+/// By columns.
+PoseMatrix root_of(StrictJson* json) {
+  PoseMatrix root = PoseMatrix::Identity();
+  const std::vector<StrictJson> values = json->list("root", 36, 36);
+  if (values.size() != 36) return root;
+  for (Eigen::Index i = 0; i < 36; ++i) root.reshaped()[i] = values[static_cast<std::size_t>(i)].as_number(-1.0, 1.0);
+  if (!(std::abs(root.determinant()) > kFlattest)) json->refuse("is surer than can be; place the cameras again");
+  return root;
+}
+
 }  // namespace
 
 std::string show_json(const ShowFile& show) {
@@ -68,12 +86,19 @@ std::string show_json(const ShowFile& show) {
   for (const ShowFile::Projector& p : show.projectors) {
     Json one{
         {"name", p.name}, {"lens", json_of(p.lens)}, {"scanned", json_of(p.scanned)}, {"applied", json_of(p.applied)}};
-    if (p.believed) one["believed"] = json_of(*p.believed);
+    if (p.learned) {
+      one["learned"] = {{"believed", json_of(p.learned->believed)},
+                        {"at_rest", json_of(p.learned->at_rest)},
+                        {"root", json_of(p.learned->root)}};
+    }
     projectors.push_back(std::move(one));
   }
   Json cameras = Json::array();
-  for (const ShowFile::Camera& c : show.cameras)
-    cameras.push_back({{"name", c.name}, {"lens", json_of(c.lens)}, {"place", json_of(c.T_room_camera)}});
+  for (const ShowFile::Camera& c : show.cameras) {
+    Json one{{"name", c.name}, {"lens", json_of(c.lens)}, {"place", json_of(c.T_room_camera)}};
+    if (c.root) one["root"] = json_of(*c.root);
+    cameras.push_back(std::move(one));
+  }
   const Json json{{"version", kVersion},
                   {"calibration", show.calibration},
                   {"projectors", std::move(projectors)},
@@ -94,7 +119,12 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
     p.lens = lens_of(one.at("lens"));
     p.scanned = pose_of<frame::Projector>(one.at("scanned"));
     p.applied = pose_of<frame::Projector>(one.at("applied"));
-    if (one.has("believed")) p.believed = pose_of<frame::Projector>(one.at("believed"));
+    if (one.has("learned")) {
+      StrictJson learned = one.at("learned");
+      p.learned = {pose_of<frame::Projector>(learned.at("believed")), pose_of<frame::Projector>(learned.at("at_rest")),
+                   root_of(&learned)};
+      learned.refuse_other_keys();
+    }
     one.refuse_other_keys();
   }
   for (StrictJson one : json.list("cameras", 0, kMost)) {
@@ -102,6 +132,7 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
     c.name = one.text("name", 200);
     c.lens = lens_of(one.at("lens"));
     c.T_room_camera = pose_of<frame::Camera>(one.at("place"));
+    if (one.has("root")) c.root = root_of(&one);
     one.refuse_other_keys();
   }
   json.refuse_other_keys();

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "appliance/calibrator/continuous/pose_step.h"
 #include "appliance/calibrator/continuous/show_calibration.h"
 
 namespace cyclorama {
@@ -26,13 +27,19 @@ struct ShowFile {
     BrownParameters lens;
     RigidTransform<frame::Room, frame::Projector> scanned;
     RigidTransform<frame::Room, frame::Projector> applied;
-    /// Once the continuous calibration has learned what the scan left over: where it believes that it stands.
-    std::optional<RigidTransform<frame::Room, frame::Projector>> believed;
+    /// Once the continuous calibration has learned what the scan left over.
+    struct Learned {
+      RigidTransform<frame::Room, frame::Projector> believed;  ///< Where it is believed to stand.
+      RigidTransform<frame::Room, frame::Projector> at_rest;   ///< Where it would be if `applied` were right.
+      PoseMatrix root;                                         ///< How sure that is, as PoseFilter::root().
+    };
+    std::optional<Learned> learned{};
   };
   struct Camera {
     std::string name;
     BrownParameters lens;
     RigidTransform<frame::Room, frame::Camera> T_room_camera;
+    std::optional<PoseMatrix> root{};  ///< How sure that is, once it was learned.
   };
   std::string calibration;  ///< Its date.
   std::vector<Projector> projectors;

@@ -52,6 +52,7 @@ struct HealingLoop::Watching {
   std::filesystem::file_time_type calibrated_at;
   std::optional<ShowRecorder> recorder;
   std::optional<TimePoint> kept_at;
+  double kept_sigma_px = 0.0;  ///< A restart should not begin less sure than need be.
   bool wants_realignment = false;
 };
 
@@ -121,7 +122,7 @@ Status HealingLoop::begin() {
   const auto at = calibrated_at();
   TRY_ASSIGN(ShowFile show, healing_start(folder_, installation_, rooms_->cameras()));
   const int factor = rooms_->picture_factor();
-  RecordStart start{applied_room(show, installation_, factor), believed_room(show, installation_, factor)};
+  RecordStart start{applied_room(show, installation_, factor), learned_room(show, installation_, factor)};
   std::optional<ShowRecorder> recorder;
   if (!options_.record.empty()) {
     const auto folder = options_.record / utc_now();
@@ -130,8 +131,8 @@ Status HealingLoop::begin() {
     TRY_ASSIGN(const ShowRecord read, ShowRecord::open(folder));
     start = read.start();
   }
-  TRY_ASSIGN(ContinuousCalibrator calibrator, start.believed
-                                                  ? ContinuousCalibrator::resume(start.applied, *start.believed)
+  TRY_ASSIGN(ContinuousCalibrator calibrator, start.learned
+                                                  ? ContinuousCalibrator::resume(start.applied, *start.learned)
                                                   : ContinuousCalibrator::make(start.applied));
   std::vector<std::string> names;
   for (const InstalledProjector& projector : installation_.projectors) names.push_back(projector.name);
@@ -179,18 +180,19 @@ void HealingLoop::keep(const ShowReport& report) {
   Watching& now = *watching_;
   const ShowCalibration& applied = now.calibrator.applied();
   const ShowCalibration& believed = now.calibrator.believed();
-  for (std::size_t i = 0; i < now.show.projectors.size(); ++i) {
+  for (std::size_t i = 0; i < now.show.projectors.size(); ++i)
     now.show.projectors[i].applied = applied.projectors[i].T_room_projector;
-    if (now.calibrator.is_settled()) now.show.projectors[i].believed = believed.projectors[i].T_room_projector;
-  }
   for (std::size_t i = 0; i < now.show.cameras.size(); ++i)
     now.show.cameras[i].T_room_camera = believed.cameras[i].T_room_camera;
+  if (const auto learned = now.calibrator.learned()) put_learned(*learned, &now.show);
   const bool has_corrected = !report.corrections.empty();
   const bool is_calm = std::ranges::all_of(report.projectors, [](const auto& p) { return p.hold == Hold::kNone; });
-  const bool is_due =
-      is_calm && now.calibrator.is_settled() && (!now.kept_at || clock_.now() > *now.kept_at + kKeepEvery);
-  if (!has_corrected && !is_due) return;
+  double sigma_px = 0.0;
+  for (const ProjectorHealth& one : report.projectors) sigma_px = std::max(sigma_px, one.sigma_px);
+  const bool is_due = !now.kept_at || clock_.now() > *now.kept_at + kKeepEvery || sigma_px < 0.5 * now.kept_sigma_px;
+  if (!has_corrected && !(is_calm && now.calibrator.is_settled() && is_due)) return;
   now.kept_at = clock_.now();
+  now.kept_sigma_px = sigma_px;
   const Status written = write_state(has_corrected);
   if (!written && options_.on_line) options_.on_line("what was found cannot be kept: " + written.error().message());
   log_corrections(report);
@@ -201,7 +203,7 @@ Status HealingLoop::write_state(bool with_correction) {
   if (with_correction) {
     ShowFile correction = show;
     correction.cameras.clear();
-    for (ShowFile::Projector& projector : correction.projectors) projector.believed.reset();
+    for (ShowFile::Projector& projector : correction.projectors) projector.learned.reset();
     TRY(write_show(folder_ / kCorrectionFile, correction));
   }
   return write_show(folder_ / kWatchFile, show);

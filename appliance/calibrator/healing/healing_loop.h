@@ -26,7 +26,8 @@ namespace cyclorama {
 ///            └───────── another calibration counts ────────┘
 ///
 /// 1. correction.json, which displays follow, is only ever replaced by a calibration that step() accepted.
-/// 2. watch.json is written with it, so that another process goes on where this one ended.
+/// 2. watch.json is written with it, and when all has become surer by half, so that another process goes on where this
+///    one ended, and as sure.
 /// 3. Each correction is a line of FOLDER/corrections.log, with before and after.
 ///
 /// Threads: one, which gives way to all others. Thread-safe.

@@ -50,13 +50,8 @@ bool is_same(const BrownParameters& a, const BrownParameters& b) {
 }
 
 /// For pictures of 1/`factor` of the heads' pixels.
-ShowCalibration room_of(const ShowFile& show, const Installation& installation, int factor, bool is_believed) {
-  ShowCalibration room = show_of(show, installation);
-  for (std::size_t i = 0; i < room.projectors.size(); ++i) {
-    room.projectors[i].lens = smaller_lens(room.projectors[i].lens, factor);
-    if (is_believed && show.projectors[i].believed) room.projectors[i].T_room_projector = *show.projectors[i].believed;
-  }
-  return room;
+void make_smaller(ShowCalibration* room, int factor) {
+  for (ShowProjector& projector : room->projectors) projector.lens = smaller_lens(projector.lens, factor);
 }
 
 }  // namespace
@@ -92,7 +87,7 @@ Result<ShowFile> keep_places(const std::filesystem::path& folder, const Installa
   for (const PlacedCamera& camera : cameras) show.cameras.push_back({camera.name, camera.lens, camera.T_room_camera});
   TRY_ASSIGN(show.projectors, projectors_of(calibration, installation, known ? &*known : nullptr));
   // Seen from elsewhere, something else is left over.
-  for (ShowFile::Projector& projector : show.projectors) projector.believed.reset();
+  for (ShowFile::Projector& projector : show.projectors) projector.learned.reset();
   TRY(write_show(folder / kWatchFile, show));
   return show;
 }
@@ -110,14 +105,15 @@ Result<Calibration> corrected_calibration(const std::filesystem::path& folder, c
 }
 
 ShowCalibration applied_room(const ShowFile& show, const Installation& installation, int factor) {
-  return room_of(show, installation, factor, false);
+  ShowCalibration room = show_of(show, installation);
+  make_smaller(&room, factor);
+  return room;
 }
 
-std::optional<ShowCalibration> believed_room(const ShowFile& show, const Installation& installation, int factor) {
-  const bool is_known =
-      std::ranges::all_of(show.projectors, [](const ShowFile::Projector& p) { return p.believed.has_value(); });
-  if (!is_known) return std::nullopt;
-  return room_of(show, installation, factor, true);
+std::optional<LearnedRoom> learned_room(const ShowFile& show, const Installation& installation, int factor) {
+  std::optional<LearnedRoom> room = learned_of(show, installation);
+  if (room) make_smaller(&room->believed, factor);
+  return room;
 }
 
 }  // namespace cyclorama

@@ -14,7 +14,7 @@ namespace cyclorama {
 /// What the calibrator's folder says of the room, for a calibration that goes on during the show.
 ///
 ///     calibration.json ── maps ─▶ fit_projector() ─▶ scanned     of a calibration that is new to watch.json
-///     watch.json ────────────────────────────────▶ cameras; scanned, applied and believed too, if it is of this one
+///     watch.json ────────────────────────────────▶ cameras; scanned, applied and learned too, if it is of this one
 ///
 /// kNotFound  there is no calibration; or nobody knows yet where the cameras stand, or one of `cameras` is not among
 /// those that were placed, or has another lens since: says what to do.     kBadData  a file is damaged, or no place
@@ -32,7 +32,7 @@ Result<Calibration> corrected_calibration(const std::filesystem::path& folder, c
 /// For ContinuousCalibrator; pictures are smaller by `factor`.
 [[nodiscard]] ShowCalibration applied_room(const ShowFile& show, const Installation& installation, int factor);
 /// Nothing where it has not been learned yet what the scan left over.
-[[nodiscard]] std::optional<ShowCalibration> believed_room(const ShowFile& show, const Installation& installation,
-                                                           int factor);
+[[nodiscard]] std::optional<LearnedRoom> learned_room(const ShowFile& show, const Installation& installation,
+                                                      int factor);
 
 }  // namespace cyclorama

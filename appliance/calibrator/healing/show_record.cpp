@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "appliance/calibrator/continuous/show_file.h"
+#include "common/base/check.h"
 
 namespace cyclorama {
 namespace {
@@ -77,6 +78,32 @@ ShowCalibration show_of(const ShowFile& file, const Installation& installation) 
   return show;
 }
 
+std::optional<LearnedRoom> learned_of(const ShowFile& file, const Installation& installation) {
+  LearnedRoom learned{show_of(file, installation), {}, {}};
+  for (std::size_t i = 0; i < file.projectors.size(); ++i) {
+    const auto& one = file.projectors[i].learned;
+    if (!one) return std::nullopt;
+    learned.believed.projectors[i].T_room_projector = one->believed;
+    learned.at_rest.push_back(one->at_rest);
+    learned.roots.push_back(one->root);
+  }
+  for (const ShowFile::Camera& camera : file.cameras) {
+    if (!camera.root) return std::nullopt;
+    learned.roots.push_back(*camera.root);
+  }
+  return learned;
+}
+
+void put_learned(const LearnedRoom& learned, ShowFile* file) {
+  const std::size_t count = file->projectors.size();
+  CHECK(learned.at_rest.size() == count && learned.roots.size() == count + file->cameras.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    file->projectors[i].learned = {learned.believed.projectors[i].T_room_projector, learned.at_rest[i],
+                                   learned.roots[i]};
+  }
+  for (std::size_t i = 0; i < file->cameras.size(); ++i) file->cameras[i].root = learned.roots[count + i];
+}
+
 std::string report_lines(const ShowReport& report) {
   std::string lines;
   for (const Correction& c : report.corrections) {
@@ -106,8 +133,13 @@ Result<ShowRecorder> ShowRecorder::begin(const std::filesystem::path& folder, co
   if (record == nullptr || report == nullptr) return system_error(folder);
   ShowRecorder recorder(std::move(record), std::move(report));
   std::string bytes(kMagic, kMagicBytes);
-  for (const ShowCalibration* const show : {&start.applied, start.believed ? &*start.believed : nullptr}) {
-    const std::string json = show == nullptr ? "" : show_json(file_of(*show));
+  std::string known;
+  if (start.learned) {
+    ShowFile file = file_of(start.learned->believed);
+    put_learned(*start.learned, &file);
+    known = show_json(file);
+  }
+  for (const std::string& json : {show_json(file_of(start.applied)), known}) {
     put_number(static_cast<std::uint32_t>(json.size()), &bytes);
     bytes += json;
   }
@@ -171,15 +203,16 @@ Result<ShowRecord> ShowRecord::open(const std::filesystem::path& folder) {
   if (!get_bytes(file.get(), &left, magic, sizeof magic) || std::memcmp(magic, kMagic, sizeof magic) != 0)
     return no_record;
   RecordStart start;
-  for (const bool is_believed : {false, true}) {
+  for (const bool is_learned : {false, true}) {
     std::uint32_t size = 0;
     if (!get(file.get(), &left, &size) || size > kMostJson || size > left) return no_record;
-    if (size == 0 && is_believed) break;
+    if (size == 0 && is_learned) break;
     std::string json(size, '\0');
     if (!get_bytes(file.get(), &left, json.data(), size)) return no_record;
     TRY_ASSIGN(const ShowFile show, parse_show(json, path.string()));
-    if (is_believed) {
-      start.believed = show_of(show, installation);
+    if (is_learned) {
+      start.learned = learned_of(show, installation);
+      if (!start.learned) return no_record;
     } else {
       start.applied = show_of(show, installation);
     }
@@ -250,8 +283,8 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
 Result<std::string> replay(const std::filesystem::path& folder) {
   TRY_ASSIGN(ShowRecord record, ShowRecord::open(folder));
   const RecordStart& start = record.start();
-  TRY_ASSIGN(ContinuousCalibrator calibrator, start.believed
-                                                  ? ContinuousCalibrator::resume(start.applied, *start.believed)
+  TRY_ASSIGN(ContinuousCalibrator calibrator, start.learned
+                                                  ? ContinuousCalibrator::resume(start.applied, *start.learned)
                                                   : ContinuousCalibrator::make(start.applied));
   std::string lines;
   for (;;) {

@@ -7,7 +7,7 @@
 ///     FOLDER/report.txt          what came of it, a line per event, numbers as hexadecimal floats
 ///
 /// show.record, all numbers little-endian:
-///     "CYCSHOW1" u32 bytes, JSON of what is applied; u32 bytes, JSON of what is believed, or 0: it was not settled
+///     "CYCSHOW1" u32 bytes, JSON of what is applied; u32 bytes, JSON of what was learned, or 0: it was not settled
 ///     per moment: u8 1, i64 now_ns, u32 pictures, { u32 projector, i64 lit_ns, u32 width, u32 height, RGB bytes },
 ///                 u32 photographs, { u32 camera, i64 opened_ns, i64 closed_ns, u32 width, u32 height, grey bytes }
 ///     u8 2: somebody wanted a realignment
@@ -33,11 +33,15 @@ inline constexpr std::uintmax_t kLargestRecord = std::uintmax_t{8} << 30;
 /// What a record begins with.
 struct RecordStart {
   ShowCalibration applied;
-  std::optional<ShowCalibration> believed;
+  std::optional<LearnedRoom> learned;
 };
 
 /// With what is applied; light is taken for 2.2 gamma, cameras for linear.
 [[nodiscard]] ShowCalibration show_of(const ShowFile& file, const Installation& installation);
+/// What was learned, if all of it is there.
+[[nodiscard]] std::optional<LearnedRoom> learned_of(const ShowFile& file, const Installation& installation);
+/// Into a file of the same room.
+void put_learned(const LearnedRoom& learned, ShowFile* file);
 
 /// A line per correction, and per line of the log: the same for the same report, and for no other.
 [[nodiscard]] std::string report_lines(const ShowReport& report);

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "tests/bench/calibration/records.h"
+#include "tests/bench/records.h"
 
 namespace cyclorama {
 

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "appliance/calibrator/solve/calibrate.h"
-#include "tests/bench/calibration/records.h"
+#include "tests/bench/records.h"
 #include "tests/doubles/generated_room.h"
 
 namespace cyclorama {

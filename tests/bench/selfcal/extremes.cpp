@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 
-int filter_extremes(bool is_quick) {
+int extremes(const ShowContent& content, bool is_quick) {
   const int steps = is_quick ? 100000 : 10000000;
   int failures = 0;
   int cases = 0;
@@ -64,6 +64,10 @@ int filter_extremes(bool is_quick) {
                std::sqrt(greatest), mean, is_good ? "" : "  FAILED");
     std::fflush(stdout);
   }
+  const auto rooms = room_extremes(content);
+  if (!rooms) return 1;
+  cases += rooms->cases;
+  failures += rooms->failures;
   fmt::print("{}\n", nlohmann::json{{"cases", cases}, {"failures", failures}, {"steps", steps}}.dump());
   return failures == 0 ? 0 : 1;
 }

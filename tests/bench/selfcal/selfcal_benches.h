@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/records.h"
 #include "tests/doubles/bumped_show.h"
 
 namespace cyclorama {
@@ -33,7 +34,16 @@ struct Pacing {
 };
 std::optional<Pacing> measure_pacing(const ShowContent& content, bool is_quick);
 int features(const ShowContent& content, bool is_quick);
-int filter_extremes(bool is_quick);
+struct Extremes {
+  int cases = 0;
+  int failures = 0;
+};
+/// The filter over very many steps with very unequal noises; the room where hardly anything holds it.
+int extremes(const ShowContent& content, bool is_quick);
+/// Nothing where a room cannot be made.
+std::optional<Extremes> room_extremes(const ShowContent& content);
+/// What the rate, patches, cameras' pixels and the filter's window cost and gain; the points go into a JSON file too.
+int trade(const ShowContent& content, bool is_quick, const Records::Options& options, const std::string& json);
 int pictures(const ShowContent& content, const std::string& folder);
 
 /// Percentile of a list, nearest rank; -1 of none.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick]; of bumps a part can be
-// asked for: selfcal_bench bump CONTENT.png FIRST COUNT small|large.
+// asked for: selfcal_bench bump CONTENT.png FIRST COUNT small|large. trade takes --records FILE, which keeps each case
+// and does not run it again, --seconds S, after which no case is begun (then it ends with 75), --only KNOB, --json
+// FILE.
 #include <fmt/format.h>
 
 #include <cstring>
@@ -12,9 +14,10 @@
 namespace {
 
 int usage() {
-  fmt::print(stderr,
-             "selfcal_bench bump|quiet|drift|occlusion|constraints|extremes|cost|pacing|features|pictures CONTENT "
-             "[--quick]\n");
+  fmt::print(
+      stderr,
+      "selfcal_bench bump|quiet|drift|occlusion|constraints|extremes|rooms|cost|pacing|features|pictures|trade CONTENT "
+      "[--quick]\n");
   return 2;
 }
 
@@ -25,7 +28,6 @@ int main(int count, char** words) {
   if (count < 3) return usage();
   const std::string command = words[1];
   const bool is_quick = count > 3 && std::strcmp(words[3], "--quick") == 0;
-  if (command == "extremes") return filter_extremes(is_quick);
   ShowContent content;
   if (std::strcmp(words[2], "painted") == 0) {
     content = painted_content(6144, 3);
@@ -47,6 +49,8 @@ int main(int count, char** words) {
   if (command == "drift") return drift(content, is_quick);
   if (command == "occlusion") return occlusion(content, is_quick);
   if (command == "constraints") return constraints(content, is_quick);
+  if (command == "extremes") return extremes(content, is_quick);
+  if (command == "rooms") return room_extremes(content) ? 0 : 1;
   if (command == "cost") return cost(content, is_quick);
   if (command == "pacing") {
     const auto pacing = measure_pacing(content, is_quick);
@@ -56,6 +60,32 @@ int main(int count, char** words) {
     return 0;
   }
   if (command == "features") return features(content, is_quick);
+  if (command == "trade") {
+    Records::Options options;
+    std::string json;
+    bool is_short = false;
+    for (int i = 3; i < count; ++i) {
+      const std::string word = words[i];
+      if (word == "--quick") {
+        is_short = true;
+        continue;
+      }
+      if (i + 1 == count) return usage();
+      const std::string value = words[++i];
+      if (word == "--records") {
+        options.file = value;
+      } else if (word == "--seconds") {
+        options.seconds = std::stod(value);
+      } else if (word == "--only") {
+        options.only = value;
+      } else if (word == "--json") {
+        json = value;
+      } else {
+        return usage();
+      }
+    }
+    return trade(content, is_short, options, json);
+  }
   if (command == "pictures") return pictures(content, count > 3 ? words[3] : ".");
   return usage();
 }

@@ -129,5 +129,35 @@ TEST(PoseFilter, its_limit_is_hardly_above_that_of_the_chi_squared_distribution)
   EXPECT_EQ(innovation_limit(0), 0.0);
 }
 
+TEST(InnovationWindow, is_surprised_by_several_that_are_each_no_wonder) {
+  InnovationWindow window;
+  const PoseFilter::Innovation each{25.0, 6};
+  EXPECT_LT(each.squared, innovation_limit(each.directions));
+  for (int i = 0; i < 3; ++i) {
+    window.add(each);
+    EXPECT_FALSE(window.is_surprising()) << i;
+  }
+  window.add(each);
+  EXPECT_TRUE(window.is_surprising());
+  window.forget();
+  EXPECT_FALSE(window.is_surprising());
+  // One alone is the filter's own business, however large.
+  window.add({1e6, 6});
+  EXPECT_FALSE(window.is_surprising());
+  InnovationWindow nothing;
+  for (int i = 0; i < 20; ++i) nothing.add({0.0, 0});
+  EXPECT_FALSE(nothing.is_surprising());
+}
+
+TEST(InnovationWindow, is_not_surprised_by_what_is_undisturbed) {
+  std::mt19937_64 random(11);
+  std::chi_squared_distribution<double> six(6.0);
+  InnovationWindow window;
+  for (int i = 0; i < 200000; ++i) {
+    window.add({six(random), 6});
+    ASSERT_FALSE(window.is_surprising()) << i;
+  }
+}
+
 }  // namespace
 }  // namespace cyclorama

@@ -62,14 +62,18 @@ TEST(ShowFile, comes_back_as_it_was_written) {
   show.calibration = "2026-11-22T10-00-00Z";
   for (const InstalledProjector& p : room.projectors) show.projectors.push_back(installed(p));
   show.projectors[0].applied = stepped(show.projectors[0].scanned, small_step());
-  show.projectors[0].believed = stepped(show.projectors[0].scanned, PoseStep(0.5 * small_step()));
+  const PoseMatrix root = PoseMatrix::Random() * 1e-4;
+  show.projectors[0].learned = {stepped(show.projectors[0].scanned, PoseStep(0.5 * small_step())),
+                                stepped(show.projectors[0].scanned, PoseStep(0.4 * small_step())), root};
   show.cameras.push_back({"by the \"left\" one", lens_of(room.projectors[0].lens), {}});
   const auto read = parse_show(show_json(show), "watch.json");
   ASSERT_TRUE(read) << read.error().message();
   EXPECT_EQ(read->calibration, show.calibration);
   ASSERT_EQ(read->projectors.size(), show.projectors.size());
   EXPECT_LT(step_between(read->projectors[0].applied, show.projectors[0].applied).norm(), 1e-14);
-  ASSERT_TRUE(read->projectors[0].believed && !read->projectors[1].believed);
+  ASSERT_TRUE(read->projectors[0].learned && !read->projectors[1].learned);
+  EXPECT_LT(step_between(read->projectors[0].learned->at_rest, show.projectors[0].learned->at_rest).norm(), 1e-14);
+  EXPECT_EQ(read->projectors[0].learned->root, root);
   EXPECT_EQ(to_block(read->projectors[0].lens), to_block(show.projectors[0].lens));
   EXPECT_EQ(read->cameras[0].name, show.cameras[0].name);
 }
@@ -240,7 +244,9 @@ TEST(ShowRecord, ends_wherever_it_is_cut_and_refuses_what_it_is_not) {
   const Folder folder;
   const SmallShow small;
   {
-    auto recorder = ShowRecorder::begin(folder.path, demo_installation_path(), {small.show, small.show});
+    const LearnedRoom learned{
+        small.show, {small.show.projectors[0].T_room_projector}, {PoseMatrix::Identity(), PoseMatrix::Identity()}};
+    auto recorder = ShowRecorder::begin(folder.path, demo_installation_path(), {small.show, learned});
     ASSERT_TRUE(recorder);
     for (int i = 0; i < 2; ++i) ASSERT_TRUE(recorder->add(small.moment(i), {}));
   }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Real processes: a display and a calibrator, in a museum that is simulated inside of the calibrator. A projector is
-// bumped while the show goes on; the wall's error falls again, also when the calibrator is killed and comes back. What
-// was recorded is found again, bit by bit. The truth is for scoring, and for who bumps.
+// bumped while the show goes on; the wall's error falls again, also when the calibrator is killed in the middle of it
+// and comes back. What was recorded is found again, bit by bit, twice. One command brings the calibration of before
+// back. The truth is for scoring, and for who bumps; more of what may happen is in healing_loop_test.
 //
 //   healing_test DISPLAY CALIBRATOR
 #include <fcntl.h>
@@ -22,6 +23,7 @@
 #include "appliance/calibrator/solve/calibration_file.h"
 #include "common/base/file.h"
 #include "common/process/child.h"
+#include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/inspection.grpc.pb.h"
 #include "common/wire/show.grpc.pb.h"
 #include "drivers/simulated_room/presets.h"
@@ -34,6 +36,7 @@ namespace cyclorama {
 namespace {
 
 constexpr int kWall = 1;  // The projector in the middle.
+constexpr const char* kBefore = "2026-11-21T10-00-00Z";
 
 /// A process that is killed when this dies.
 class Child {
@@ -89,7 +92,8 @@ class Scenario {
     CHECK(preset && write_preset(*preset, folder_));
     truth_ = preset->truth;
     auto museum = TrueMuseum::make(preset->installation, truth_);
-    CHECK(museum && save_calibration(folder_, true_calibration(*museum, "2026-11-22T10-00-00Z")));
+    CHECK(museum && save_calibration(folder_, true_calibration(*museum, kBefore)) &&
+          save_calibration(folder_, true_calibration(*museum, "2026-11-22T10-00-00Z")));
     installation_ = preset->installation;
 
     const auto tour = FakeTour::start();
@@ -119,20 +123,28 @@ class Scenario {
       expect(display_says("from where it stands now"), "the display draws for where the projector stands now");
       expect(says("keeps 3 projectors in place", 30), "all is well again");
       expect(realign(), "it can be told to realign");
-      heals.kill(SIGKILL);
+      bump({-0.003, 0.003, 0.0, 0.0, 0.003, 0.0});
+      heals.kill(SIGKILL);  // At once: in the middle of it, or before it saw anything.
     }
     {
-      bump({-0.003, 0.003, 0.0, 0.0, 0.003, 0.0});  // While nobody watches.
       const double bumped_px = off_px();
+      expect(bumped_px > 1.5, "it was killed before the wall was healed");
       Child heals(calibrator_command("again"));
       expect(falls_below(1.0, 120), "a calibrator that comes back goes on");
-      fmt::print("bumped to {:.2f} px while nobody watched, healed {:.2f} px\n", bumped_px, off_px());
+      fmt::print("bumped to {:.2f} px when it was killed, healed {:.2f} px\n", bumped_px, off_px());
+      expect(restore() == kBefore, "one command brings the calibration of before back");
+      expect(read_calibration(folder_)->date == kBefore && display_says(kBefore), "displays draw for it");
       heals.kill(SIGTERM);
     }
     for (const auto& record : std::filesystem::directory_iterator(folder_ / "record")) {
-      const auto again = run_child({calibrator_, "--replay", record.path()}, {std::chrono::seconds(120), 1 << 20});
-      expect(again && again->exit_code == 0, "the record is found again bit by bit");
-      if (again && again->exit_code != 0) fmt::print("{}\n", again->output);
+      std::string once;
+      for (const char* const time : {"once", "twice"}) {
+        const auto again = run_child({calibrator_, "--replay", record.path()}, {std::chrono::seconds(120), 1 << 20});
+        expect(again && again->exit_code == 0, fmt::format("the record is found again bit by bit, {}", time));
+        if (again && again->exit_code != 0) fmt::print("{}\n", again->output);
+        if (again && once.empty()) once = again->output;
+        expect(again && again->output == once, "and says the same");
+      }
     }
     shown.kill(SIGTERM);
     is_over_ = true;
@@ -186,6 +198,14 @@ class Scenario {
     grpc::ClientContext context;
     wire::RealignAnswer answer;
     return wire::Healing::NewStub(*channel)->Realign(&context, {}, &answer).ok();
+  }
+  /// The date of what counts now.
+  std::string restore() {
+    const auto channel = make_channel(calibrator_address());
+    grpc::ClientContext context;
+    wire::RestoreAnswer answer;
+    const grpc::Status status = wire::Calibrator::NewStub(*channel)->Restore(&context, {}, &answer);
+    return status.ok() ? answer.date() : status.error_message();
   }
   [[nodiscard]] static std::string state_at(const std::string& address) {
     const auto channel = make_channel(address);

@@ -97,7 +97,7 @@ Status Display::prepare() {
   TRY_ASSIGN(server_, WireServer::start(options_.listen, {&inspection_, &patterns_, showing_.get()}));
   plan.heads = std::move(heads);
   plan.times = options_.attract_times;
-  TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_));
+  TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_, options_.on_start_step));
   note_output();
 
   pool_ = std::make_unique<DecodePool>(options_.decode_threads);

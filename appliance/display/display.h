@@ -40,6 +40,7 @@ struct DisplayOptions {
   AttractTimes attract_times;
   OpeningHours hours;  ///< The heads are dark outside of them.
   SystemClock system_clock = std::chrono::system_clock::now;
+  std::function<void()> on_start_step;                  ///< While the output opens: it came further. May be null.
   std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: told of every refresh, on main; may be null.
 };
 

@@ -15,6 +15,8 @@
 namespace cyclorama {
 namespace {
 
+// A shader that an emulated, busy processor compiles takes the better part of a minute.
+constexpr auto kLongestStartStep = std::chrono::minutes(3);
 constexpr auto kTurn = std::chrono::milliseconds(100);  // How soon a stop is noticed.
 
 struct Options {
@@ -113,8 +115,9 @@ Status run_display(Options options, const StopSignal& stop) {
   if (options.is_check) return check(options.display);
   const SteadyClock clock;
   const std::string tour = options.display.tour;
-  TRY_ASSIGN(const std::unique_ptr<Display> display, Display::start(std::move(options.display), clock));
   Notify notify;
+  options.display.on_start_step = [&notify] { notify.starting(kLongestStartStep); };
+  TRY_ASSIGN(const std::unique_ptr<Display> display, Display::start(std::move(options.display), clock));
   notify.ready();
   const wire::ProcessStatus first = display->inspection().status();
   for (const wire::Fact& fact : first.facts()) log(LogLevel::kDebug, fmt::format("{}: {}", fact.name(), fact.value()));

@@ -78,14 +78,14 @@ void HeadChange::draw(std::size_t head, const TurnedPicture& shown, const Turned
   }
 }
 
-void HeadChange::warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract,
-                         bool may_change) const {
-  now_->painters[head].warm_up(shown, attract);
+void HeadChange::warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, bool may_change,
+                         const std::function<void()>& stepped) const {
+  now_->painters[head].warm_up(shown, attract, stepped);
   if (!may_change) return;
   gl_.Enable(GL_BLEND);
   for (const GLenum old : {GLenum{GL_ZERO}, GLenum{GL_ONE}}) {
     gl_.BlendFunc(GL_CONSTANT_ALPHA, old);
-    now_->painters[head].warm_up(shown, attract);
+    now_->painters[head].warm_up(shown, attract, stepped);
   }
   gl_.Disable(GL_BLEND);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -34,7 +35,8 @@ class HeadChange {
   void set_depth(std::size_t head, int depth_bits);
   /// Makes the driver compile what is needed, in the bound framebuffer of that head; with `may_change` also what mixes
   /// two sets.
-  void warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, bool may_change) const;
+  void warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, bool may_change,
+               const std::function<void()>& stepped) const;
   /// Of the newest set, for the next presenter.
   [[nodiscard]] HeadPlans newest_plans() const { return (next_ != nullptr ? next_ : now_)->plans; }
 

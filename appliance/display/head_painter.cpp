@@ -264,11 +264,14 @@ void HeadPainter::draw_over(const TurnedPicture& shown, const TurnedPicture& oth
   draw(shown, &other, fade, needs_edges(shown) || needs_edges(other), now);
 }
 
-void HeadPainter::warm_up(const TurnedPicture& shown, const TurnedPicture& other) const {
+void HeadPainter::warm_up(const TurnedPicture& shown, const TurnedPicture& other,
+                          const std::function<void()>& stepped) const {
   clear();
   for (const bool edges : {false, true}) {
     draw(shown, nullptr, 0.0, edges, Eye::kLeft);
+    stepped();
     draw(shown, &other, 1.0, edges, Eye::kLeft);
+    stepped();
   }
 }
 

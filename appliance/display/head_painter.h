@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 
 #include "appliance/display/head_upload.h"
 #include "appliance/display/panorama_texture.h"
@@ -41,7 +42,7 @@ class HeadPainter {
   /// The same upon what was drawn there, for blending.
   void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const;
   /// Draws with every program once: drivers compile when one is first used.
-  void warm_up(const TurnedPicture& shown, const TurnedPicture& other) const;
+  void warm_up(const TurnedPicture& shown, const TurnedPicture& other, const std::function<void()>& stepped) const;
   /// Whether what it draws depends on whose turn it is.
   [[nodiscard]] bool takes_turns() const { return packing_ == StereoPacking::kFrameSequential; }
 

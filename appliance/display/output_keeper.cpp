@@ -24,6 +24,7 @@ Result<std::unique_ptr<OutputKeeper>> OutputKeeper::open(PresentPlan plan, Prese
 
 Status OutputKeeper::try_to_open() {
   TRY_ASSIGN(output_, plan_.open_output());
+  mailbox_.stepped_at = clock_.now();
   HeadPlans plans = showing_ ? showing_->plans : std::make_shared<const std::vector<HeadPlan>>(plan_.heads);
   TRY_ASSIGN(presenter_, Presenter::make(output_.get(), std::move(plans), plan_.may_change, plan_.attract, plan_.times,
                                          &mailbox_, &clock_));
@@ -53,6 +54,7 @@ bool OutputKeeper::refresh() {
   }
   if (const TimePoint now = clock_.now(); now < try_at_) {
     clock_.wait_until(std::min(try_at_, now + kTurn));
+    mailbox_.stepped_at = clock_.now();
     return false;
   }
   if (auto opened = try_to_open(); !opened) lose(std::move(opened).error());

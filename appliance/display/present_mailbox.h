@@ -129,6 +129,9 @@ struct PresentMailbox {
   EventRing<HeadRefresh, 4096> head_refreshes;
   WatchedPicture<Frame> panorama;
   std::vector<WatchedPicture<RgbImage>> heads;  ///< Of the heads' sizes.
+  /// Out: when the newest step ended: a head was drawn, a shader tried, a refresh waited for. A processor that is slow
+  /// takes its steps slowly; a driver that hangs takes none.
+  std::atomic<TimePoint> stepped_at{};
 };
 
 }  // namespace cyclorama

@@ -9,17 +9,15 @@
 
 namespace cyclorama {
 namespace {
-// Less than the service's TimeoutStartSec, so that the reason is told. A processor that draws in software compiles the
-// shaders first: 1 s on one that is common, minutes where that is emulated.
-constexpr auto kLongestStart = std::chrono::seconds(270);
-constexpr Duration kLongestRefresh = std::chrono::seconds(2);
-// Less than the service's WatchdogSec, so that the state is told before the process is ended.
-constexpr Duration kLongestOpening = std::chrono::seconds(20);
+// A head that is drawn by an emulated processor takes seconds. Less than the service's WatchdogSec, so that the state
+// is told before the process is ended.
+constexpr Duration kLongestStep = std::chrono::seconds(20);
+constexpr auto kTellEvery = std::chrono::seconds(1);
 }  // namespace
 
 Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, PresentMailbox* mailbox,
-                                                            const Clock* clock) {
-  std::unique_ptr<PresentThread> present(new PresentThread(clock));
+                                                            const Clock* clock, const std::function<void()>& on_step) {
+  std::unique_ptr<PresentThread> present(new PresentThread(mailbox, clock));
   present->event_fd_ = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!present->event_fd_.is_open()) return Error::from_errno("making an eventfd");
   std::future<Status> started = present->started_.get_future();
@@ -28,8 +26,14 @@ Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, Pr
     pthread_setname_np(pthread_self(), "present");
     self->run(std::move(moved), mailbox, stop);
   });
-  if (started.wait_for(kLongestStart) != std::future_status::ready)
-    return Error(ErrorCode::kTimedOut, "the graphics driver does not start");
+  // No limit here: a thread that hangs in its driver cannot be ended but with its process, which is the service's part.
+  TimePoint told = mailbox->stepped_at;
+  while (started.wait_for(kTellEvery) != std::future_status::ready) {
+    const TimePoint stepped = mailbox->stepped_at;
+    if (stepped == told) continue;
+    told = stepped;
+    if (on_step) on_step();
+  }
   TRY(started.get());
   return present;
 }
@@ -38,11 +42,9 @@ void PresentThread::run(PresentPlan plan, PresentMailbox* mailbox, const std::st
   auto opened = OutputKeeper::open(std::move(plan), mailbox, &clock_);
   if (!opened) return started_.set_value(std::move(opened).error());
   OutputKeeper& keeper = **opened;
-  turn_began_at_ = clock_.now();
   tell(keeper.state());
   started_.set_value(Done{});
   while (!stop.stop_requested()) {
-    turn_began_at_ = clock_.now();
     if (keeper.refresh()) tell(keeper.state());
     const std::uint64_t one = 1;
     // A full counter wakes as well as one more would.
@@ -51,14 +53,11 @@ void PresentThread::run(PresentPlan plan, PresentMailbox* mailbox, const std::st
 }
 
 void PresentThread::tell(const OutputState& state) {
-  is_lost_ = state.loss.has_value();
   largest_side_px_ = state.largest_side_px;
   state_.put(std::make_unique<OutputState>(state));
 }
 
-bool PresentThread::is_alive() const {
-  return clock_.now() - turn_began_at_.load() < (is_lost_ ? kLongestOpening : kLongestRefresh);
-}
+bool PresentThread::is_alive() const { return clock_.now() - mailbox_.stepped_at.load() < kLongestStep; }
 
 void PresentThread::drain() const {
   std::uint64_t count = 0;

@@ -31,11 +31,13 @@ Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, HeadPlans pla
   // Plans that come later may need more of the texels than these.
   const Texels texels = may_change ? Texels::kHalves : texels_for(gl, *plans);
   TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
+  mailbox->stepped_at = clock->now();
   std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
   TRY_ASSIGN(presenter->heads_, HeadChange::make(gl, texels, std::move(plans), &mailbox->plans));
   for (const HeadPainter& painter : presenter->heads_->painters())
     presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
   TRY_ASSIGN(presenter->patterns_, PatternShow::make(gl, output->heads(), &mailbox->patterns));
+  presenter->step();
   for (const HeadMode& mode : output->heads()) presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
   presenter->attract_frame_ = attract;
   TRY(presenter->warm_up(may_change));
@@ -51,7 +53,7 @@ Status Presenter::warm_up(bool may_change) {
   output_.gl().Scissor(0, 0, kWarmUpSide_px, kWarmUpSide_px);
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     TRY(output_.draw_to(head));
-    heads_->warm_up(head, {&panorama_, 0.0}, {&attract_, 0.0}, may_change);
+    heads_->warm_up(head, {&panorama_, 0.0}, {&attract_, 0.0}, may_change, [this] { step(); });
   }
   output_.gl().Disable(GL_SCISSOR_TEST);
   output_.gl().Finish();
@@ -70,6 +72,7 @@ Status Presenter::go_on_with(Showing showing) {
 
 Status Presenter::refresh() {
   TRY(output_.wait_for_refresh());
+  step();
   RefreshEvent event;
   event.drawing_at = clock_.now();
   take_in();
@@ -92,6 +95,7 @@ Status Presenter::refresh() {
   }
   event.drawn_at = clock_.now();
   TRY_ASSIGN(event.presented, output_.present());
+  step();
   shared_.shown(event.presented, output_.refresh_hz());
   patterns_->presented(event.presented, output_.shown());
   event.is_past_guard = shift_.is_past_guard;
@@ -204,6 +208,7 @@ Status Presenter::draw_heads() {
     TRY(output_.draw_to(head));
     heads_->draw(head, shown, attract, share, now);
     show_watcher(head);
+    step();
   }
   drawn_share_ = share;
   is_drawn_ = true;
@@ -216,6 +221,7 @@ Status Presenter::draw_patterns() {
     TRY(output_.draw_to(head));
     patterns_->draw(head);
     show_watcher(head);
+    step();
   }
   return output_.gl().check("drawing patterns");
 }

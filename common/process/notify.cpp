@@ -11,6 +11,10 @@ Notify::Notify() {
 }
 
 void Notify::ready() { sd_notify(0, "READY=1"); }
+void Notify::starting(Duration wait) {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(wait).count();
+  sd_notify(0, ("EXTEND_TIMEOUT_USEC=" + std::to_string(us)).c_str());
+}
 void Notify::status(const std::string& sentence) { sd_notify(0, ("STATUS=" + sentence).c_str()); }
 void Notify::stopping() { sd_notify(0, "STOPPING=1"); }
 

@@ -13,6 +13,8 @@ class Notify {
  public:
   Notify();
   void ready();
+  /// Still starting, and getting on: the next word, or ready(), comes within `wait`.
+  void starting(Duration wait);
   void status(const std::string& sentence);
   void stopping();
   /// At most twice per watchdog period, whatever the rate of calls.

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
+#include <thread>
 
 #include "tests/doubles/losable_outputs.h"
 #include "tests/doubles/manual_clock.h"
@@ -93,12 +95,32 @@ TEST_F(PresentingAlone, cannot_start_without_an_output) {
   EXPECT_EQ(present.error().code(), ErrorCode::kUnavailable);
 }
 
+TEST_F(PresentingAlone, tells_of_a_start_that_comes_further_and_not_of_one_that_hangs) {
+  PresentPlan slow = plan();
+  std::atomic<bool> goes_on = true;
+  std::atomic<int> told = 0;
+  int told_until_it_went_on = 0;
+  slow.open_output = [&, open = slow.open_output] {
+    for (int step = 0; told < 2; ++step) {
+      if (goes_on) mailbox_.stepped_at = TimePoint{} + std::chrono::seconds(step + 1);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    // Longer than between two words.
+    std::this_thread::sleep_for(std::chrono::milliseconds(2200));
+    told_until_it_went_on = told;
+    return open();
+  };
+  const auto present = PresentThread::start(std::move(slow), &mailbox_, &clock_, [&] { goes_on = ++told < 2; });
+  ASSERT_TRUE(present) << present.error().message();
+  EXPECT_THAT(told_until_it_went_on, AllOf(Ge(2), Le(3)));  // The last step may be told after the second word.
+}
+
 TEST_F(PresentingAlone, is_not_alive_while_the_driver_hangs) {
   ManualClock clock;
   start(clock);
   EXPECT_TRUE(present_->is_alive());
   outputs_.hang();
-  clock.advance(std::chrono::seconds(3));
+  clock.advance(std::chrono::seconds(21));
   EXPECT_FALSE(present_->is_alive());
   outputs_.go_on();
   while (!present_->is_alive()) std::this_thread::yield();

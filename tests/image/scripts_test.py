@@ -119,6 +119,18 @@ def check_update(computer, folder):
     sign(update, folder / "ours")
     (update / "cyclorama-museum_2.efi").write_bytes(b"kernal")
     bad += refused("an update that is damaged", "damaged")
+    # As the boot loader counts its tries.
+    kernels = folder / "esp/EFI/Linux"
+    kernels.mkdir(parents=True)
+    went_back = {"CYCLORAMA_ESP": str(folder / "esp")}
+    (kernels / "cyclorama-museum_1.efi").write_text("")
+    (kernels / "cyclorama-museum_2+1-2.efi").write_text("")
+    computer.run("update", "--went-back", **went_back)
+    bad += expect("a version that has tries left is no word", "rolled-back" not in computer.report("update"), computer.report("update"))
+    (kernels / "cyclorama-museum_2+1-2.efi").rename(kernels / "cyclorama-museum_2+0-3.efi")
+    computer.run("update", "--went-back", **went_back)
+    bad += expect("a version that went back is told", "rolled-back" in computer.report("update") and "2 did not start well; 1 runs again" in computer.report("update"),
+                  computer.report("update"))
     (update / "cyclorama-museum_2.efi").rename(update / "cyclorama-museum-debug_2.efi")
     sign(update, folder / "ours")
     bad += refused("an update for another image", "nothing there is for")

@@ -32,6 +32,16 @@ class Disk:
         shutil.copy(OVMF / "OVMF_VARS_4M.fd", self.folder / "vars.fd")
         (self.folder / "tpm").mkdir()
 
+    @classmethod
+    def kept(cls, folder):
+        """One that an earlier test left, or None."""
+        if not (pathlib.Path(folder) / "disk.qcow2").exists():
+            return None
+        disk = object.__new__(cls)
+        disk.folder = pathlib.Path(folder)
+        disk.file = disk.folder / "disk.qcow2"
+        return disk
+
     def copy(self, folder):
         """Another computer in the same state."""
         other = object.__new__(Disk)
@@ -44,7 +54,7 @@ class Disk:
 class Appliance(Machine):
     """The computer while it is switched on."""
 
-    def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, extra=()):
+    def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, network="restrict=on", extra=()):
         self.folder = disk.folder
         self.disk = disk
         self.log = self.folder / "serial.log"
@@ -67,7 +77,7 @@ class Appliance(Machine):
                    "-drive", f"if=pflash,unit=0,format=raw,readonly=on,file={OVMF / code}",
                    "-drive", f"if=pflash,unit=1,format=raw,file={self.folder}/vars.fd",
                    "-drive", f"if=none,id=disk,format=qcow2,file={disk.file},cache=writeback", "-device", "virtio-blk-pci,drive=disk,bootindex=1",
-                   "-netdev", "user,id=net,restrict=on", "-device", "virtio-net-pci,netdev=net,romfile=",
+                   "-netdev", f"user,id=net,{network}", "-device", "virtio-net-pci,netdev=net,romfile=",
                    "-device", "qemu-xhci,id=usb",
                    "-chardev", f"socket,id=serial,path={self.folder}/serial,server=on,wait=off,logfile={self.log}", "-serial", "chardev:serial",
                    "-device", f"virtio-gpu-pci,id=card,max_outputs={heads},xres={WIDTH},yres={HEIGHT}",
@@ -80,6 +90,7 @@ class Appliance(Machine):
             raise RuntimeError((self.folder / "qemu.log").read_text()[-2000:])
         self.connect()
         self.shell = None
+        self.seen = 0  # Of the console: what an earlier start said.
 
     def seconds(self):
         return time.monotonic() - self.began
@@ -88,6 +99,21 @@ class Appliance(Machine):
         """The first head has a projector from the start; the others get theirs by a VNC client that wishes a size. One after the
         other: of two at once the guest's driver may miss the second."""
         self.resize(head, WIDTH, HEIGHT)
+
+    def attach_stick(self, image, name):
+        self.ask("blockdev-add", driver="raw", **{"node-name": name, "read-only": True}, file={"driver": "file", "filename": str(image)})
+        self.ask("device_add", driver="usb-storage", id=name, bus="usb.0", drive=name, removable=True)
+
+    def plug_stick(self, image, name, seconds=180):
+        """A stick is plugged in until its settings were looked at. True when a report of that came."""
+        report = "stat -c %y /var/lib/cyclorama/provisioning.json 2>/dev/null || echo none"
+        before = self.run(report)[1]
+        self.attach_stick(image, name)
+        deadline = time.monotonic() + seconds
+        while (has_come := self.run(report)[1] != before) is False and time.monotonic() < deadline:
+            time.sleep(1)
+        self.ask("device_del", id=name)
+        return has_come
 
     def hmp(self, command):
         """What QEMU's own monitor answers."""
@@ -133,10 +159,19 @@ class Appliance(Machine):
                 break
         raise RuntimeError(f"'{command}' did not end within {seconds} s:\n{text[-2000:]}")
 
+    def restart(self, seconds):
+        """By the computer's own hand, until the shell is there again."""
+        self.run("sync")
+        self.seen = len(self.console())
+        self.shell.sendall(b"systemctl reboot\n")
+        return self.wait_for_shell(seconds)
+
     def wait_for_shell(self, seconds):
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
-            if "debug#" in (self.log.read_text(errors="replace") if self.log.exists() else ""):
+            # After the firmware's newest start: the same wire told of those before.
+            _, began, said = self.console()[self.seen:].rpartition("BdsDxe: starting")
+            if began and "debug#" in said:
                 try:
                     # The kernel's and systemd's words come over the same wire; they would stand between a command's own.
                     return self.run("kill -s RTMIN+21 1; dmesg -n 1", 60)

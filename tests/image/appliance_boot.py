@@ -19,6 +19,12 @@ def image_of(options, debug):
     return flashable(folder)
 
 
+def computer(options, folder):
+    """The Debug image's: flashed anew, or with --computer as an earlier run of `boot --debug` left it."""
+    before = Disk.kept(options.computer) if options.computer else None
+    return before.copy(folder / "computer") if before else Disk(folder / "computer", image_of(options, True))
+
+
 def attract_pictures(options, folder):
     """What the image's own settings show on each head without a farm, as drawn here."""
     return reference_pictures(options.programs, ROOT / "demo/installation.toml", folder / "reference")
@@ -74,7 +80,7 @@ def bare_start_s(image, folder):
 
 def run(options, folder):
     debug = options.debug
-    disk = Disk(folder / "computer", image_of(options, debug))
+    disk = Disk(options.computer or folder / "computer", image_of(options, debug))
     reference = attract_pictures(options, folder)
     figures = {"failed": [], "starts": []}
     for start in ("first",) if options.quick else ("first", "second"):

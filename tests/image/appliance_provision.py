@@ -2,17 +2,13 @@
 """Settings on a stick: good ones are taken, wrong ones are refused with a reason and change nothing."""
 import pathlib
 
-from appliance import Appliance, Disk
-from appliance_boot import image_of
+from appliance import Appliance
+from appliance_boot import computer
 from disk_image import stick
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 GOOD = '[farm]\nheads = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
 BAD = '[farm]\nheds = ["[2001:db8::1]:7401"]\n'
-ENDED = "journalctl -b -o cat -u 'cyclorama-provision@*' | grep -c 'Deactivated successfully\\|Failed with result'"
-
-RUNS = "systemctl list-units --no-legend --state=activating,deactivating 'cyclorama-provision@*' | grep -q ."
-
 
 def plug(machine, folder, name, site):
     """A stick with these settings, in the computer until they were looked at."""
@@ -20,11 +16,8 @@ def plug(machine, folder, name, site):
     file.write_text(site)
     image = folder / f"{name}.img"
     stick(image, 40, {"cyclorama/site.toml": file, "cyclorama/installation.toml": ROOT / "demo/installation.toml"})
-    machine.ask("blockdev-add", driver="raw", **{"node-name": name}, **{"read-only": True}, file={"driver": "file", "filename": str(image)})
-    before = int(machine.run(ENDED, 60)[1].split()[-1])
-    machine.ask("device_add", driver="usb-storage", id=name, bus="usb.0", drive=name, removable=True)
-    machine.run(f"for i in $(seq 90); do [ $({ENDED}) -gt {before} ] && ! {RUNS} && break; sleep 1; done", 300)
-    machine.ask("device_del", id=name)
+    if not machine.plug_stick(image, name):
+        print(machine.run("journalctl -b -o cat --no-pager -u 'cyclorama-provision@*' | tail -n 20")[1], flush=True)
 
 
 def expect(machine, figures, what, command, wanted):
@@ -55,7 +48,7 @@ def check_reset(machine, figures):
 
 
 def run(options, folder):
-    disk = Disk(folder / "computer", image_of(options, True))
+    disk = computer(options, folder)
     figures = {"failed": []}
     machine = Appliance(disk)
     try:

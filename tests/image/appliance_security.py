@@ -7,8 +7,8 @@ import socket
 import subprocess
 import time
 
-from appliance import Appliance, Disk
-from appliance_boot import attract_pictures, image_of, wait_for_pictures
+from appliance import Appliance
+from appliance_boot import attract_pictures, computer, wait_for_pictures
 
 HERE = pathlib.Path(__file__).resolve().parent
 MOST_EXPOSED = 2.0
@@ -95,7 +95,7 @@ def run(options, folder):
         compare(name, (shipped / name).read_text().splitlines(), figures["failed"])
     if not options.quick and (options.out / "cyclorama-museum-debug").exists():
         reference = attract_pictures(options, folder)
-        machine = Appliance(Disk(folder / "computer", image_of(options, True)))
+        machine = Appliance(computer(options, folder))
         try:
             machine.wait_for_shell(900)
             wait_for_pictures(machine, reference)

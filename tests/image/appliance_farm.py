@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The whole mission: a farm on the host's side feeds the computer over IPv6 and TLS, the kernel's virtual camera carries a rendered
+wand, and the view on the heads turns as the wand says. Then what a museum's day brings: the camera and a head are unplugged, the disk
+is full, the farm is away. On the Debug image: the shipped one has neither the virtual camera nor somebody who could load it."""
+import pathlib
+import subprocess
+import time
+
+from appliance import HEADS, HEIGHT, WIDTH, Appliance
+from appliance_boot import attract_pictures, computer, is_as, wait_for_pictures
+from disk_image import stick
+from host_farm import HostFarm
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+# Beyond the dead angle of 5.7 degrees and far from the full speed: slowly enough for one picture to be found in the next.
+WANDS = {"rest": (0.0, 1.0), "right": (11.0, 1.0), "left": (-11.0, 1.0)}
+FRAME = WIDTH * HEIGHT
+VIVID = "vivid n_devs=1 node_types=0x101 num_inputs=1 input_types=3 num_outputs=1 output_types=1"
+TRACKER = '[camera]\nkind = "v4l2"\nport = "platform:vivid-000"\n'
+SHOWS_WITHIN_S = 400
+LOOKS_APART_S = 3
+MOST_AT_REST = 6.0  # Code values, mean: rays' noise from frame to frame.
+
+
+def wand_disk(programs, folder):
+    """QEMU's options for a disk with one camera picture after the other."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "wand.img"
+    with open(file, "wb") as disk:
+        for name, (yaw_deg, distance_m) in WANDS.items():
+            picture = folder / f"{name}.grey"
+            subprocess.run([str(programs / "test-wand"), str(picture), str(yaw_deg), str(distance_m)], check=True)
+            disk.write(picture.read_bytes())
+    return ["-drive", f"if=none,id=wand,format=raw,readonly=on,file={file}", "-device", "virtio-blk-pci,drive=wand,serial=wand"]
+
+
+def plug_camera(machine):
+    """As test-camera does (tests/tools/vivid.cpp): output joined to input, both 640x480, grey, nothing written over it."""
+    machine.run(f"modprobe {VIVID}", 120)
+    for number, name in enumerate(WANDS):
+        machine.run(f"dd if=/dev/disk/by-id/virtio-wand of=/run/{name}.grey bs={FRAME} skip={number} count=1", 60)
+    return machine.run("""for node in /dev/video*; do
+      case $(v4l2-ctl -d $node --all) in *'Video Output'*) out=$node ;; *) in=$node ;; esac
+    done
+    v4l2-ctl -d $in --set-dv-bt-timings=index=0 --set-ctrl osd_text_mode=2
+    v4l2-ctl -d $out --set-dv-bt-timings=index=0
+    v4l2-ctl -d $out --set-fmt-video-out=width=640,height=480,pixelformat=GREY
+    v4l2-ctl -d $in --set-ctrl loop_video=1 2>/dev/null || v4l2-ctl -d $in --set-ctrl hdmi_000_0_is_connected_to=2
+    echo in $in out $out; echo $out >/run/wand-node""", 120)[1]
+
+
+def show_wand(machine, name):
+    """What the camera sees from now on."""
+    machine.run("systemctl stop wand 2>/dev/null; systemd-run -q --collect --unit=wand "
+                f"v4l2-ctl -d $(cat /run/wand-node) --stream-out-mmap=3 --stream-from=/run/{name}.grey --stream-loop", 60)
+
+
+def profile(picture):
+    """Mean brightness of each column."""
+    width, height, pixels = picture
+    rows = range(height // 4, 3 * height // 4, 8)
+    return [sum(pixels[3 * (y * width + x) + 1] for y in rows) / len(rows) for x in range(width)]
+
+
+def moved_px(one, other, most=240):
+    """By how many pixels what `one` shows has moved to the right in `other`."""
+    a, b = profile(one), profile(other)
+
+    def apart(shift):
+        pairs = [(a[x], b[x + shift]) for x in range(max(0, -shift), min(len(a), len(a) - shift))]
+        mean = sum(p - q for p, q in pairs) / len(pairs)
+        return sum(abs(p - q - mean) for p, q in pairs) / len(pairs)
+    return min(range(-most, most + 1), key=apart)
+
+
+def mean_difference(one, other):
+    pairs = list(zip(one[2][::31], other[2][::31]))
+    return sum(abs(p - q) for p, q in pairs) / len(pairs)
+
+
+def wait_for(condition, seconds):
+    """Seconds until it holds, or None."""
+    began = time.monotonic()
+    while time.monotonic() < began + seconds:
+        if condition():
+            return round(time.monotonic() - began, 1)
+        time.sleep(1)
+    return None
+
+
+def is_live(machine, reference):
+    """Every head shows something else than the attract picture, and is lit."""
+    heads = machine.heads()
+    return all(shown is not None and shown[:2] == wanted[:2] and sum(shown[2][::97]) > 3 * len(shown[2][::97]) and
+               mean_difference(shown, wanted) > 8 for shown, wanted in zip(heads, reference))
+
+
+def is_attracting(machine, reference):
+    return all(is_as(shown, wanted) for shown, wanted in zip(machine.heads(), reference))
+
+
+def stick_of_farm(folder, farm):
+    """A museum's stick for this farm and camera."""
+    texts = {"site.toml": farm.site(), "tracker.toml": TRACKER}
+    contents = {"cyclorama/installation.toml": ROOT / "demo/installation.toml", **farm.on_stick()}
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+        contents[f"cyclorama/{name}"] = folder / name
+    image = folder / "farm.img"
+    stick(image, 40, contents)
+    return image
+
+
+def look_how_it_turns(machine, wand):
+    """(pixels that the middle head's picture moved to the right, mean difference on each head) within some seconds of a wand."""
+    show_wand(machine, wand)
+    time.sleep(12)
+    before = machine.heads()
+    time.sleep(LOOKS_APART_S)
+    after = machine.heads()
+    return moved_px(before[1], after[1]), [round(mean_difference(a, b), 1) for a, b in zip(before, after)]
+
+
+def check_steering(machine, figures):
+    seen = {}
+    for wand in ("rest", "right", "rest", "left"):
+        seen[wand] = look_how_it_turns(machine, wand)
+        print(f"wand {wand}: moved {seen[wand][0]} px, differs by {seen[wand][1]}", flush=True)
+    show_wand(machine, "rest")
+    figures["steering"] = seen
+    if seen["rest"][0] != 0 or max(seen["rest"][1]) > MOST_AT_REST:
+        figures["failed"].append(f"the view moves while the wand rests: {seen['rest']}")
+    # Who turns right sees the wall's picture go left.
+    if not seen["right"][0] < -2 or not seen["left"][0] > 2:
+        figures["failed"].append(f"the view does not turn as the wand says: {seen}")
+
+
+def check_farm_away(machine, farm, reference, figures):
+    farm.stop()
+    figures["farm_away_attract_s"] = wait_for(lambda: is_attracting(machine, reference), SHOWS_WITHIN_S)
+    farm.start()
+    figures["farm_back_live_s"] = wait_for(lambda: is_live(machine, reference), SHOWS_WITHIN_S)
+    for what in ("farm_away_attract_s", "farm_back_live_s"):
+        if figures[what] is None:
+            figures["failed"].append(f"{what}: not within {SHOWS_WITHIN_S} s")
+    print({name: value for name, value in figures.items() if name.startswith("farm_")}, flush=True)
+
+
+def check_camera(machine, figures):
+    """Out and in again."""
+    since = "journalctl -b -o cat -u cyclorama-tracker --no-pager | grep -c 'Follows'"
+    before = int(machine.run(since)[1].split()[-1])
+    machine.run("systemctl stop wand; echo vivid.0 >/sys/bus/platform/drivers/vivid/unbind", 60)
+    gone = wait_for(lambda: machine.run("journalctl -b -o cat -u cyclorama-tracker --no-pager | tail -n 3 | grep -c 'No pictures'")[1].endswith("1"), 120)
+    machine.run("echo vivid.0 >/sys/bus/platform/drivers/vivid/bind", 60)
+    plug_camera(machine)
+    show_wand(machine, "rest")
+    back = wait_for(lambda: int(machine.run(since)[1].split()[-1]) > before, 240)
+    figures["camera_gone_told_s"], figures["camera_back_s"] = gone, back
+    if gone is None or back is None:
+        figures["failed"].append(f"camera unplugged: told after {gone} s, back after {back} s")
+    print(f"camera: gone is told after {gone} s, back after {back} s", flush=True)
+
+
+def check_full_disk(machine, reference, figures):
+    """The show goes on, and it goes on once there is room again."""
+    machine.run("fallocate -l $(($(df --output=avail -B1 /var | tail -n 1) - 4096)) /var/full || dd if=/dev/zero of=/var/full bs=1M; echo x >/var/lib/more", 300)
+    free = machine.run("df --output=avail -k /var | tail -n 1")[1].strip()
+    time.sleep(20)
+    failed = machine.run("systemctl --failed --no-legend --plain | cut -d' ' -f1")[1].split()
+    live = is_live(machine, reference)
+    machine.run("rm -f /var/full /var/lib/more")
+    figures["full_disk"] = {"free_kb": free, "failed_units": failed, "live": live}
+    if failed or not live:
+        figures["failed"].append(f"a full disk: {figures['full_disk']}")
+    print("full disk:", figures["full_disk"], flush=True)
+
+
+def check(machine, options, folder, reference, figures):
+    """On a computer that runs, whose QEMU has wand_disk() and a network that reaches the host."""
+    farm = HostFarm(options.programs, folder / "farm")
+    farm.start()
+    try:
+        print(plug_camera(machine), flush=True)
+        show_wand(machine, "rest")
+        machine.plug_stick(stick_of_farm(folder, farm), "farm")
+        figures["live_s"] = wait_for(lambda: is_live(machine, reference), SHOWS_WITHIN_S)
+        print(f"live after {figures['live_s']} s", flush=True)
+        if figures["live_s"] is None:
+            figures["failed"].append("no live picture on every head")
+            print(machine.run("cat /var/lib/cyclorama/provisioning.json; journalctl -b -n 40 -o cat --no-pager -u 'cyclorama-*'", 120)[1])
+            return
+        check_steering(machine, figures)
+        check_camera(machine, figures)
+        check_full_disk(machine, reference, figures)
+        check_farm_away(machine, farm, reference, figures)
+    finally:
+        farm.stop()
+
+
+def run(options, folder):
+    figures = {"failed": []}
+    reference = attract_pictures(options, folder)
+    machine = Appliance(computer(options, folder), network="ipv6=on", extra=wand_disk(options.programs, folder))
+    try:
+        machine.wait_for_shell(900)
+        if len(wait_for_pictures(machine, reference)) < HEADS:
+            figures["failed"].append("no attract picture on every head")
+        else:
+            check(machine, options, folder, reference, figures)
+    finally:
+        machine.power_off()
+    return figures

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A farm on the host side of the virtual network: an authority, a head and a node, which the computer in QEMU dials over IPv6."""
+import pathlib
+import subprocess
+import time
+
+# QEMU's own network: this address is the host's loopback, seen from within.
+HOST_FROM_WITHIN = "fec0::2"
+MUSEUMS, NODES = 7401, 17402
+TRIANGLES = 10000
+MUSEUM = "hall-3"
+
+
+class HostFarm:
+    def __init__(self, programs, folder):
+        self.programs = pathlib.Path(programs).resolve()
+        self.folder = pathlib.Path(folder)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.running = []
+        self._run("cyclorama-grotto", "--triangles", TRIANGLES, "--out", self.folder / "scene", "--force")
+        self._authority("init")
+        for role, *more in (("head", "farm", "--address", HOST_FROM_WITHIN, "--address", "::1"), ("node", "node"), ("museum", MUSEUM)):
+            self._authority("--output", self.folder / f"{role}.tar", role, *more)
+            (self.folder / role).mkdir(exist_ok=True)
+            subprocess.run(["tar", "-xf", self.folder / f"{role}.tar", "-C", self.folder / role], check=True)
+        (self.folder / "farm.toml").write_text(
+            f'museums = "[::1]:{MUSEUMS}"\nnodes = "[::1]:{NODES}"\n[[scene]]\nname = "grotto"\npath = "{self.folder}/scene"\n' + self._tls("head"))
+        (self.folder / "node.toml").write_text(f'heads = ["[::1]:{NODES}"]\nname = "node"\nthreads = 1\n' + self._tls("node"))
+
+    def _run(self, program, *arguments):
+        subprocess.run([self.programs / program, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
+
+    def _authority(self, *arguments):
+        self._run("cyclorama-authority", "--folder", self.folder / "authority", *arguments)
+
+    def _tls(self, role):
+        at = self.folder / role
+        return f'[tls]\nauthority = "{at}/authority.crt"\ncertificate = "{at}/certificate.crt"\nkey = "{at}/key.pem"\n'
+
+    def on_stick(self):
+        """{path on a museum's stick: file}: its certificates."""
+        return {f"cyclorama/tls/{name}": self.folder / "museum" / name for name in ("authority.crt", "certificate.crt", "key.pem")}
+
+    def site(self):
+        return (f'[farm]\nheads = ["[{HOST_FROM_WITHIN}]:{MUSEUMS}"]\nmuseum = "{MUSEUM}"\nauthority = "tls/authority.crt"\n'
+                'certificate = "tls/certificate.crt"\nkey = "tls/key.pem"\n[picture]\nsamples = 1\njpeg_quality = 70\n')
+
+    def start(self):
+        for program, settings in (("cyclorama-farm", "farm.toml"), ("cyclorama-node", "node.toml")):
+            log = open(self.folder / f"{program}.log", "a")
+            self.running.append(subprocess.Popen([self.programs / program, "--config", self.folder / settings], stdout=log, stderr=log))
+        time.sleep(1)
+        if any(process.poll() is not None for process in self.running):
+            raise RuntimeError("the farm ended: " + "".join(path.read_text()[-1000:] for path in self.folder.glob("*.log")))
+
+    def stop(self):
+        for process in self.running:
+            process.kill()
+            process.wait()
+        self.running.clear()

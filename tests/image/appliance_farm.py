@@ -88,11 +88,14 @@ def wait_for(condition, seconds):
     return None
 
 
+def live(machine, reference):
+    """Of each head whether it shows something else than the attract picture, and is lit."""
+    return [shown is not None and shown[:2] == wanted[:2] and sum(shown[2][::97]) > 3 * len(shown[2][::97]) and
+            mean_difference(shown, wanted) > 8 for shown, wanted in zip(machine.heads(), reference)]
+
+
 def is_live(machine, reference):
-    """Every head shows something else than the attract picture, and is lit."""
-    heads = machine.heads()
-    return all(shown is not None and shown[:2] == wanted[:2] and sum(shown[2][::97]) > 3 * len(shown[2][::97]) and
-               mean_difference(shown, wanted) > 8 for shown, wanted in zip(heads, reference))
+    return all(live(machine, reference))
 
 
 def is_attracting(machine, reference):
@@ -162,6 +165,21 @@ def check_camera(machine, figures):
     print(f"camera: gone is told after {gone} s, back after {back} s", flush=True)
 
 
+def check_head(machine, reference, figures):
+    """The last one's projector out and in again; the others go on."""
+    last = HEADS - 1
+    machine.resize(last, 0, 0)
+    gone = wait_for(lambda: not live(machine, reference)[last], 60)
+    time.sleep(5)
+    others = live(machine, reference)[:last]
+    machine.plug_in(last)
+    back = wait_for(lambda: is_live(machine, reference), 120)
+    figures["head_gone_s"], figures["others_live"], figures["head_back_s"] = gone, all(others), back
+    if gone is None or not all(others) or back is None:
+        figures["failed"].append(f"head unplugged: dark after {gone} s, the others live: {others}, back after {back} s")
+    print(f"head: dark after {gone} s, the others live: {others}, back after {back} s", flush=True)
+
+
 def check_full_disk(machine, reference, figures):
     """The show goes on, and it goes on once there is room again."""
     machine.run("fallocate -l $(($(df --output=avail -B1 /var | tail -n 1) - 4096)) /var/full || dd if=/dev/zero of=/var/full bs=1M; echo x >/var/lib/more", 300)
@@ -191,6 +209,7 @@ def check(machine, options, folder, reference, figures):
             print(machine.run("cat /var/lib/cyclorama/provisioning.json; journalctl -b -n 40 -o cat --no-pager -u 'cyclorama-*'", 120)[1])
             return
         check_steering(machine, figures)
+        check_head(machine, reference, figures)
         check_camera(machine, figures)
         check_full_disk(machine, reference, figures)
         check_farm_away(machine, farm, reference, figures)

@@ -1,20 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Updates from a stick on the Debug image: a good one is tried and stays, a bad one goes back by itself, and power that is cut
-at any moment of an update leaves a computer that starts. Needs two versions: the second one under OUT/next (image/build --out)."""
+"""Updates from a stick on the Debug image: a bad one uses up its tries and goes back by itself, and says so; a good one is tried and
+stays; power that is cut at any moment of the good one leaves a computer that starts. Needs a second version, newer than the one under
+OUT, under OUT/next (image/build --debug --version V --out OUT/next)."""
+import concurrent.futures
+import os
 import random
 import re
 import shutil
+import signal
 import subprocess
 import time
 
-from appliance import Appliance, Disk
-from appliance_boot import image_of
+from appliance import HEADS, Appliance
+from appliance_boot import computer
 from appliance_tamper import flip_bit
 from disk_image import stick
 
 STICK_MB = 700
 START_S = 900
+BACK_S = 2400  # Three tries that end in a kernel's panic, and the start of the version before.
+UPDATED_S = 900
+GOOD_S = 900
 LONGEST_PAUSE_S = 6
+AT_A_TIME = 2
+REPORT = "cat /var/lib/cyclorama/update.json 2>/dev/null; true"
 
 
 def signed(folder, keys):
@@ -27,15 +36,29 @@ def signed(folder, keys):
 
 def stick_of(update, file):
     stick(file, STICK_MB, {f"update/{path.name}": path for path in update.iterdir()})
-    return ["-drive", f"if=none,id=stick,format=raw,readonly=on,file={file}", "-device", "usb-storage,bus=usb.0,drive=stick,removable=on"]
+    return file
+
+
+def bad_version(update, folder, options):
+    """The same with a flipped bit in root, properly signed, named as an older version: what a broken build would be."""
+    shutil.copytree(update, folder)
+    (kernel,) = folder.glob("*.efi")
+    name = re.search(r"_([\d.]+)\.efi", kernel.name)[1]
+    bad = name.rpartition(".")[0] + f".{int(name.rpartition('.')[2]) - 1}"
+    for file in list(folder.iterdir()):
+        file.rename(folder / file.name.replace(f"_{name}", f"_{bad}"))
+    (root,) = folder.glob("*.root.raw")
+    flip_bit(root, 1024 + 5)
+    signed(folder, options.keys)
+    return bad
 
 
 def version(machine):
     return machine.run(". /etc/os-release; echo $IMAGE_VERSION")[1]
 
 
-def started(disk, extra=()):
-    machine = Appliance(disk, extra=extra)
+def started(disk):
+    machine = Appliance(disk)
     try:
         machine.wait_for_shell(START_S)
     except Exception:
@@ -44,105 +67,117 @@ def started(disk, extra=()):
     return machine
 
 
-def said_by_update(machine):
-    return machine.run("cat /var/lib/cyclorama/update.json 2>/dev/null")[1]
-
-
-def wait_for_update(machine, seconds=900):
+def wait_for_report(machine, word, seconds):
+    """What the updater says, once `word` is in it."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
-        if said := said_by_update(machine):
+        if word in (said := machine.run(REPORT)[1]):
             return said
         time.sleep(2)
-    return "nothing"
+    return f"not '{word}' within {seconds} s, but {said!r}"
 
 
 def cut_while_updating(machine, folder, cuts, chance):
-    """[(seconds since the update began, the disk as a power cut then leaves it)], at random moments of one update. The machine
-    stands still while its disk is copied: what the copy holds is what a killed QEMU leaves."""
-    machine.run("until systemctl is-active -q 'cyclorama-update@*' || systemctl list-units --no-legend 'cyclorama-update@*' | grep -q activating; do sleep 0.2; done", 300)
-    began, states, number = time.monotonic(), [], 0
-    paused_s = 0.0
-    while not said_by_update(machine):
+    """[(seconds since the stick was plugged in, the computer as a power cut then leaves it)], at random moments of one update. QEMU
+    stands still while its files are copied: what they hold is what a killed QEMU leaves."""
+    began, states, number, held_s = time.monotonic(), [], 0, 0.0
+    while "ready" not in machine.run(REPORT)[1] and time.monotonic() - began < UPDATED_S:
         time.sleep(chance.uniform(0, LONGEST_PAUSE_S))
         stopped = time.monotonic()
-        machine.ask("stop")
-        states.append((round(stopped - began - paused_s, 1), machine.disk.copy(folder / f"cut-{number}")))
-        machine.ask("cont")
-        paused_s += time.monotonic() - stopped
+        os.kill(machine.process.pid, signal.SIGSTOP)
+        try:
+            states.append((round(stopped - began - held_s, 1), machine.disk.copy(folder / f"cut-{number}")))
+        finally:
+            os.kill(machine.process.pid, signal.SIGCONT)
+        held_s += time.monotonic() - stopped
         number += 1
         if len(states) > 2 * cuts:  # Disks are large.
-            _, dropped = states.pop(chance.randrange(len(states)))
-            shutil.rmtree(dropped.folder)
+            shutil.rmtree(states.pop(chance.randrange(len(states)))[1].folder)
     while len(states) > cuts:
-        _, dropped = states.pop(chance.randrange(len(states)))
-        shutil.rmtree(dropped.folder)
+        shutil.rmtree(states.pop(chance.randrange(len(states)))[1].folder)
     return states
 
 
-def version_after(disk):
-    machine = started(disk)
+def after_cut(state):
+    """What a computer says that starts after a cut."""
+    after_s, disk = state
+    account = {"after_s": after_s}
+    began = time.monotonic()
     try:
-        return version(machine)
-    finally:
-        machine.power_off()
+        machine = started(disk)
+        try:
+            account |= {"version": version(machine), "var": machine.run("cat /run/cyclorama/var")[1]}
+        finally:
+            machine.power_off()
+    except RuntimeError as error:
+        account["failed"] = str(error)[-800:]
+    account["start_s"] = round(time.monotonic() - began)
+    shutil.rmtree(disk.folder)
+    print(account, flush=True)
+    return account
+
+
+def check_bad(machine, image, old, bad, figures):
+    machine.attach_stick(image, "bad")
+    print(wait_for_report(machine, "ready", UPDATED_S), flush=True)
+    machine.ask("device_del", id="bad")
+    before = machine.console().count("Kernel panic")
+    machine.restart(BACK_S)
+    figures["boots"] += 1
+    figures["tries_of_the_bad_one"] = machine.console().count("Kernel panic") - before
+    said = wait_for_report(machine, "rolled-back", GOOD_S)
+    print(said, flush=True)
+    if version(machine) == old and figures["tries_of_the_bad_one"] > 0 and bad in said and "rolled-back" in said:
+        figures["rollbacks"] += 1
+    else:
+        figures["failed"].append(f"the bad update: {version(machine)} runs after {figures['tries_of_the_bad_one']} panics; {said}")
+
+
+def check_good(machine, image, old, folder, options, figures):
+    """Returns what cuts left."""
+    machine.attach_stick(image, "good")
+    states = cut_while_updating(machine, folder, options.cuts, random.Random(8))
+    print(machine.run(REPORT)[1], f"{len(states)} cuts", flush=True)
+    machine.ask("device_del", id="good")
+    machine.restart(START_S)
+    figures["boots"] += 1
+    now = version(machine)
+    for head in range(1, HEADS):
+        machine.plug_in(head)
+        time.sleep(5)
+    # The health check takes the tries out of the kernel image's name.
+    stays = "for i in $(seq 60); do ls /efi/EFI/Linux | grep -q '%s\\.efi' && break; sleep 10; done; ls /efi/EFI/Linux; cat /run/cyclorama/health" % now.replace(".", "\\.")
+    _, kernels = machine.run(stays, GOOD_S)
+    print(kernels, flush=True)
+    if now != old and re.search(rf"_{re.escape(now)}\.efi", kernels):
+        figures["updates"] += 1
+    else:
+        figures["failed"].append(f"the good update: {now} runs; {kernels}")
+    return states
 
 
 def run(options, folder):
-    chance = random.Random(8)
-    figures = {"updates": 0, "power_cuts": 0, "boots": 0, "rollbacks": 0, "cuts": [], "failed": []}
-    next_update = options.out / "next/cyclorama-museum-debug/update"
-    good = stick_of(next_update, folder / "good.img")
-    bad_update = folder / "bad"
-    shutil.copytree(next_update, bad_update)
-    (root,) = bad_update.glob("*.root.raw")
-    flip_bit(root, 1024 + 5)
-    signed(bad_update, options.keys)
-    bad = stick_of(bad_update, folder / "bad.img")
-    shutil.rmtree(bad_update)
-
-    disk = Disk(folder / "computer", image_of(options, True))
-    machine = started(disk)
-    old = version(machine)
-    machine.run("systemctl is-system-running --wait", START_S)
-    machine.run("sync")
-    machine.power_off()
+    figures = {"updates": 0, "power_cuts": 0, "boots": 0, "rollbacks": 0, "failed": []}
+    update = options.out / "next/cyclorama-museum-debug/update"
+    bad = bad_version(update, folder / "bad", options)
+    bad_stick = stick_of(folder / "bad", folder / "bad.img")
+    shutil.rmtree(folder / "bad")
+    good_stick = stick_of(update, folder / "good.img")
+    machine = started(computer(options, folder))
     figures["boots"] += 1
-    other = disk.copy(folder / "bad-computer")
-
-    machine = started(disk, good)
-    states = cut_while_updating(machine, folder, options.cuts, chance)
-    print(said_by_update(machine), flush=True)
-    machine.run("sync")
-    machine.power_off()
-    figures["boots"] += 1
-    new = version_after(disk)
-    figures["boots"] += 1
-    figures["updates"] += new != old
-    if new == old:
-        figures["failed"].append("the good update did not start")
-    for after_s, cut in states:
-        now = version_after(cut)
-        figures["power_cuts"] += 1
-        figures["boots"] += 1
-        figures["cuts"].append({"after_s": after_s, "then": now})
-        print(figures["cuts"][-1], flush=True)
-        shutil.rmtree(cut.folder)
-        if now not in (old, new):
-            figures["failed"].append(f"power cut after {after_s} s of an update: {now} runs")
-
-    machine = started(other, bad)
-    print(wait_for_update(machine), flush=True)
-    machine.run("sync")
-    machine.power_off()
-    machine = started(other)
-    figures["boots"] += 2
-    back = version(machine)
-    panics = len(re.findall("Kernel panic", machine.console()))
-    if back == old and panics:
-        figures["rollbacks"] += 1
-    else:
-        figures["failed"].append(f"the bad update: {back} runs after {panics} panics")
-    figures["tries_of_the_bad_one"] = panics
-    machine.power_off()
+    try:
+        old = version(machine)
+        check_bad(machine, bad_stick, old, bad, figures)
+        states = check_good(machine, good_stick, old, folder, options, figures)
+        new = version(machine)
+    finally:
+        machine.power_off()
+    with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
+        figures["cuts"] = list(pool.map(after_cut, states))
+    figures["power_cuts"] = len(figures["cuts"])
+    for cut in figures["cuts"]:
+        if cut.get("version") in (old, new):
+            figures["boots"] += 1
+        else:
+            figures["failed"].append(f"power cut after {cut['after_s']} s of an update: {cut}")
     return figures

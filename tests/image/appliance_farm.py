@@ -220,7 +220,7 @@ def check(machine, options, folder, reference, figures):
 def run(options, folder):
     figures = {"failed": []}
     reference = attract_pictures(options, folder)
-    machine = Appliance(computer(options, folder), network="ipv6=on", extra=wand_disk(options.programs, folder))
+    machine = Appliance(computer(options, folder), network="ipv4=on,ipv6=on", extra=wand_disk(options.programs, folder))
     try:
         machine.wait_for_shell(900)
         if len(wait_for_pictures(machine, reference)) < HEADS:

@@ -39,13 +39,14 @@ def plug_camera(machine):
     machine.run(f"modprobe {VIVID}", 120)
     for number, name in enumerate(WANDS):
         machine.run(f"dd if=/dev/disk/by-id/virtio-wand of=/run/{name}.grey bs={FRAME} skip={number} count=1", 60)
-    return machine.run("""for node in /dev/video*; do
-      case $(v4l2-ctl -d $node --all) in *'Video Output'*) out=$node ;; *) in=$node ;; esac
+    return machine.run("""for node in /sys/class/video4linux/video*; do
+      case $(cat $node/name) in vivid-*-vid-out) out=/dev/${node##*/} ;; vivid-*-vid-cap) in=/dev/${node##*/} ;; esac
     done
     v4l2-ctl -d $in --set-dv-bt-timings=index=0 --set-ctrl osd_text_mode=2
     v4l2-ctl -d $out --set-dv-bt-timings=index=0
     v4l2-ctl -d $out --set-fmt-video-out=width=640,height=480,pixelformat=GREY
-    v4l2-ctl -d $in --set-ctrl loop_video=1 2>/dev/null || v4l2-ctl -d $in --set-ctrl hdmi_000_0_is_connected_to=2
+    # Until 6.11 one switch; later each input is joined to an output.
+    v4l2-ctl -d $in --set-ctrl loop_video=1 >/dev/null 2>&1 || v4l2-ctl -d $in --set-ctrl hdmi_000_0_is_connected_to=2 >/dev/null
     echo in $in out $out; echo $out >/run/wand-node""", 120)[1]
 
 

@@ -132,6 +132,7 @@ struct PresentMailbox {
   /// Out: when the newest step ended: a head was drawn, a shader tried, a refresh waited for. A processor that is slow
   /// takes its steps slowly; a driver that hangs takes none.
   std::atomic<TimePoint> stepped_at{};
+  std::atomic<Duration> longest_step{Duration::zero()};  ///< Out: of those that ended.
 };
 
 }  // namespace cyclorama

@@ -5,13 +5,16 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace cyclorama {
 namespace {
-// A head that is drawn by an emulated processor takes seconds. Less than the service's WatchdogSec, so that the state
-// is told before the process is ended.
+// Less than the service's WatchdogSec, so that the state is told before the process is ended. A busy processor that
+// draws in software, and is emulated, takes longer: 20 to 50 s were seen. Such a one has shown before how slow it is.
 constexpr Duration kLongestStep = std::chrono::seconds(20);
+constexpr int kSlower = 4;
+constexpr Duration kMostPatience = std::chrono::minutes(5);
 constexpr auto kTellEvery = std::chrono::seconds(1);
 }  // namespace
 
@@ -20,6 +23,7 @@ Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, Pr
   std::unique_ptr<PresentThread> present(new PresentThread(mailbox, clock));
   present->event_fd_ = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!present->event_fd_.is_open()) return Error::from_errno("making an eventfd");
+  mailbox->stepped_at = clock->now();
   std::future<Status> started = present->started_.get_future();
   PresentThread* const self = present.get();
   present->thread_ = std::jthread([self, mailbox, moved = std::move(plan)](const std::stop_token& stop) mutable {
@@ -57,7 +61,10 @@ void PresentThread::tell(const OutputState& state) {
   state_.put(std::make_unique<OutputState>(state));
 }
 
-bool PresentThread::is_alive() const { return clock_.now() - mailbox_.stepped_at.load() < kLongestStep; }
+bool PresentThread::is_alive() const {
+  const Duration patience = std::clamp(kSlower * mailbox_.longest_step.load(), kLongestStep, kMostPatience);
+  return clock_.now() - mailbox_.stepped_at.load() < patience;
+}
 
 void PresentThread::drain() const {
   std::uint64_t count = 0;

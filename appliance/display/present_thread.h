@@ -28,7 +28,7 @@ class PresentThread {
   [[nodiscard]] std::unique_ptr<OutputState> take_state() { return state_.take(); }
   /// The largest side of a picture that the graphics card takes. Thread-safe.
   [[nodiscard]] int largest_side_px() const { return largest_side_px_; }
-  /// False when one step lasts longer than 20 s: the driver hangs.
+  /// False when one step lasts longer than 20 s, and than four times the longest that ended: the driver hangs.
   [[nodiscard]] bool is_alive() const;
   /// Readable whenever a refresh was told to the mailbox, and now and then; for poll(). Reset it with drain().
   [[nodiscard]] int event_fd() const { return event_fd_.get(); }

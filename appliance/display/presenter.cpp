@@ -60,6 +60,12 @@ Status Presenter::warm_up(bool may_change) {
   return output_.gl().check("trying the shaders");
 }
 
+void Presenter::step() {
+  const TimePoint now = clock_.now();
+  mailbox_.longest_step = std::max(mailbox_.longest_step.load(), now - mailbox_.stepped_at.load());
+  mailbox_.stepped_at = now;
+}
+
 Status Presenter::go_on_with(Showing showing) {
   frame_ = std::move(showing.frame);
   waiting_ = std::move(showing.waiting);

@@ -60,7 +60,7 @@ class Presenter {
   Presenter(Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
             const Clock* clock);
   Status warm_up(bool may_change);
-  void step() { mailbox_.stepped_at = clock_.now(); }
+  void step();
   void take_in();
   Status show_due_frame(RefreshEvent* ret_event);
   void turn_to_due_heading(RefreshEvent* ret_event);

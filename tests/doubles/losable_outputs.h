@@ -22,6 +22,7 @@ class LosableOutputs {
   [[nodiscard]] int attempts() const { return attempts_; }
   /// As a graphics driver that never comes back; returns once a refresh is in it.
   void hang() {
+    is_in_refresh_ = false;
     hangs_ = true;
     is_in_refresh_.wait(false);
   }

@@ -124,6 +124,13 @@ TEST_F(PresentingAlone, is_not_alive_while_the_driver_hangs) {
   EXPECT_FALSE(present_->is_alive());
   outputs_.go_on();
   while (!present_->is_alive()) std::this_thread::yield();
+  // It took 21 s and was no hanging driver: the next one is given longer.
+  outputs_.hang();
+  clock.advance(std::chrono::seconds(60));
+  EXPECT_TRUE(present_->is_alive());
+  clock.advance(std::chrono::seconds(60));
+  EXPECT_FALSE(present_->is_alive());
+  outputs_.go_on();
   present_.reset();  // It borrows the clock.
 }
 

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "appliance/calibrator/photometry/photometry.h"
-#include "appliance/calibrator/scan/registration.h"
+#include "appliance/calibrator/solve/registration.h"
 #include "appliance/calibrator/scan/wall_scan.h"
 #include "appliance/calibrator/solve/calibrate.h"
 #include "common/base/clock.h"

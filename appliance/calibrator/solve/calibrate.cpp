@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/calibrator/solve/calibrate.h"
+#include "appliance/calibrator/solve/registration.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +17,8 @@ constexpr double kWallFloor_px = 0.05;  // Of a sample's sigma: what lens models
 // A map that predicts new measurements as well as the new one predicts what it left out is still right; left-out
 // errors of some hundred places scatter by some percent.
 constexpr double kStillRight = 1.1;
+/// What differs by less in the scatter of single places is no sign that something moved.
+constexpr double kMeetAsWell = 1.02;
 /// Of the new measurements, where an old map may have no direction: at the rim either map may end a little earlier.
 constexpr double kMostUnknown = 0.01;
 constexpr double kWorthSaying_px = 0.5;  // Held-out error of a map.
@@ -129,6 +132,7 @@ class Calibrating {
       }));
     }
     for (std::size_t p = 0; p < samples_.size(); ++p) TRY(add_projector(p, maps[p].get()));
+    keep_all_that_meet_as_well();
     if (means_.refused * 20 > means_.used) {
       remark(fmt::format("{} of {} decoded pixels disagree with their neighbours; darken the room", means_.refused,
                          means_.used + means_.refused));
@@ -200,13 +204,14 @@ class Calibrating {
     CalibratedProjector projector{format.name, *std::move(map), false};
     const CalibratedProjector* before = projector_of(options_.previous, format.name);
     if (before != nullptr && before->map.width_px == format.width_px && before->map.height_px == format.height_px) {
-      const MeasuredMap old = turned(before->map, turn_);
+      MeasuredMap old = turned(before->map, turn_);
       const auto error = map_error_px(old, samples_[p]);
       const double own = projector.map.heldout_rms_px;
       // One with a hole where the new one has none does not do as well, however right the rest of it is.
       const bool has_hole = known_part(old, samples_[p]) < known_part(projector.map, samples_[p]) - kMostUnknown;
       projector.is_previous = error && *error < kStillRight * own && !has_hole;
       if (projector.is_previous) projector.map = old;
+      if (error && !has_hole) maps_of_before_.emplace_back(p, old);
       if (error) {
         remark(
             fmt::format("projector '{}' {} map of {}: it predicts the new measurements to {:.3f} px, the new one what "
@@ -225,10 +230,31 @@ class Calibrating {
     return Done{};
   }
 
+  /// Where some maps stay and others do not, old and new ones have to meet. If all of the old ones meet as well, then
+  /// what is new is the camera's error (few degrees seen, much noise), and no projector has moved.
+  void keep_all_that_meet_as_well() {
+    std::vector<CalibratedProjector>& projectors = calibration_.projectors;
+    const auto kept = std::ranges::count_if(projectors, &CalibratedProjector::is_previous);
+    const bool is_mixed = kept > 0 && static_cast<std::size_t>(kept) < projectors.size();
+    if (!is_mixed || maps_of_before_.size() < projectors.size()) return;
+    Calibration before = calibration_;
+    for (auto& [p, map] : maps_of_before_) before.projectors[p].map = std::move(map);
+    const MeasuredRegistration as_it_was = measured_registration(measurements_, before);
+    const MeasuredRegistration anew = measured_registration(measurements_, calibration_);
+    if (as_it_was.places == 0 || as_it_was.mean_px > kMeetAsWell * anew.mean_px) return;
+    for (std::size_t p = 0; p < projectors.size(); ++p)
+      projectors[p] = {projectors[p].name, std::move(before.projectors[p].map), true};
+    remark(
+        fmt::format("all projectors keep their maps of {}: those meet to {:.3f} px in the new measurements, together "
+                    "with new ones to {:.3f}",
+                    options_.previous->date, as_it_was.mean_px, anew.mean_px));
+  }
+
   const Measurements& measurements_;
   const CellMeans& means_;
   const CalibrateOptions& options_;
   Calibration calibration_;
+  std::vector<std::pair<std::size_t, MeasuredMap>> maps_of_before_;  ///< Turned; without holes.
   Samples samples_;
   PlateHints hints_;
   Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< Of the calibration before.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "appliance/calibrator/scan/registration.h"
+#include "appliance/calibrator/solve/registration.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -32,6 +32,7 @@ MAY_INCLUDE = {
 # name; the appliance and the kiosk hold all that a museum runs.
 TRUTH_HEADERS = {f"drivers/simulated_room/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "simulated_show")}
 TRUTH_FILE = re.compile(r"truth\.(toml|json)")
+TRUTH_CALL = re.compile(r"(?:\.|->)truth\(\)")  # Of a simulated museum, which devices for it hold.
 BLIND = ("appliance", "kiosk")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"')
 
@@ -75,6 +76,8 @@ def told_truths(root):
             for n, line in enumerate(f.read_text(encoding="utf-8").splitlines(), 1):
                 if TRUTH_FILE.search(line):
                     bad.append(f"{here}:{n}: {top}/ may not name the file of a simulated museum's truth")
+                if TRUTH_CALL.search(line):
+                    bad.append(f"{here}:{n}: {top}/ may not ask a simulated museum for its truth")
     return bad
 
 

@@ -39,6 +39,7 @@ def main():
     expect({**ring, "appliance/a.cpp": '#include "drivers/b.h"\n'}, 0)
     for name in ("appliance/a.cpp", "kiosk/page.js"):
         expect({name: 'open(folder + "/truth.toml")\n'}, 1, f"{name}:1")
+    expect({"appliance/a.cpp": "const auto& t = museum->truth();\n"}, 1, "appliance/a.cpp:1")
     expect({"kiosk/a.cpp": '#include "appliance/a.h"\n', "appliance/a.h": ""}, 1, "may not include")
     print("check_layers: finds what it must")
 

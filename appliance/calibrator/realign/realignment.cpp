@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "appliance/calibrator/photometry/followed_light.h"
 #include "appliance/calibrator/photometry/light_file.h"
-#include "appliance/calibrator/photometry/reblend.h"
 #include "appliance/calibrator/realign/camera_stand.h"
 #include "appliance/calibrator/realign/projector_push.h"
 #include "appliance/calibrator/realign/witness_view.h"
@@ -496,21 +496,14 @@ class Realigning {
   }
 
   Status follow_with_colours(const std::filesystem::path& folder) {
-    const std::filesystem::path own = calibration_folder(folder, before_.date);
-    TRY_ASSIGN(const std::vector<CalibratedColour> colours, read_colours(own));
-    if (colours.empty()) return Done{};
-    auto light = read_light(own);
-    if (!light) return refused("the light of before was not kept (" + light.error().message() + ")");
-    light_ = *std::move(light);
-    std::vector<PhotometricProjector> projectors;
-    for (const CalibratedProjector& p : calibration().projectors) projectors.push_back({p.name, p.map});
     const NearnessAt nearness = [this](const Eigen::Vector3d& d) { return wall_nearness(d); };
-    move_light(before_.projectors[target_].map, target().map, nearness, &light_.projectors[target_]);
-    auto followed = reblended(projectors, light_, colours);
+    auto followed =
+        follow_light(calibration_folder(folder, before_.date), before_.projectors, calibration().projectors, nearness);
     if (!followed) return refused("brightness cannot follow (" + followed.error().message() + ")");
-    for (std::size_t p = 0; p < projectors.size(); ++p)
-      colours_.push_back({projectors[p].name, followed->heads[p].mask, followed->heads[p].colour});
-    outcome().light = *std::move(followed);
+    if (!*followed) return Done{};
+    light_ = std::move((*followed)->lighting);
+    colours_ = std::move((*followed)->colours);
+    outcome().light = std::move((*followed)->photometry);
     result_.has_colours = true;
     return Done{};
   }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/calibrator/scan/calibration_run.h"
 
+#include <fmt/format.h>
+
 #include <ctime>
 #include <optional>
 
+#include "appliance/calibrator/photometry/followed_light.h"
 #include "appliance/calibrator/photometry/light_file.h"
 #include "appliance/calibrator/report/report_page.h"
 #include "appliance/calibrator/scan/light_scan.h"
@@ -32,6 +35,18 @@ std::vector<CalibratedColour> colours_of(const Photometry& photometry, const Cal
   for (std::size_t p = 0; p < photometry.heads.size(); ++p)
     colours.push_back({calibration.projectors[p].name, photometry.heads[p].mask, photometry.heads[p].colour});
   return colours;
+}
+
+/// For the maps of now; nothing where there was none, or where it cannot be used: the wall lost it then.
+std::optional<FollowedLight> light_of_before(const std::filesystem::path& folder,
+                                             const std::optional<Calibration>& previous,
+                                             const Calibration& calibration) {
+  if (!previous) return std::nullopt;
+  // Projectors that stand where they stood light the wall as they did; of one that was moved, the solid angle tells.
+  auto followed = follow_light(calibration_folder(folder, previous->date), previous->projectors, calibration.projectors,
+                               [](const Eigen::Vector3d&) { return 1.0; });
+  if (!followed) return std::nullopt;
+  return *std::move(followed);
 }
 
 /// How the wall looks by the calibration of before, or by installation.toml alone, and how it will.
@@ -94,12 +109,19 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   TRY_ASSIGN(outcome.calibration, calibrate(scan.measurements, date, options));
   outcome.registration = measured_registration(scan.measurements, outcome.calibration);
   std::vector<CalibratedColour> colours;
+  std::optional<WallLighting> lighting;
   if (auto found = photometry_of(std::move(light), outcome.calibration)) {
     scan.remarks.insert(scan.remarks.end(), found->remarks.begin(), found->remarks.end());
     colours = colours_of(*found, outcome.calibration);
+    if (found->lighting) lighting = *found->lighting;
     outcome.light = *std::move(found);
+  } else if (auto kept = light_of_before(folder, previous, outcome.calibration)) {
+    scan.remarks.push_back(
+        fmt::format("brightness and colours are those of {}: {}", previous->date, found.error().message()));
+    colours = std::move(kept->colours);
+    lighting = std::move(kept->lighting);
   } else {
-    scan.remarks.push_back("brightness and colours stay as they were: " + found.error().message());
+    scan.remarks.push_back("the wall is shown without measured brightness and colours: " + found.error().message());
   }
   outcome.solve_s = to_seconds(clock.now() - begun);
   ReportFindings findings;
@@ -120,8 +142,8 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   if (stop.stop_requested()) return cancelled();
   tell("writes the calibration", kSeamPart);
   std::vector<CalibrationPart> parts;
-  if (outcome.light && outcome.light->lighting) {
-    TRY_ASSIGN(CalibrationPart kept, light_part(outcome.calibration.projectors, *outcome.light->lighting));
+  if (lighting) {
+    TRY_ASSIGN(CalibrationPart kept, light_part(outcome.calibration.projectors, *lighting));
     parts.push_back(std::move(kept));
   }
   TRY(save_calibration(folder, outcome.calibration, colours, parts));

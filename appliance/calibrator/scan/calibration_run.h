@@ -11,9 +11,9 @@
 #include <string>
 
 #include "appliance/calibrator/photometry/photometry.h"
-#include "appliance/calibrator/solve/registration.h"
 #include "appliance/calibrator/scan/wall_scan.h"
 #include "appliance/calibrator/solve/calibrate.h"
+#include "appliance/calibrator/solve/registration.h"
 #include "common/base/clock.h"
 
 namespace cyclorama {
@@ -21,7 +21,7 @@ namespace cyclorama {
 struct CalibrationOutcome {
   Calibration calibration;  ///< With the scan's remarks among its own.
   MeasuredRegistration registration;
-  std::optional<Photometry> light;  ///< Absent where it could not be found: a remark says why.
+  std::optional<Photometry> light;  ///< Absent where it could not be measured: a remark says why.
   std::filesystem::path report;     ///< The page for the installer; empty: it could not be written, a remark says why.
   int pictures = 0;
   int retries = 0;
@@ -31,7 +31,8 @@ struct CalibrationOutcome {
 };
 
 /// `date` names the calibration: "2026-11-22T13-05-00Z". The one of before is never replaced by a worse one.
-/// Where brightness and colour cannot be found, the geometry is all that is written, and a remark says what to do;
+/// Where brightness and colour cannot be found, those of before are carried over to the new maps, or, where there were
+/// none, the geometry is all that is written; a remark says what to do;
 /// likewise where seams cannot be photographed.
 /// Errors of scan_wall(), scan_light(), calibrate() and save_calibration(), each with its remedy; the calibration that
 /// counts is the one of before then. Blocks, for minutes.

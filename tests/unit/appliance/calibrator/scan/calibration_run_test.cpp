@@ -34,6 +34,20 @@ class InFolder : public ::testing::Test {
 class CalibrationRun : public InFolder, public ::testing::WithParamInterface<const char*> {};
 class CalibrationOfLight : public InFolder {};
 
+/// Projectors whose lamps light no colour alone.
+class WithoutColours final : public PatternScreen {
+ public:
+  explicit WithoutColours(PatternScreen* screen) : screen_(screen) {}
+  Status show(std::size_t projector, const RgbImage& picture) override {
+    const auto codes = picture.data();
+    const bool is_coloured = !codes.empty() && (codes[0] != codes[1] || codes[1] != codes[2]);
+    return screen_->show(projector, is_coloured ? RgbImage() : picture);
+  }
+
+ private:
+  PatternScreen* screen_;
+};
+
 MuseumScore score_of(const SimulatedMuseum& museum, const Calibration& calibration) {
   return museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
     return calibration.projectors[p].map.direction_at(pixel);
@@ -128,6 +142,35 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   ASSERT_TRUE(page.has_value());
   EXPECT_THAT(*page, ::testing::HasSubstr("data:image/jpeg")) << ::testing::PrintToString(outcome->calibration.remarks);
   EXPECT_TRUE(std::filesystem::exists(calibration_folder(folder_, outcome->calibration.date) / "light.json"));
+
+  // Later the projectors' light cannot be measured: masks of the new maps are made from the light of before.
+  WithoutColours without(&screen);
+  settings.with_wall = false;
+  settings.with_seams = false;
+  const auto again = run_calibration(museum->installation(), settings, {without, camera, plate, &colour_camera},
+                                     folder_, "2026-01-02T00-00-00Z", SteadyClock(), {}, {});
+  ASSERT_TRUE(again.has_value()) << again.error().message();
+  EXPECT_FALSE(again->light.has_value());
+  EXPECT_THAT(again->calibration.remarks,
+              ::testing::Contains(::testing::HasSubstr("brightness and colours are those of 2026-01-01T00-00-00Z: ")));
+  const auto kept = read_colours(calibration_folder(folder_, again->calibration.date));
+  ASSERT_TRUE(kept.has_value()) << kept.error().message();
+  ASSERT_EQ(kept->size(), 2u);
+  for (std::size_t p = 0; p < 2; ++p) {
+    double worst = 0.0;
+    double sum = 0.0;
+    const auto old_mask = (*written)[p].mask.data();
+    const auto new_mask = (*kept)[p].mask.data();
+    ASSERT_EQ(old_mask.size(), new_mask.size());
+    for (std::size_t i = 0; i < old_mask.size(); ++i) {
+      worst = std::max(worst, std::abs(static_cast<double>(old_mask[i]) - static_cast<double>(new_mask[i])));
+      sum += static_cast<double>(new_mask[i]);
+    }
+    EXPECT_GT(sum, 0.0);
+    EXPECT_LT(worst, 0.05);
+    EXPECT_EQ((*written)[p].colour.response.has_value(), (*kept)[p].colour.response.has_value());
+  }
+  EXPECT_TRUE(std::filesystem::exists(calibration_folder(folder_, again->calibration.date) / "light.json"));
 }
 
 INSTANTIATE_TEST_SUITE_P(rooms, CalibrationRun, ::testing::Values("cylinder126", "plane"));

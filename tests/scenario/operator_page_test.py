@@ -78,6 +78,9 @@ class Browser:
         self.do("POST", f"/element/{element}/clear", {})
         self.do("POST", f"/element/{element}/value", {"text": text})
 
+    def press_enter(self, selector):
+        self.do("POST", f"/element/{self.element(selector)}/value", {"text": "\ue007"})
+
     def text(self, selector):
         return self.run("const e = document.querySelector(arguments[0]); return e ? e.innerText : ''", selector)
 
@@ -189,7 +192,12 @@ def check_work(browser, museum, pictures, name):
     browser.click("#realign")
     wait_until(lambda: "looked for anew" in browser.text("#care-note"), 30, "the realignment")
     browser.click("#calibrate")
+    wait_until(lambda: "Turn the plate to 30.0 degrees" in browser.text("#calibration-question"), 30, "what is asked")
+    browser.type("#calibration-answer", "30.5")
+    browser.picture(pictures / f"asked-{name}.png", whole=False)
+    browser.press_enter("#calibration-answer")
     wait_until(lambda: "shows pattern 2" in browser.text("#calibration-state"), 30, "the calibration's progress")
+    assert browser.run("return document.getElementById('calibration-question').offsetParent === null"), "the answered question stays"
     wait_until(lambda: browser.run("return document.getElementById('calibration-picture').naturalWidth") == 640, 30, "its picture")
     browser.click("#network-test")
     wait_until(lambda: "its program does not run" in browser.text("#network"), 60, "the network test")
@@ -197,6 +205,11 @@ def check_work(browser, museum, pictures, name):
     browser.picture(pictures / f"calibrating-{name}.png", whole=False)
     browser.click("#calibrate-cancel")
     wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the end of it")
+    browser.picture(pictures / f"cancelled-{name}.png", whole=False)
+    browser.click("#calibrate-resume")
+    wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the calibration that goes on")
+    browser.click("#calibrate-cancel")
+    wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "its end")
     browser.click("#calibrate-restore")
     browser.click("#calibrate-restore")
     wait_until(lambda: "2026-10-01" in browser.text("#care-note"), 30, "the calibration of before")

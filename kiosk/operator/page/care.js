@@ -108,6 +108,9 @@ press("calibration-done", async () => {
   await ask("/calibration", { do: "answer", text: byId("calibration-answer").value });
   byId("calibration-answer").value = "";
 });
+byId("calibration-answer").addEventListener("keydown", (event) => {
+  if (event.key === "Enter") byId("calibration-done").click();
+});
 press("calibrate-cancel", () => ask("/calibration", { do: "cancel" }));
 pressTwice("calibrate-restore", "Really bring it back?", async () => {
   const answer = await ask("/calibration", { do: "restore" }, 35);

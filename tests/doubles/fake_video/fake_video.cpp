@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/base/check.h"
 #include "common/image/jpeg.h"
@@ -16,6 +17,31 @@ FakeVideo* the_video = nullptr;
 
 Duration period_of(const v4l2_fract& interval) {
   return std::chrono::nanoseconds(1'000'000'000LL * interval.numerator / std::max(interval.denominator, 1U));
+}
+
+/// ITU-R BT.601 from 16 to 235, two pixels' chroma together.
+std::vector<std::byte> encode_yuyv(const v4l2_pix_format& format, const RgbImage& picture) {
+  CHECK(format.pixelformat == V4L2_PIX_FMT_YUYV && picture.width() == static_cast<int>(format.width) &&
+        picture.height() == static_cast<int>(format.height));
+  const auto code = [](double value) { return static_cast<std::byte>(std::lround(std::clamp(value, 1.0, 254.0))); };
+  std::vector<std::byte> bytes(format.sizeimage, std::byte{128});
+  for (int y = 0; y < picture.height(); ++y) {
+    std::byte* const row = bytes.data() + static_cast<std::size_t>(y) * format.bytesperline;
+    for (int x = 0; x + 1 < picture.width(); x += 2) {
+      double blue = 0.0;
+      double red = 0.0;
+      for (int k = 0; k < 2; ++k) {
+        const std::uint8_t* const p = picture.at(x + k, y);
+        const double luma = 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
+        row[2 * (x + k)] = code(16.0 + 219.0 / 255.0 * luma);
+        blue += 0.5 * (p[2] - luma) / 1.772;
+        red += 0.5 * (p[0] - luma) / 1.402;
+      }
+      row[2 * x + 1] = code(128.0 + 224.0 / 255.0 * blue);
+      row[2 * x + 3] = code(128.0 + 224.0 / 255.0 * red);
+    }
+  }
+  return bytes;
 }
 
 /// Brightness as the pixels hold it; chroma is 128.
@@ -168,7 +194,14 @@ void FakeVideo::run(DeviceState* device) {
 
 void FakeVideo::fill(DeviceState* device, std::uint32_t index) {
   Buffer& buffer = device->buffers[index];
-  const std::vector<std::byte> bytes = encode(device->format, device->sequence);
+  if (device->device.sees) {
+    // The control's unit is 100 us.
+    device->device.exposure =
+        std::chrono::microseconds(100 * device->device.controls[V4L2_CID_EXPOSURE_ABSOLUTE].value);
+  }
+  const std::vector<std::byte> bytes =
+      device->device.sees ? encode_yuyv(device->format, device->device.sees(to_seconds(device->device.exposure)))
+                          : encode(device->format, device->sequence);
   CHECK(bytes.size() <= device->format.sizeimage);
   CHECK(::pwrite(buffer.memory.get(), bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size()));
   v4l2_buffer& filled = buffer.filled;

@@ -13,6 +13,7 @@
 #include <linux/videodev2.h>
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -58,6 +59,8 @@ struct FakeVideoDevice {
   bool is_grabber = false;  ///< Its size is its signal's.
   bool has_signal = true;
   bool exports_dma_bufs = true;
+  /// What it sees with an exposure in seconds, that of its control; of YUYV alone, in its size. Empty: fake_level().
+  std::function<RgbImage(double)> sees = {};
 };
 
 /// A camera as most are: YUYV at 30 per second in VGA, JPEG at 30 in all sizes, exposure and gain to set.

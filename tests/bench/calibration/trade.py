@@ -10,7 +10,7 @@ import pathlib
 import sys
 
 COLOURS = ["#1b6ca8", "#d1495b", "#3a7d44", "#8f5fbf"]
-WIDTH, HEIGHT, LEFT, TOP = 520, 320, 60, 30
+WIDTH, HEIGHT, LEFT, TOP, ACROSS = 360, 220, 60, 30, 2
 
 
 def place_in(points):
@@ -29,29 +29,42 @@ def place_in(points):
     return place, ends
 
 
+def panel(knob, points, place, ends, colour):
+    """One knob alone; all panels have the same axes."""
+    out = [f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{HEIGHT}" fill="none" stroke="#888"/>',
+           f'<text x="{LEFT}" y="{TOP - 8}" font-weight="bold">{knob}</text>']
+    for end in (0, 1):
+        out.append(f'<text x="{LEFT + end * WIDTH}" y="{TOP + HEIGHT + 16}" text-anchor="middle">{10 ** ends[0][end]:.3g} s</text>')
+        out.append(f'<text x="{LEFT - 5}" y="{TOP + HEIGHT * (1 - end) + 4}" text-anchor="end">{10 ** ends[1][end]:.2g} px</text>')
+    places = [place(point) for point in points]
+    if knob != "patterns":
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
+        out.append(f'<polyline points="{path}" fill="none" stroke="{colour}"/>')
+    taken = []
+    for point, (x, y) in sorted(zip(points, places), key=lambda at: at[1][1]):
+        # Labels go down until they are clear of the one above.
+        at = max([y + 4] + [other + 11 for other_x, other in taken if abs(other_x - x) < 150])
+        taken.append((x, at))
+        out.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{5 if point["default"] else 3}" fill="{colour}"/>')
+        out.append(f'<text x="{x + 8:.1f}" y="{at:.1f}" font-size="10" fill="{colour}">{point["value"]}</text>')
+    return out
+
+
 def drawing(points):
     points = [point for point in points if not point["knob"].startswith("model")]  # One scan, another drawing: no time of their own.
     place, ends = place_in(points)
-    out = [f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{HEIGHT}" fill="none" stroke="#888"/>',
-           f'<text x="{LEFT + WIDTH / 2}" y="{TOP + HEIGHT + 34}" text-anchor="middle">seconds in the museum</text>',
-           f'<text transform="translate({LEFT - 44},{TOP + HEIGHT / 2}) rotate(-90)" text-anchor="middle">registration p95, projector px</text>']
-    for end in (0, 1):
-        out.append(f'<text x="{LEFT + end * WIDTH}" y="{TOP + HEIGHT + 16}" text-anchor="middle">{10 ** ends[0][end]:.3g}</text>')
-        out.append(f'<text x="{LEFT - 5}" y="{TOP + HEIGHT * (1 - end) + 4}" text-anchor="end">{10 ** ends[1][end]:.2g}</text>')
     knobs = {}
     for point in points:
         knobs.setdefault(point["knob"], []).append(point)
+    wide, high = LEFT + WIDTH + 60, TOP + HEIGHT + 36
+    out = []
     for index, (knob, line) in enumerate(knobs.items()):
-        colour = COLOURS[index % len(COLOURS)]
-        places = [place(point) for point in line]
-        if knob != "patterns":
-            path = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
-            out.append(f'<polyline points="{path}" fill="none" stroke="{colour}"/>')
-        for point, (x, y) in zip(line, places):
-            out.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{5 if point["default"] else 3}" fill="{colour}"/>')
-            out.append(f'<text x="{x + 5:.1f}" y="{y - 4:.1f}" font-size="9" fill="{colour}">{point["value"]}</text>')
-        out.append(f'<text x="{LEFT + WIDTH - 5}" y="{TOP + 16 + 15 * index}" text-anchor="end" fill="{colour}">{knob}</text>')
-    size = (LEFT + WIDTH + 60, TOP + HEIGHT + 50)
+        out.append(f'<g transform="translate({index % ACROSS * wide},{index // ACROSS * high})">')
+        out += panel(knob, line, place, ends, COLOURS[index % len(COLOURS)])
+        out.append("</g>")
+    size = (wide * ACROSS, high * math.ceil(len(knobs) / ACROSS) + 24)
+    out.append(f'<text x="10" y="{size[1] - 8}">Across: seconds in the museum; up: registration p95, projector px; both logarithmic. '
+               'Large dots: the defaults.</text>')
     return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size[0]} {size[1]}" font-family="sans-serif" font-size="12">\n'
             f'<rect width="{size[0]}" height="{size[1]}" fill="white"/>\n' + "\n".join(out) + "\n</svg>\n")
 

@@ -15,6 +15,7 @@ constexpr double kBlock_px = 96.0;
 constexpr double kFlat_sigmas = 3.0;
 constexpr int kFoldSteps = 15;
 constexpr LensRung kWallsLens = LensRung::kRadial1;  // With which the ladder of walls is climbed.
+constexpr double kLensMatters = 1.02;                // Of its left-out error: less is chance.
 // A rung whose prediction is already as good as the measurements themselves, and not bettered by the next one, ends the
 // climb. As good is not enough: what is less than noise for one sample is clear in a thousand.
 constexpr double kAsGoodAsNoise = 1.25;
@@ -184,6 +185,63 @@ std::vector<SurfaceFit> starts_of(SurfaceRung rung, const SurfaceFit& first, con
   return starts;
 }
 
+/// All rungs of lenses from one wall.
+struct LensLadder {
+  std::vector<Tried> tried;  ///< As kProjectorLensRungs.
+  std::size_t best_at = 0;
+
+  [[nodiscard]] const ModelTrial& best() const { return tried[best_at].trial; }
+  [[nodiscard]] const Tried& of(LensRung rung) const {
+    return tried[static_cast<std::size_t>(std::ranges::find(kProjectorLensRungs, rung) -
+                                          std::begin(kProjectorLensRungs))];
+  }
+  [[nodiscard]] LensRung least(const ModelOptions& options) const {
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+      const ModelTrial& trial = tried[i].trial;
+      if (trial.is_usable && trial.heldout_rms_px <= best().heldout_rms_px + options.lens_tolerance_px)
+        return kProjectorLensRungs[i];
+    }
+    return kWallsLens;
+  }
+};
+
+/// `wall` was tried with kWallsLens, and is usable.
+LensLadder climb_lenses(const Ladder& ladder, const Tried& wall) {
+  std::vector<std::future<Tried>> attempts;
+  for (const LensRung rung : kProjectorLensRungs) {
+    attempts.push_back(std::async(rung == kWallsLens ? std::launch::deferred : std::launch::async, [&, rung] {
+      const std::string name(name_of(rung));
+      if (rung != kWallsLens) return ladder.attempt(name, freedom_of(rung), {wall.fit}, rung);
+      Tried known = wall;
+      known.trial.name = name;
+      known.trial.parameters = freedom_of(rung);
+      return known;
+    }));
+  }
+  LensLadder lenses;
+  for (auto& attempt : attempts) lenses.tried.push_back(attempt.get());
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < lenses.tried.size(); ++i) {
+    const ModelTrial& trial = lenses.tried[i].trial;
+    if (!trial.is_usable || trial.heldout_rms_px >= best) continue;
+    best = trial.heldout_rms_px;
+    lenses.best_at = i;
+  }
+  return lenses;
+}
+
+/// The least wall that predicts as well as the best of them.
+std::optional<SurfaceRung> least_of(const std::map<SurfaceRung, Tried>& tried, const ModelOptions& options) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& [rung, attempt] : tried) {
+    if (attempt.trial.is_usable) best = std::min(best, attempt.trial.heldout_rms_px);
+  }
+  for (const auto& [rung, attempt] : tried) {
+    if (attempt.trial.is_usable && attempt.trial.heldout_rms_px <= options.allows(best)) return rung;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors,
@@ -210,62 +268,48 @@ Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projector
     if (!is_better && best <= kAsGoodAsNoise * noise) break;
   }
   ModelChoice choice;
-  std::optional<SurfaceRung> chosen;
-  for (const auto& [rung, attempt] : tried) {
-    choice.surfaces.push_back(attempt.trial);
-    if (!chosen && attempt.trial.is_usable && attempt.trial.heldout_rms_px <= options.allows(best)) chosen = rung;
-  }
+  for (const auto& [rung, attempt] : tried) choice.surfaces.push_back(attempt.trial);
+  std::optional<SurfaceRung> chosen = least_of(tried, options);
   if (!chosen) {
     return Error(ErrorCode::kBadData,
                  "no wall fits what the projectors light; look whether their places and lenses in the installation are "
                  "about right");
   }
-  SurfaceFit start = tried[*chosen].fit;
+  LensLadder lenses = climb_lenses(ladder, tried[*chosen]);
+  // Lenses that are not as the walls were compared with: richer walls make up for them. With those that they have.
+  if (kLensMatters * lenses.best().heldout_rms_px < lenses.of(kWallsLens).trial.heldout_rms_px) {
+    const LensRung lens = kProjectorLensRungs[lenses.best_at];
+    std::map<SurfaceRung, Tried> again;
+    for (const auto& [rung, attempt] : tried) {
+      if (rung > *chosen || attempt.fit.projectors.empty()) continue;
+      again[rung] = ladder.attempt(fmt::format("{} with lens {}", name_of(rung), name_of(lens)),
+                                   attempt.trial.parameters, {attempt.fit}, lens);
+      choice.surfaces.push_back(again[rung].trial);
+    }
+    const auto lesser = least_of(again, options);
+    if (lesser && *lesser != *chosen) {
+      chosen = lesser;
+      lenses = climb_lenses(ladder, tried[*chosen]);
+    }
+  }
   std::string flat;
   if (*chosen == SurfaceRung::kCylinder) {
-    TRY_ASSIGN(const SurfaceFit sure, fit_surface(projectors, samples, start, {}));
+    const LensRung lens = lenses.least(options);
+    TRY_ASSIGN(const SurfaceFit sure, fit_surface(projectors, samples, lenses.of(lens).fit, {lens, true, 50, false}));
     const double sigma = sure.surface_sigmas[3];
     if (std::abs(sure.surface.curvature_per_m()) < kFlat_sigmas * sigma && tried[SurfaceRung::kPlane].trial.is_usable) {
       chosen = SurfaceRung::kPlane;
-      start = tried[*chosen].fit;
+      lenses = climb_lenses(ladder, tried[*chosen]);
       flat =
           fmt::format("; its curvature is below {} sigma of {:.2g} per metre, so it is a plane", kFlat_sigmas, sigma);
     }
   }
-  // Lenses: all of them from the same wall, and the least that predicts. One of them the wall was found with.
-  double best_lens = std::numeric_limits<double>::infinity();
-  std::vector<Tried> lenses;
-  std::vector<std::future<Tried>> attempts;
-  for (const LensRung rung : kProjectorLensRungs) {
-    const std::string name(name_of(rung));
-    const int freedom = freedom_of(rung);
-    if (rung == kWallsLens) {
-      Tried known = tried[*chosen];
-      known.trial.name = name;
-      known.trial.parameters = freedom;
-      attempts.push_back(std::async(std::launch::deferred, [known] { return known; }));
-      continue;
-    }
-    attempts.push_back(std::async(std::launch::async, [&ladder, &start, rung, name, freedom] {
-      return ladder.attempt(name, freedom, {start}, rung);
-    }));
-  }
-  for (auto& attempt : attempts) {
-    lenses.push_back(attempt.get());
-    choice.lenses.push_back(lenses.back().trial);
-    if (lenses.back().trial.is_usable) best_lens = std::min(best_lens, lenses.back().trial.heldout_rms_px);
-  }
-  choice.lens = kWallsLens;
-  for (std::size_t i = lenses.size(); i-- > 0;) {
-    if (lenses[i].trial.is_usable && lenses[i].trial.heldout_rms_px <= best_lens + options.lens_tolerance_px) {
-      choice.lens = kProjectorLensRungs[i];
-      start = lenses[i].fit;
-    }
-  }
-  TRY_ASSIGN(choice.fit, fit_surface(projectors, samples, start, {choice.lens, true, 50, false}));
-  choice.reason =
-      fmt::format("{} with lens {}: {:.3f} px on what was left out, the best of all {:.3f} px{}", name_of(*chosen),
-                  name_of(choice.lens), prediction_error_px(choice.fit, samples), std::min(best, best_lens), flat);
+  for (const Tried& lens : lenses.tried) choice.lenses.push_back(lens.trial);
+  choice.lens = lenses.least(options);
+  TRY_ASSIGN(choice.fit, fit_surface(projectors, samples, lenses.of(choice.lens).fit, {choice.lens, true, 50, false}));
+  choice.reason = fmt::format("{} with lens {}: {:.3f} px on what was left out, the best of all {:.3f} px{}",
+                              name_of(*chosen), name_of(choice.lens), prediction_error_px(choice.fit, samples),
+                              std::min(best, lenses.best().heldout_rms_px), flat);
   return choice;
 }
 

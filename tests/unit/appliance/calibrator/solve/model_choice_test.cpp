@@ -84,6 +84,33 @@ TEST(ModelChoice, finds_its_way_round_a_corner_where_plane_and_cylinder_ended_on
   EXPECT_LT(left_out(SurfaceRung::kQuadric), 0.1);
 }
 
+/// As a lens draws it whose elements are not all on one axis, and whose bend is not one number's.
+Given through_rich_lenses(Given g) {
+  constexpr double kK2 = 0.03;
+  constexpr double kP1 = 4e-3;
+  constexpr double kP2 = -4e-3;
+  for (SurfaceSample& sample : g.samples) {
+    const MeasuredLens& lens = g.projectors[sample.projector].place->lens;
+    const double focal = lens.values[MeasuredLens::kFocal];
+    const Eigen::Vector2d centre(lens.values[MeasuredLens::kCentreU], lens.values[MeasuredLens::kCentreV]);
+    const Eigen::Vector2d t = (sample.projector_px - centre) / focal;
+    sample.projector_px += focal * kK2 * t.squaredNorm() * t.squaredNorm() * t;
+    sample.projector_px.x() += focal * (2.0 * kP1 * t.x() * t.y() + kP2 * (t.squaredNorm() + 2.0 * t.x() * t.x()));
+    sample.projector_px.y() += focal * (kP1 * (t.squaredNorm() + 2.0 * t.y() * t.y()) + 2.0 * kP2 * t.x() * t.y());
+  }
+  return g;
+}
+
+TEST(ModelChoice, a_richer_lens_is_no_reason_for_a_richer_wall) {
+  for (const auto& [kind, wall] :
+       {std::pair(RoomKind::kPlane, SurfaceRung::kPlane), std::pair(RoomKind::kCylinder, SurfaceRung::kCylinder)}) {
+    const Given g = through_rich_lenses(given(kind, 2));
+    const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
+    ASSERT_TRUE(choice) << choice.error().message();
+    EXPECT_EQ(choice->fit.surface.rung, wall) << name_of(kind) << ": " << choice->reason;
+  }
+}
+
 TEST(ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
   const Given g = given(RoomKind::kCylinder, 2);
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);

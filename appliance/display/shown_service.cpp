@@ -13,6 +13,7 @@ constexpr JpegOptions kNearlyAll{95, false};
 }  // namespace
 
 grpc::Status ShownService::GetShown(grpc::ServerContext*, const wire::ShownRequest* request, wire::ShownReply* reply) {
+  reply->set_received_ns(to_nanoseconds(clock_.now()));
   if (request->factor() > kMostFactor) return {grpc::StatusCode::INVALID_ARGUMENT, "a factor is from 1 to 16"};
   const int factor = std::max(1, static_cast<int>(request->factor()));
   const auto shown =

@@ -269,6 +269,12 @@ Result<ShowMoment> BumpedShow::look() {
   for (std::size_t i = 0; is_same && i < draws_for_.size(); ++i)
     is_same = step_between(drawn_for_[i], draws_for_[i]).norm() == 0.0;
   if (!is_same) {
+    // The show turns shortly before the cameras look; all else changed some time before. Who has only begun to listen
+    // is told what has stood for long.
+    Duration before = options_.period / 3;
+    if (is_untold_) before = ShowTimeline::kKept;
+    if (heading_rad_ != drawn_heading_rad_) before = std::chrono::milliseconds(5);
+    is_untold_ = false;
     drawn_for_ = draws_for_;
     drawn_heading_rad_ = heading_rad_;
     is_changed_ = false;
@@ -276,9 +282,13 @@ Result<ShowMoment> BumpedShow::look() {
       // The display does not know when a lamp is off: it tells what it shows.
       heads_[i] = std::make_shared<const RgbImage>(draw(i));
       TRY(room_->show(i, is_on_[i] ? RgbImage(*heads_[i]) : RgbImage()));
-      moment.shown.push_back({i, now_ - exposure - std::chrono::milliseconds(5), heads_[i]});
+      moment.shown.push_back({i, now_ - exposure - before, heads_[i], number_ + 1});
     }
+    ++number_;
   }
+  // Displays are asked a moment later.
+  const Duration asked_after = std::min<Duration>(options_.period / 4, std::chrono::milliseconds(100));
+  for (std::size_t i = 0; i < heads_.size(); ++i) moment.until.push_back({i, now_ + asked_after, number_});
   for (std::size_t i = 0; i < room_->cameras().size(); ++i) {
     TRY_ASSIGN(GreyImage seen, room_->photograph(i, options_.exposure_s));
     moment.seen.push_back({i, now_ - exposure, now_, std::make_shared<const GreyImage>(std::move(seen))});
@@ -294,7 +304,7 @@ Status BumpedShow::restart() {
   TRY_ASSIGN(ContinuousCalibrator anew, learned ? ContinuousCalibrator::resume(applied, *learned, options_.calibrator)
                                                 : ContinuousCalibrator::make(applied, options_.calibrator));
   *calibrator_ = std::move(anew);
-  is_changed_ = true;  // It knows nothing of what is being shown.
+  forget_told();  // It knows nothing of what is being shown.
   return Done{};
 }
 

@@ -59,7 +59,7 @@ class BumpedShow {
     draws_for_[projector] = pose;
   }
   /// Nobody knows what is being shown: it is told anew.
-  void forget_told() { is_changed_ = true; }
+  void forget_told() { is_changed_ = is_untold_ = true; }
   [[nodiscard]] const std::string& installation_text() const { return installation_text_; }
 
   /// As a calibrator's process that was killed, and came back with what it had kept.
@@ -114,6 +114,8 @@ class BumpedShow {
   TimePoint now_ = TimePoint{} + std::chrono::seconds(100);
   double heading_rad_ = 0.0;
   ShowMoment moment_;
+  bool is_untold_ = true;
+  std::uint64_t number_ = 0;  ///< Of pictures that each head showed.
   std::function<void(ShowMoment*)> teller_;
   double cpu_s_ = 0.0;
 };

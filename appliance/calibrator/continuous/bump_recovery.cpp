@@ -160,7 +160,10 @@ std::optional<Movers> ContinuousCalibrator::State::by_features() const {
 bool ContinuousCalibrator::State::recover(TimePoint now, bool is_lost, ShowReport* report) {
   if (!is_lost) {
     const auto movers = by_patches();
-    return movers && accept_some(*movers, now, report);
+    if (!movers) return false;
+    if (accept_some(*movers, now, report)) return true;
+    refuse(*movers);
+    return false;
   }
   const auto near = by_coarse_patches();
   if (near && accept_some(*near, now, report)) {
@@ -176,15 +179,24 @@ bool ContinuousCalibrator::State::recover(TimePoint now, bool is_lost, ShowRepor
   return true;
 }
 
-bool ContinuousCalibrator::State::are_anchored(std::span<const BodyIndex> movers, std::span<const Look> anew) {
+void ContinuousCalibrator::State::refuse(const Movers& movers) {
+  for (const BodyIndex body : movers.bodies) is_refused[body] = true;
+}
+
+std::vector<bool> ContinuousCalibrator::State::anchored(std::span<const Look> of) const {
   std::vector<bool> is_held(bodies(), false);
-  for (const Look& look : anew) {
+  for (const Look& look : of) {
     const std::vector<Tally> tallies = tally(look.patches, projectors());
     const auto seen = std::ranges::count_if(tallies, [](const Tally& t) { return t.compared() >= kLeastFits; });
     if (look.edges.size() < kLeastEdges && seen < 2) continue;
     is_held[projectors() + look.camera] = true;
     for (std::size_t i = 0; i < tallies.size(); ++i) is_held[i] = is_held[i] || tallies[i].compared() >= kLeastFits;
   }
+  return is_held;
+}
+
+bool ContinuousCalibrator::State::are_anchored(std::span<const BodyIndex> movers, std::span<const Look> anew) {
+  const std::vector<bool> is_held = anchored(anew);
   bool are_all = true;
   for (const BodyIndex body : movers) {
     if (is_held[body]) continue;
@@ -199,6 +211,23 @@ bool ContinuousCalibrator::State::are_anchored(std::span<const BodyIndex> movers
     }
   }
   return are_all;
+}
+
+bool ContinuousCalibrator::State::have_witness(std::span<const BodyIndex> movers, std::span<const Look> of) const {
+  if (is_calm) return true;
+  return std::ranges::all_of(movers, [&](BodyIndex mover) {
+    // A camera that turned and one whose clock is wrong look alike while the picture turns.
+    if (mover >= projectors()) return false;
+    return std::ranges::any_of(of, [&](const Look& look) {
+      const std::vector<Tally> tallies = tally(look.patches, projectors());
+      if (tallies[mover].compared() < kLeastFits) return false;
+      for (BodyIndex other = 0; other < projectors(); ++other) {
+        if (std::ranges::find(movers, other) != movers.end() || surprises[other] > 0) continue;
+        if (tallies[other].fits >= kLeastFits && 10 * tallies[other].fits >= 6 * tallies[other].compared()) return true;
+      }
+      return false;
+    });
+  });
 }
 
 bool ContinuousCalibrator::State::accept_some(const Movers& movers, TimePoint now, ShowReport* report) {
@@ -248,6 +277,7 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
   const std::vector<Tally> before = sums(looks);
   const std::vector<Tally> after = sums(anew);
   if (solution->noise > kNoisiest || !are_anchored(movers.bodies, anew)) return false;
+  if (!have_witness(movers.bodies, anew)) return false;
   for (const BodyIndex body : movers.bodies) {
     const bool is_found = after[body].fits >= kLeastFits && after[body].fits >= kFoundAbove * after[body].compared() &&
                           10 * after[body].fits >= 9 * before[body].fits;
@@ -267,6 +297,7 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
   for (const BodyIndex body : movers.bodies) {
     filters[body].restart(kCaution * solution->bodies[body].covariance);
     surprises[body] = 0;
+    is_refused[body] = false;
     if (body < projectors()) lately[body].forget();
     if (body >= projectors()) {
       const std::size_t camera = body - projectors();

@@ -66,4 +66,9 @@ void CameraLook::compare(double usual_gain, Look* look) const {
   look->edges = see_edges(lit, camera_, look->prediction, look->seen, gain);
 }
 
+std::vector<PatchShift> CameraLook::compare(std::span<const LightPlane> shone, double gain,
+                                            const LightPlane& seen) const {
+  return align_patches(predict(wall_, lit_, shone, slopes_.factor), seen, gain, patches_);
+}
+
 }  // namespace cyclorama

@@ -48,6 +48,9 @@ class CameraLook {
 
   /// Fills prediction, scale, patches and edges of a look whose pictures are there. `usual_gain` 0: not known yet.
   void compare(double usual_gain, Look* look) const;
+  /// The patches of `seen`, had this been shone.
+  [[nodiscard]] std::vector<PatchShift> compare(std::span<const LightPlane> shone, double gain,
+                                                const LightPlane& seen) const;
 
  private:
   std::size_t camera_;

@@ -23,13 +23,13 @@ constexpr int kLeastLearned = 5;
 constexpr Duration kSettlesWithin = std::chrono::minutes(2);
 constexpr int kSurprisesAreABump = 2;
 constexpr int kStubborn = 6;  // Surprises that nobody's move explains: the filter was too sure of itself.
+constexpr double kMostFollowed_px = 1.0;
 constexpr int kLeastPatches = 12;
 constexpr int kSearchesSeveralTimes = 8;
-constexpr double kMostBlown = 0.25;
 constexpr double kDarkest = 0.004;  // Mean light predicted, of the camera's full scale.
+constexpr Duration kLearnsStillWithin = std::chrono::seconds(30);
 constexpr Duration kRealignsFor = std::chrono::seconds(10);
 constexpr double kRealignsFrom_px = 0.05;
-constexpr double kGainShare = 0.2;  // How quickly a camera's gain follows.
 
 }  // namespace
 
@@ -70,10 +70,13 @@ ContinuousCalibrator::State::State(const ShowCalibration& calibration, const Con
       surprises(calibration.projectors.size() + calibration.cameras.size(), 0),
       lately(calibration.projectors.size()),
       is_creeping(calibration.projectors.size(), false),
+      is_refused(calibration.projectors.size() + calibration.cameras.size(), false),
+      seems_off_px(calibration.projectors.size(), 0.0),
       is_unanchored(calibration.projectors.size(), false),
       is_noticed(calibration.projectors.size(), false),
       areas(calibration.cameras.size()),
-      gains(calibration.cameras.size(), 0.0) {
+      gains(calibration.cameras.size(), 0.0),
+      times_off(calibration.cameras.size(), Duration::zero()) {
   int head_factor = 8;
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
     cameras.emplace_back(calibration, i, options.width_px, options.patches);
@@ -108,56 +111,6 @@ void ContinuousCalibrator::State::notice(std::size_t projector, ShowReport* repo
   report->noticed.push_back(projector);
 }
 
-void ContinuousCalibrator::State::look_at(const ShowMoment& moment, ShowReport* report) {
-  looks.clear();
-  Hold why = Hold::kNoPicture;
-  std::string reason = "no camera's picture came";
-  for (const CameraPicture& taken : moment.seen) {
-    if (taken.camera >= cameras.size() || !taken.picture) continue;
-    const ShowCamera& camera = believed.cameras[taken.camera];
-    if (taken.picture->width() != camera.lens.width_px || taken.picture->height() != camera.lens.height_px) {
-      reason = fmt::format("camera '{}' gives pictures of another size than it was calibrated with", camera.name);
-      continue;
-    }
-    Look look;
-    look.camera = taken.camera;
-    bool is_known = true;
-    for (ShowTimeline& timeline : timelines) {
-      auto exposed = timeline.between(taken.opened, taken.closed);
-      is_known = is_known && exposed;
-      if (!exposed) break;
-      look.motion_px = std::max(look.motion_px, exposed->motion_px);
-      look.shone.push_back(std::move(exposed->light));
-    }
-    if (!is_known) {
-      reason = fmt::format("what was shown while camera '{}' exposed is not known; are the clocks right?", camera.name);
-      continue;
-    }
-    if (look.motion_px > options.fastest_px) {
-      why = Hold::kFast;
-      reason = "the picture moves too fast";
-      continue;
-    }
-    look.seen = seen_light(*taken.picture, camera, cameras[taken.camera].factor(), &look.blown);
-    if (look.blown > kMostBlown) {
-      why = Hold::kBlown;
-      reason = fmt::format("camera '{}' is dazzled; shorten its exposure", camera.name);
-      continue;
-    }
-    soften(&look.seen);
-    CameraLook& eye = cameras[taken.camera];
-    eye.set_room(believed);
-    eye.compare(gains[taken.camera], &look);
-    double& gain = gains[taken.camera];
-    const auto fits = std::ranges::count(look.patches, PatchFit::kFits, &PatchShift::fit);
-    if (look.scale.gain > 0.0 && fits >= kLeastPatches)
-      gain = gain > 0.0 ? gain + kGainShare * (look.scale.gain - gain) : look.scale.gain;
-    looks.push_back(std::move(look));
-  }
-  if (!looks.empty()) return;
-  for (std::size_t i = 0; i < projectors(); ++i) hold(i, why, reason, moment.now, report);
-}
-
 void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solution, ShowReport* report) {
   const std::vector<BodyPrior> known = loose_projectors();
   std::vector<std::optional<PoseFilter::Measured>> told(bodies());
@@ -173,18 +126,25 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
     surprises[body] = is_surprise ? surprises[body] + 1 : 0;
     if (body < projectors()) {
       lately[body].add(innovation);
+      seems_off_px[body] = motion[body].rms_px(one.step);
       // Less than what would be corrected may be followed.
-      is_creeping[body] = lately[body].is_surprising() && motion[body].rms_px(one.step) >= options.correct_from_px;
+      is_creeping[body] = lately[body].is_surprising() && seems_off_px[body] >= options.correct_from_px;
     }
     has_camera_moved = has_camera_moved || (is_surprise && body >= projectors());
+    const bool is_usual = !is_surprise && (body >= projectors() || !is_creeping[body]);
+    is_refused[body] = is_refused[body] && !is_usual;
     if (is_surprise && body < projectors() && is_settled) notice(body, report);
-    if (!is_surprise) told[body] = measured;
+    if (!is_surprise && !is_refused[body]) told[body] = measured;
   }
   // Where projectors are said to be rests on where cameras are.
   if (has_camera_moved) return;
+  // A time that is a little wrong moves what moves; drift has time until it stands still.
+  if (is_moving && still_at && now < *still_at + kLearnsStillWithin) return;
   ++learned;
+  const std::vector<bool> is_anchored = anchored(looks);
   for (BodyIndex body = 0; body < bodies(); ++body) {
-    if (!told[body]) continue;
+    // Until it has settled, what is learned corrects nothing.
+    if (!told[body] || (is_settled && !is_anchored[body])) continue;
     const PoseStep step = filters[body].update(*told[body]);
     if (body < projectors()) {
       is_noticed[body] = false;
@@ -198,16 +158,26 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
   }
 }
 
-void ContinuousCalibrator::State::loosen() {
+void ContinuousCalibrator::State::loosen_stubborn() {
+  const auto gone = lost();
   for (BodyIndex i = 0; i < bodies(); ++i) {
-    if (surprises[i] < kStubborn) continue;
-    const bool is_camera = i >= projectors();
-    PoseStep sigma;
-    sigma << Eigen::Vector3d::Constant(is_camera ? kCameraTurn_rad : kProjectorTurn_rad),
-        Eigen::Vector3d::Constant(is_camera ? kCameraShift_m : kProjectorShift_m);
-    filters[i].restart(PoseMatrix(sigma.cwiseAbs2().asDiagonal()));
-    surprises[i] = 0;
+    if (surprises[i] < kStubborn || is_refused[i]) continue;
+    // What was not found, or is far, is no drift.
+    if (i < projectors() && (seems_off_px[i] > kMostFollowed_px ||
+                             std::ranges::any_of(gone, [&](const auto& pair) { return pair.second == i; }))) {
+      continue;
+    }
+    loosen(i);
   }
+}
+
+void ContinuousCalibrator::State::loosen(BodyIndex body) {
+  const bool is_camera = body >= projectors();
+  PoseStep sigma;
+  sigma << Eigen::Vector3d::Constant(is_camera ? kCameraTurn_rad : kProjectorTurn_rad),
+      Eigen::Vector3d::Constant(is_camera ? kCameraShift_m : kProjectorShift_m);
+  filters[body].restart(PoseMatrix(sigma.cwiseAbs2().asDiagonal()));
+  surprises[body] = 0;
 }
 
 void ContinuousCalibrator::State::settle(TimePoint now) {
@@ -260,13 +230,23 @@ void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
       pixels += 1.0;
     }
   }
+  std::optional<std::size_t> blind;
+  for (std::size_t i = 0; i < believed.cameras.size(); ++i) {
+    if (is_refused[projectors() + i] && surprises[projectors() + i] >= kStubborn) blind = i;
+  }
+  const auto is_quiet = [&](std::size_t i) { return surprises[i] == 0 && !is_refused[i]; };
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const Tally& sum = sums[i];
     if (sum.compared() < kLeastPatches) {
       const bool is_dark = pixels == 0.0 || light / pixels < kDarkest;
       hold(i, is_dark ? Hold::kDark : Hold::kPlain,
            is_dark ? "the show is dark" : "there is nothing in its picture to go by", now, report);
-    } else if (10 * sum.fits >= 6 * sum.compared() && surprises[i] == 0) {
+    } else if (blind) {
+      hold(i, Hold::kSearching,
+           fmt::format("camera '{}' seems to have moved, and nothing explains yet where to; no drift is corrected",
+                       believed.cameras[*blind].name),
+           now, report);
+    } else if (10 * sum.fits >= 6 * sum.compared() && is_quiet(i)) {
       hold(i, is_settled ? Hold::kNone : Hold::kSettling, is_settled ? "" : "it has only begun", now, report);
     } else if (2 * sum.faint > sum.compared()) {
       notice(i, report);
@@ -279,7 +259,7 @@ void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
                "the wall's edge, and calibrate it with 'cyclorama calibrate --quick {}'",
                believed.projectors[i].name),
            now, report);
-    } else if (sum.fits >= 3 * kLeastPatches / 4 && surprises[i] == 0) {
+    } else if (sum.fits >= 3 * kLeastPatches / 4 && is_quiet(i)) {
       hold(i, Hold::kInTheWay,
            fmt::format("something stands in the way of {} of {} places", sum.differs, sum.compared()), now, report);
     } else {
@@ -341,8 +321,7 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
   if (std::exchange(state.wants_realignment, false)) {
     state.realigns_until = moment.now + kRealignsFor;
     state.fruitless = 0;
-    std::fill_n(state.surprises.begin(), state.projectors(), kStubborn);  // Cameras hold the room together.
-    state.loosen();
+    for (BodyIndex i = 0; i < state.projectors(); ++i) state.loosen(i);  // Cameras hold the room together.
   }
   if (!state.begun_at) {
     state.begun_at = moment.now;
@@ -354,6 +333,9 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
     const bool is_its =
         !shown.picture || (shown.picture->width() == lens.width_px && shown.picture->height() == lens.height_px);
     if (is_its) state.timelines[shown.projector].add(shown);
+  }
+  for (const ShownUntil& until : moment.until) {
+    if (until.projector < state.timelines.size()) state.timelines[until.projector].known_until(until);
   }
   const double passed = state.stepped_at ? std::chrono::duration<double>(moment.now - *state.stepped_at).count() : 0.0;
   for (PoseFilter& filter : state.filters) filter.predict(passed);
@@ -373,10 +355,10 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
         is_recovered = state.recover(moment.now, false, &report);
         // What nobody's move explains is followed, and is asked about again when there is more of it.
         for (std::size_t i = 0; i < state.projectors(); ++i) {
-          if (state.is_creeping[i]) state.lately[i].forget();
+          if (state.is_creeping[i] && !state.is_refused[i]) state.lately[i].forget();
         }
       }
-      if (!is_recovered) state.loosen();
+      if (!is_recovered) state.loosen_stubborn();
     }
     state.settle(moment.now);
     state.tell(moment.now, &report);

@@ -17,6 +17,7 @@ namespace cyclorama {
 struct ShowMoment {
   TimePoint now;
   std::vector<ShownPicture> shown;
+  std::vector<ShownUntil> until;    ///< Per projector; of one that is not there nothing new is known.
   std::vector<CameraPicture> seen;  ///< At most one per camera.
 };
 
@@ -94,6 +95,8 @@ struct LearnedRoom {
 /// 1. Its answer depends on its state and its input alone: a recorded show gives the same corrections again.
 /// 2. A step that fails changes nothing.
 /// 3. No pose is taken that does not, predicted anew, make more of the picture fit than before.
+/// 4. While the show moves, a picture counts only if it fits the time that it says better than a little earlier and
+///    later, and a projector that moved only if another one, in the same picture, did not.
 ///
 /// Used by the calibrator process and by replays. Thread-bound; a step takes tenths of a second and belongs in a thread
 /// that no refresh waits for.

@@ -7,6 +7,9 @@
 namespace cyclorama {
 namespace {
 
+constexpr double kStill_px = 0.1;  // Of the plane's pixels: patches measure no better.
+constexpr std::ptrdiff_t kCompared = 8;
+
 /// A shift makes a difference of slope times distance: summed over the picture, that tells the distance.
 double shift_px(const LightPlane& a, const LightPlane& b) {
   if (a.light.empty() || a.width() != b.width() || a.height() != b.height()) return 0.0;
@@ -28,9 +31,9 @@ double shift_px(const LightPlane& a, const LightPlane& b) {
 void ShowTimeline::add(const ShownPicture& shown) {
   const auto at = std::ranges::lower_bound(entries_, shown.lit_at, {}, &Entry::lit_at);
   if (at != entries_.end() && at->lit_at == shown.lit_at) {
-    if (at->picture != shown.picture) *at = Entry{shown.lit_at, shown.picture, {}};
+    if (at->picture != shown.picture) *at = Entry{shown.lit_at, shown.picture, shown.number, {}};
   } else {
-    entries_.insert(at, Entry{shown.lit_at, shown.picture, {}});
+    entries_.insert(at, Entry{shown.lit_at, shown.picture, shown.number, {}});
   }
   while (entries_.size() > 1 && entries_[1].lit_at + kKept < entries_.back().lit_at) entries_.pop_front();
 }
@@ -40,11 +43,42 @@ const LightPlane& ShowTimeline::light_of(Entry* entry) {
   return entry->light;
 }
 
-std::optional<ShowTimeline::Exposed> ShowTimeline::between(TimePoint opened, TimePoint closed) {
-  if (!(closed > opened) || entries_.empty() || entries_.front().lit_at > opened) return std::nullopt;
+std::pair<ShowTimeline::Entries::iterator, ShowTimeline::Entries::iterator> ShowTimeline::shown(TimePoint from,
+                                                                                                TimePoint until) {
+  const std::pair nothing(entries_.end(), entries_.end());
+  if (!(until > from) || entries_.empty() || entries_.front().lit_at > from || until > until_.at) return nothing;
   // What came after it began, and the one before that.
-  auto from = std::ranges::upper_bound(entries_, opened, {}, &Entry::lit_at) - 1;
-  const auto end = std::ranges::lower_bound(entries_, closed, {}, &Entry::lit_at);
+  const auto first = std::ranges::upper_bound(entries_, from, {}, &Entry::lit_at) - 1;
+  const auto end = std::ranges::lower_bound(entries_, until, {}, &Entry::lit_at);
+  // The one after them has to be the next one too: else another one may have come before `until`.
+  for (auto one = first; one != end; ++one) {
+    const std::uint64_t next = one + 1 != entries_.end() ? (one + 1)->number : until_.number + 1;
+    if (next != one->number + 1) return nothing;
+  }
+  return {first, end};
+}
+
+bool ShowTimeline::stands_still(TimePoint from, TimePoint until) {
+  const auto [first, end] = shown(from, std::max(until, until_.at));
+  if (first == end) return false;
+  // Of many pictures some: none has to be made for this alone.
+  const std::ptrdiff_t stride = std::max<std::ptrdiff_t>(1, (end - first) / kCompared);
+  double moved_px = 0.0;
+  for (auto one = first; end - one > 1;) {
+    const auto next = one + std::min(stride, end - one - 1);
+    const LightPlane& light = light_of(&*one);
+    const LightPlane& other = light_of(&*next);
+    if (light.light.empty() != other.light.empty()) return false;
+    moved_px += shift_px(light, other);
+    if (!(moved_px < kStill_px)) return false;
+    one = next;
+  }
+  return true;
+}
+
+std::optional<ShowTimeline::Exposed> ShowTimeline::between(TimePoint opened, TimePoint closed) {
+  auto [from, end] = shown(opened, closed);
+  if (from == end) return std::nullopt;
   Exposed exposed;
   if (end - from == 1) {
     exposed.light = light_of(&*from);

@@ -54,6 +54,7 @@ class MuseumRoom final : public ShowRoom {
       const TimePoint closed = std::ranges::max_element(moment.seen, {}, &CameraPicture::closed)->closed;
       TRY_ASSIGN(RemoteShown::Shown shown, shown_->between(opened, closed));
       moment.shown = std::move(shown.pictures);
+      moment.until = std::move(shown.until);
       if (!shown.is_show) moment.seen.clear();
     }
     moment.now = clock_.now();

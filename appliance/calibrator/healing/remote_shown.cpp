@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <deque>
 
+#include "appliance/calibrator/continuous/look_time.h"
+#include "appliance/display/clock_offset.h"
 #include "common/image/jpeg.h"
 #include "common/wire/channel.h"
 #include "common/wire/show.grpc.pb.h"
@@ -15,9 +16,12 @@ namespace {
 
 constexpr Duration kAnswerWithin = std::chrono::seconds(2);
 constexpr Duration kAskAgainAfter = std::chrono::milliseconds(15);
-constexpr int kMostAsks = 20;  // A third of a second: some refreshes of any projector.
-constexpr std::size_t kAnswersKept = 16;
-constexpr Duration kShownBefore = std::chrono::milliseconds(50);  // What is lit when an exposure begins.
+constexpr int kMostAsks = 20;      // A third of a second: some refreshes of any projector.
+constexpr int kMostFirstAsks = 8;  // Of which one is quick.
+// What else is compared: exposures a little earlier and later, also when a camera's clock is found to be wrong.
+constexpr Duration kShownBefore = kTimeDoubt + std::chrono::milliseconds(100);
+constexpr Duration kShownAfter = kTimeDoubt + std::chrono::milliseconds(40);
+constexpr Duration kSureEnough = kTimeDoubt / 2;
 
 }  // namespace
 
@@ -36,11 +40,16 @@ class RemoteShown::Display {
   }
 
   Status between(TimePoint opened, TimePoint closed, Duration latency, Shown* ret_shown) {
-    if (answers_.empty()) TRY(ask(TimePoint{}, TimePoint{}));
+    // Before the clocks' difference is known no time can be asked for.
+    for (int asks = 0; asks < kMostFirstAsks && !is_sure(); ++asks) TRY(ask(TimePoint{}, TimePoint{}));
     const TimePoint from = opened - latency - kShownBefore;
-    const TimePoint until = closed - latency;
+    const TimePoint until = closed - latency + kShownAfter;
     for (int asks = 0;; ++asks) {
       TRY(ask(from, until));
+      if (has_begun_anew()) {
+        known_ = 0;
+        TRY(ask(from, until));
+      }
       if (from_nanoseconds(reply_.known_until_ns()) >= to_theirs(until)) break;
       if (asks == kMostAsks) {
         return Error(ErrorCode::kTimedOut, fmt::format("the display at {} does not refresh; see its state", address_));
@@ -49,11 +58,16 @@ class RemoteShown::Display {
     }
     const bool is_told =
         !reply_.moments().empty() && from_nanoseconds(reply_.moments(0).shown_ns()) <= to_theirs(opened - latency);
-    ret_shown->is_show = ret_shown->is_show && is_told;
+    ret_shown->is_show = ret_shown->is_show && is_told && is_sure();
     for (const wire::ShownMoment& moment : reply_.moments()) {
       ret_shown->is_show = ret_shown->is_show && moment.is_show();
       if (!moment.is_show() || moment.number() <= known_) continue;
       TRY(take(moment, latency, ret_shown));
+    }
+    if (!reply_.moments().empty()) {
+      const std::uint64_t last = reply_.moments(reply_.moments_size() - 1).number();
+      const TimePoint known_until = std::min(from_nanoseconds(reply_.known_until_ns()) - ahead(), until) + latency;
+      for (const Head& head : heads_) ret_shown->until.push_back({head.projector, known_until, last});
     }
     return Done{};
   }
@@ -68,9 +82,18 @@ class RemoteShown::Display {
         stub_(wire::ShownPictures::NewStub(channel_)),
         clock_(clock) {}
 
-  /// Their clock minus ours is known to half of an answer's time.
+  /// Their clock minus ours.
   [[nodiscard]] Duration ahead() const {
-    return answers_.empty() ? Duration::zero() : std::ranges::min_element(answers_, {}, &Answer::took)->ahead;
+    const ClockReading reading = offset_.reading(clock_.now());
+    return std::chrono::nanoseconds(reading.is_known ? static_cast<std::int64_t>(reading.offset_ns) : 0);
+  }
+  [[nodiscard]] bool is_sure() const {
+    const ClockReading reading = offset_.reading(clock_.now());
+    return reading.is_known && reading.error <= kSureEnough;
+  }
+  /// A display that was started again counts from 1: of what it says none is known.
+  [[nodiscard]] bool has_begun_anew() const {
+    return !reply_.moments().empty() && reply_.moments(reply_.moments_size() - 1).number() < known_;
   }
   [[nodiscard]] TimePoint to_theirs(TimePoint ours) const { return ours + ahead(); }
 
@@ -88,9 +111,8 @@ class RemoteShown::Display {
     const grpc::Status status = stub_->GetShown(&context, request, &reply_);
     const TimePoint answered = clock_.now();
     if (!status.ok()) return from_grpc(status, fmt::format("asking the display at {} what it shows", address_));
-    const Duration took = answered - asked;
-    answers_.push_back({took, from_nanoseconds(reply_.answered_ns()) - (asked + took / 2)});
-    if (answers_.size() > kAnswersKept) answers_.pop_front();
+    // It draws while it answers, which is not the network's time.
+    offset_.add({asked, reply_.received_ns(), reply_.answered_ns(), answered});
     return Done{};
   }
 
@@ -104,23 +126,20 @@ class RemoteShown::Display {
       const auto bytes = std::as_bytes(std::span(head.jpeg()));
       TRY(decoder_.decode_into(bytes, picture.data().data(), picture.width(), picture.height(),
                                3 * static_cast<std::size_t>(picture.width())));
-      ret_shown->pictures.push_back({known->projector, lit_at, std::make_shared<const RgbImage>(std::move(picture))});
+      ret_shown->pictures.push_back(
+          {known->projector, lit_at, std::make_shared<const RgbImage>(std::move(picture)), moment.number()});
     }
     known_ = moment.number();
     return Done{};
   }
 
-  struct Answer {
-    Duration took;
-    Duration ahead;
-  };
   std::string address_;
   int factor_;
   std::vector<Head> heads_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<wire::ShownPictures::Stub> stub_;
   const Clock& clock_;
-  std::deque<Answer> answers_;
+  ClockOffset offset_;
   std::uint64_t known_ = 0;
   wire::ShownReply reply_;
   JpegDecoder decoder_;

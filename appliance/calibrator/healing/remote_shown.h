@@ -10,8 +10,8 @@
 
 namespace cyclorama {
 
-/// What displays elsewhere showed, by the service ShownPictures (common/wire/show.proto), on this computer's clock:
-/// how it differs from theirs is found from the quickest of the last answers. Thread-bound.
+/// What displays elsewhere showed, by the service ShownPictures (common/wire/show.proto), on this computer's clock; how
+/// it differs from theirs each answer tells (ClockOffset). Thread-bound.
 class RemoteShown {
  public:
   /// `latency`: from a projector's signal to its light.
@@ -25,9 +25,12 @@ class RemoteShown {
 
   struct Shown {
     std::vector<ShownPicture> pictures;  ///< That were not told before.
-    bool is_show = true;                 ///< All the time, on all heads: else nothing can be compared.
+    std::vector<ShownUntil> until;       ///< Of each projector.
+    /// All the time, on all heads, and the displays' clocks are known to kTimeDoubt / 2: else nothing can be compared.
+    bool is_show = true;
   };
-  /// What was lit at `opened`, and what came until `closed`; waits some refreshes for the displays to know.
+  /// What was lit at `opened`, and what came until `closed` and a little after it; waits some refreshes for the
+  /// displays to know.
   /// kUnavailable, kTimedOut  a display cannot be reached, or does not refresh: says which.
   Result<Shown> between(TimePoint opened, TimePoint closed);
 

@@ -13,7 +13,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr char kMagic[] = "CYCSHOW1";
+constexpr char kMagic[] = "CYCSHOW2";
 constexpr std::size_t kMagicBytes = 8;
 constexpr std::uint32_t kMostJson = 1 << 20;
 constexpr std::uint32_t kMostPictures = 4096;
@@ -169,7 +169,14 @@ Status ShowRecorder::add(const ShowMoment& moment, const ShowReport& report) {
   for (const ShownPicture& shown : moment.shown) {
     put_number(static_cast<std::uint32_t>(shown.projector), &bytes);
     put_number(to_nanoseconds(shown.lit_at), &bytes);
+    put_number(shown.number, &bytes);
     picture(shown.picture);
+  }
+  put_number(static_cast<std::uint32_t>(moment.until.size()), &bytes);
+  for (const ShownUntil& until : moment.until) {
+    put_number(static_cast<std::uint32_t>(until.projector), &bytes);
+    put_number(to_nanoseconds(until.at), &bytes);
+    put_number(until.number, &bytes);
   }
   put_number(static_cast<std::uint32_t>(moment.seen.size()), &bytes);
   for (const CameraPicture& seen : moment.seen) {
@@ -257,12 +264,22 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
   for (std::uint32_t i = 0; i < count; ++i) {
     std::uint32_t projector = 0;
     std::int64_t lit_ns = 0;
-    if (!get(file, &left_, &projector) || !get(file, &left_, &lit_ns)) return end;
-    ShownPicture shown{projector, from_nanoseconds(lit_ns), nullptr};
+    std::uint64_t number = 0;
+    if (!get(file, &left_, &projector) || !get(file, &left_, &lit_ns) || !get(file, &left_, &number)) return end;
+    ShownPicture shown{projector, from_nanoseconds(lit_ns), nullptr, number};
     const auto read = picture(&shown.picture);
     if (!read) return end;
     if (!*read) return damaged;
     event.moment.shown.push_back(std::move(shown));
+  }
+  if (!get(file, &left_, &count)) return end;
+  if (count > kMostPictures) return damaged;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::uint32_t projector = 0;
+    std::int64_t at_ns = 0;
+    std::uint64_t number = 0;
+    if (!get(file, &left_, &projector) || !get(file, &left_, &at_ns) || !get(file, &left_, &number)) return end;
+    event.moment.until.push_back({projector, from_nanoseconds(at_ns), number});
   }
   if (!get(file, &left_, &count)) return end;
   if (count > kMostPictures) return damaged;

@@ -25,6 +25,7 @@ class SimulatedShowRoom final : public ShowRoom {
       moment.seen.push_back({i, opened, closed, std::make_shared<const GreyImage>(std::move(seen))});
     }
     moment.shown = std::move(shown.pictures);
+    moment.until = std::move(shown.until);
     moment.now = clock_.now();
     return moment;
   }

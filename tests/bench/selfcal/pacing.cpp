@@ -39,6 +39,7 @@ class Healing {
     if (stub_->GetShown(&context, request, &reply).ok() && reply.moments_size() > 0) ++answers;
     moment_.now += kStepEvery;
     moment_.shown.clear();
+    for (ShownUntil& until : moment_.until) until.at += kStepEvery;
     for (CameraPicture& seen : moment_.seen) {
       seen.opened += kStepEvery;
       seen.closed += kStepEvery;

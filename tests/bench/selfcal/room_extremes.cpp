@@ -29,8 +29,11 @@ ShowContent darker(const ShowContent& content, double times) {
 
 /// Reports of what was shown come a step later than they should.
 std::function<void(ShowMoment*)> late() {
-  auto waiting = std::make_shared<std::vector<ShownPicture>>();
-  return [waiting](ShowMoment* moment) { std::swap(*waiting, moment->shown); };
+  auto waiting = std::make_shared<ShowMoment>();
+  return [waiting](ShowMoment* moment) {
+    std::swap(waiting->shown, moment->shown);
+    std::swap(waiting->until, moment->until);
+  };
 }
 
 /// What was told before is told again, and photographs come twice.
@@ -45,7 +48,7 @@ std::function<void(ShowMoment*)> repeated() {
   };
 }
 
-/// every fourth report is lost: it is believed that what stood before stands still.
+/// Every fourth report is lost; the next one's number tells.
 std::function<void(ShowMoment*)> missing() {
   auto count = std::make_shared<int>(0);
   return [count](ShowMoment* moment) {

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "appliance/calibrator/continuous/areas.h"
+#include "appliance/calibrator/continuous/look_time.h"
 #include "appliance/calibrator/continuous/patch_alignment.h"
 #include "appliance/calibrator/continuous/show_timeline.h"
 
@@ -133,16 +134,17 @@ ShowProjector small_projector() {
   return projector;
 }
 
-ShownPicture shown_at(Duration at, std::uint8_t code) {
-  return {0, TimePoint{} + at, std::make_shared<const RgbImage>(8, 4, code)};
+ShownPicture shown_at(Duration at, std::uint8_t code, std::uint64_t number = 1) {
+  return {0, TimePoint{} + at, std::make_shared<const RgbImage>(8, 4, code), number};
 }
 
 TEST(ShowTimeline, an_exposure_sees_pictures_as_long_as_they_were_lit) {
   ShowTimeline timeline(small_projector(), 2);
   // Late, disordered and repeated.
-  timeline.add(shown_at(300ms, 51));
-  timeline.add(shown_at(100ms, 255));
-  timeline.add(shown_at(100ms, 255));
+  timeline.add(shown_at(300ms, 51, 2));
+  timeline.add(shown_at(100ms, 255, 1));
+  timeline.add(shown_at(100ms, 255, 1));
+  timeline.known_until({0, TimePoint{} + 400ms, 2});
   const auto mixed = timeline.between(TimePoint{} + 250ms, TimePoint{} + 350ms);
   ASSERT_TRUE(mixed);
   EXPECT_NEAR(static_cast<double>(*mixed->light.light.at(1, 1)), 0.6, 1e-6);
@@ -154,10 +156,15 @@ TEST(ShowTimeline, an_exposure_sees_pictures_as_long_as_they_were_lit) {
 TEST(ShowTimeline, says_when_it_does_not_know) {
   ShowTimeline timeline(small_projector(), 2);
   EXPECT_FALSE(timeline.between(TimePoint{}, TimePoint{} + 10ms));
-  timeline.add(shown_at(100ms, 255));
+  timeline.add(shown_at(100ms, 255, 1));
+  EXPECT_FALSE(timeline.between(TimePoint{} + 110ms, TimePoint{} + 150ms)) << "something else may have come since";
+  timeline.known_until({0, TimePoint{} + 250ms, 1});
+  EXPECT_TRUE(timeline.between(TimePoint{} + 110ms, TimePoint{} + 150ms));
   EXPECT_FALSE(timeline.between(TimePoint{} + 50ms, TimePoint{} + 150ms));
   EXPECT_FALSE(timeline.between(TimePoint{} + 150ms, TimePoint{} + 150ms));
-  timeline.add({0, TimePoint{} + 200ms, nullptr});
+  EXPECT_FALSE(timeline.between(TimePoint{} + 150ms, TimePoint{} + 300ms)) << "later than is known";
+  timeline.add({0, TimePoint{} + 200ms, nullptr, 2});
+  timeline.known_until({0, TimePoint{} + 250ms, 2});
   const auto dark = timeline.between(TimePoint{} + 210ms, TimePoint{} + 220ms);
   ASSERT_TRUE(dark);
   EXPECT_TRUE(dark->light.light.empty());
@@ -165,9 +172,76 @@ TEST(ShowTimeline, says_when_it_does_not_know) {
 
 TEST(ShowTimeline, forgets_what_is_old_and_keeps_what_is_still_shown) {
   ShowTimeline timeline(small_projector(), 2);
-  for (int i = 0; i < 100; ++i) timeline.add(shown_at(i * 100ms, 10));
+  for (int i = 0; i < 100; ++i) timeline.add(shown_at(i * 100ms, 10, static_cast<std::uint64_t>(i + 1)));
+  timeline.known_until({0, TimePoint{} + 30s, 100});
   EXPECT_FALSE(timeline.between(TimePoint{} + 1s, TimePoint{} + 1010ms));
   EXPECT_TRUE(timeline.between(TimePoint{} + 20s, TimePoint{} + 20010ms));
+}
+
+TEST(ShowTimeline, does_not_guess_when_a_picture_came_of_which_it_was_not_told) {
+  ShowTimeline timeline(small_projector(), 2);
+  timeline.add(shown_at(100ms, 255, 1));
+  timeline.add(shown_at(200ms, 51, 2));
+  timeline.known_until({0, TimePoint{} + 250ms, 3});
+  EXPECT_FALSE(timeline.between(TimePoint{} + 210ms, TimePoint{} + 240ms)) << "the third came some time by then";
+  EXPECT_TRUE(timeline.between(TimePoint{} + 110ms, TimePoint{} + 190ms));
+  timeline.add(shown_at(300ms, 99, 4));
+  timeline.known_until({0, TimePoint{} + 350ms, 4});
+  EXPECT_FALSE(timeline.between(TimePoint{} + 210ms, TimePoint{} + 240ms));
+  EXPECT_TRUE(timeline.between(TimePoint{} + 310ms, TimePoint{} + 350ms));
+}
+
+TEST(ShowTimeline, tells_a_picture_that_stands_from_one_that_moves) {
+  ShowTimeline timeline(small_projector(), 1);
+  const auto step_at = [](int x) {
+    RgbImage picture(8, 4);
+    for (int y = 0; y < 4; ++y) {
+      for (int i = x; i < 8; ++i) *picture.at(i, y) = 255;
+    }
+    return std::make_shared<const RgbImage>(std::move(picture));
+  };
+  timeline.add({0, TimePoint{} + 100ms, step_at(3), 1});
+  timeline.add({0, TimePoint{} + 200ms, step_at(3), 2});
+  timeline.add({0, TimePoint{} + 300ms, step_at(5), 3});
+  timeline.known_until({0, TimePoint{} + 290ms, 2});
+  EXPECT_TRUE(timeline.stands_still(TimePoint{} + 150ms, TimePoint{} + 250ms));
+  timeline.known_until({0, TimePoint{} + 400ms, 3});
+  EXPECT_FALSE(timeline.stands_still(TimePoint{} + 150ms, TimePoint{} + 250ms)) << "it moved since";
+  EXPECT_TRUE(timeline.stands_still(TimePoint{} + 310ms, TimePoint{} + 390ms));
+  EXPECT_FALSE(timeline.stands_still(TimePoint{} + 310ms, TimePoint{} + 500ms)) << "not known";
+}
+
+std::vector<PatchShift> patches_off_by(std::vector<double> off_px) {
+  std::vector<PatchShift> patches;
+  for (std::size_t i = 0; i < off_px.size(); ++i) {
+    for (int k = 0; k < 12; ++k) {
+      PatchShift patch;
+      patch.projector = static_cast<int>(i);
+      patch.fit = off_px[i] < 4.0 ? PatchFit::kFits : PatchFit::kDiffers;
+      patch.shift = {off_px[i], 0.0};
+      patches.push_back(patch);
+    }
+  }
+  return patches;
+}
+
+TEST(LookTime, a_wrong_clock_is_all_projectors_and_a_bump_is_one) {
+  const auto judged = [](std::vector<double> said, std::vector<double> earlier, std::vector<double> later) {
+    const std::size_t count = said.size();
+    return judge_time(patches_off_by(std::move(said)), patches_off_by(std::move(earlier)),
+                      patches_off_by(std::move(later)), count);
+  };
+  EXPECT_TRUE(judged({0.1, 0.1, 0.1}, {1.1, 1.0, 1.2}, {1.1, 1.1, 1.1}).is_its_own);
+  EXPECT_TRUE(judged({0.1, 4.0, 0.1}, {1.1, 4.0, 1.2}, {1.1, 4.0, 1.1}).is_its_own) << "the second was bumped";
+  EXPECT_TRUE(judged({0.1, 2.0, 0.1}, {1.1, 1.0, 1.2}, {1.1, 3.0, 1.1}).is_its_own) << "alike, and towards there";
+  const LookTime late = judged({2.0, 2.0, 2.1}, {3.0, 3.0, 3.1}, {1.0, 1.0, 1.0});
+  EXPECT_FALSE(late.is_its_own);
+  EXPECT_EQ(late.towards, 1);
+  EXPECT_EQ(judged({2.0, 2.0}, {1.0, 1.0}, {3.0, 3.0}).towards, -1);
+  const LookTime far = judged({4.0, 4.0, 4.0}, {4.0, 4.0, 4.0}, {4.0, 4.0, 4.0});
+  EXPECT_FALSE(far.is_its_own);
+  EXPECT_EQ(far.towards, 0);
+  EXPECT_FALSE(judge_time({}, {}, {}, 3).is_its_own);
 }
 
 }  // namespace

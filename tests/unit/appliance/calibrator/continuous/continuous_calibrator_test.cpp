@@ -154,6 +154,76 @@ TEST(ContinuousCalibrator, does_not_guess_whether_a_projector_moved_or_the_one_c
   EXPECT_EQ(log.find("camera 'camera 2' moved"), std::string::npos) << log;
 }
 
+TEST(ContinuousCalibrator, what_was_refused_is_not_taken_for_drift_later) {
+  BumpedShowOptions options = small_options();
+  options.camera_field_deg = 26.0;  // Each sees its own projector's light alone: nobody can tell who moved.
+  BumpedShow show = small_show(options);
+  std::string log;
+  run(&show, 8, &log);
+  show.bump(1, turned(0.12));
+  EXPECT_TRUE(run(&show, 24, &log).empty()) << log;
+  const auto report = show.step();
+  ASSERT_TRUE(report);
+  EXPECT_NE(report->projectors[1].hold, Hold::kNone) << log;
+}
+
+/// While the picture turns by some pixels from one look to the next.
+BumpedShow turning_show(std::string* log) {
+  BumpedShow show = finer_show();
+  run(&show, 9, log);
+  show.set_turn(0.03);
+  run(&show, 2, log);
+  return show;
+}
+
+TEST(ContinuousCalibrator, heals_a_bump_while_the_picture_turns) {
+  std::string log;
+  BumpedShow show = turning_show(&log);
+  show.bump(1, turned(0.5));
+  run(&show, 8, &log);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(show.error_px(i), 0.7) << log;
+}
+
+TEST(ContinuousCalibrator, reports_that_come_late_correct_nothing) {
+  std::string log;
+  BumpedShow show = turning_show(&log);
+  ShowMoment waiting;
+  show.set_teller([&](ShowMoment* moment) {
+    std::swap(waiting.shown, moment->shown);
+    std::swap(waiting.until, moment->until);
+  });
+  EXPECT_TRUE(run(&show, 10, &log).empty()) << log;
+}
+
+TEST(ContinuousCalibrator, reports_that_are_lost_correct_nothing) {
+  std::string log;
+  BumpedShow show = turning_show(&log);
+  int count = 0;
+  show.set_teller(
+      [&](ShowMoment* moment) { std::erase_if(moment->shown, [&](const ShownPicture&) { return ++count % 4 == 0; }); });
+  EXPECT_TRUE(run(&show, 12, &log).empty()) << log;
+}
+
+TEST(ContinuousCalibrator, finds_out_that_a_cameras_clock_is_wrong_and_corrects_nothing_by_it) {
+  for (const int behind_ms : {30, 1000}) {
+    std::string log;
+    BumpedShow show = turning_show(&log);
+    show.set_teller([&](ShowMoment* moment) {
+      for (CameraPicture& seen : moment->seen) {
+        seen.opened -= std::chrono::milliseconds(behind_ms);
+        seen.closed -= std::chrono::milliseconds(behind_ms);
+      }
+    });
+    EXPECT_TRUE(run(&show, 10, &log).empty()) << log;
+    if (behind_ms != 30) continue;
+    EXPECT_NE(log.find("camera 'camera 2' sees what was shown"), std::string::npos) << log;
+    show.bump(1, turned(0.5));
+    EXPECT_GT(show.error_px(1), 8.0);
+    run(&show, 8, &log);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(show.error_px(i), 2.0) << log;
+  }
+}
+
 TEST(ContinuousCalibrator, a_small_bump_while_it_was_away_is_one) {
   BumpedShow show = finer_show();
   std::string log;

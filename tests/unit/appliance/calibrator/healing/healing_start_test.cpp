@@ -204,7 +204,9 @@ struct SmallShow {
     const TimePoint now = TimePoint{} + std::chrono::seconds(100) + number * std::chrono::milliseconds(250);
     ShowMoment made;
     made.now = now;
-    made.shown.push_back({0, now - std::chrono::milliseconds(90), std::make_shared<const RgbImage>(shown)});
+    made.shown.push_back({0, now - std::chrono::milliseconds(90), std::make_shared<const RgbImage>(shown),
+                          static_cast<std::uint64_t>(number + 1)});
+    made.until.push_back({0, now + std::chrono::milliseconds(50), static_cast<std::uint64_t>(number + 1)});
     made.seen.push_back({0, now - std::chrono::milliseconds(40), now, std::make_shared<const GreyImage>(seen)});
     return made;
   }

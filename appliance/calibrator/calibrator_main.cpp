@@ -113,7 +113,8 @@ void add_options(CLI::App& app, Options* ret) {
   app.add_option("--latency-ms", ret->latency_ms, "From a refresh of the display to the projector's light")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  app.add_option("--record", ret->record, "Keep what is shown and seen in FOLDER/TIME, up to 8 GiB, for --replay")
+  app.add_option("--record", ret->record,
+                 "Keep what is shown and seen in FOLDER/TIME for --replay; FOLDER grows to 8 GiB")
       ->type_name("FOLDER");
   app.add_option("--replay", ret->replay,
                  "Do nothing but find the corrections of a record again, tell them, and end: 0 if they are the same")

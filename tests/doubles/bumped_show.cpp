@@ -14,18 +14,14 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kGrid_px = 16;
+constexpr int kScoredColumns = 32;
+constexpr int kScoredRows = 18;
 
 BrownParameters parameters_of(const TrueLens& lens) {
   const Pinhole& p = lens.pinhole();
   return {p.width_px,           p.height_px,          p.focal_px,       p.pixel_aspect * p.focal_px,
           p.centre_u_px,        p.centre_v_px,        lens.radial()[0], lens.radial()[1],
           lens.tangential()[0], lens.tangential()[1], lens.radial()[2]};
-}
-
-PoseStep small_step(Draws* draws, double turn_rad, double shift_m) {
-  PoseStep step;
-  for (int i = 0; i < 6; ++i) step[i] = draws->about_zero(i < 3 ? turn_rad : shift_m);
-  return step;
 }
 
 /// Beside each projector, and looking where it does.
@@ -49,9 +45,8 @@ std::vector<FixedCamera> fixed_cameras(const Preset& preset, const BumpedShowOpt
   return cameras;
 }
 
-ShowCalibration calibration_of(const Preset& preset, const std::vector<FixedCamera>& cameras,
-                               const BumpedShowOptions& options) {
-  Draws draws = Draws(options.seed).stream("calibration");
+/// The truth in the words of a calibration, but for light, whose responses are assumed as the calibrator does.
+ShowCalibration true_room(const Preset& preset, const std::vector<FixedCamera>& cameras) {
   ShowCalibration made;
   made.wall = preset.truth.wall;
   made.sweet_spot = preset.installation.sweet_spot;
@@ -59,21 +54,20 @@ ShowCalibration calibration_of(const Preset& preset, const std::vector<FixedCame
     ShowProjector projector;
     projector.name = preset.installation.projectors[i].name;
     projector.lens = parameters_of(preset.truth.projectors[i].lens);
-    projector.T_room_projector = stepped(preset.truth.projectors[i].T_room_projector,
-                                         small_step(&draws, options.calibration_turn_rad, options.calibration_shift_m));
+    projector.T_room_projector = preset.truth.projectors[i].T_room_projector;
     projector.light.fill(gamma_light(2.2));
     made.projectors.push_back(projector);
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    ShowCamera camera;
-    camera.name = "camera " + std::to_string(i + 1);
-    camera.lens = parameters_of(cameras[i].optics.lens);
-    camera.T_room_camera = stepped(cameras[i].T_room_camera,
-                                   small_step(&draws, options.calibration_turn_rad, options.calibration_shift_m));
-    camera.light = gamma_light(1.0);
-    made.cameras.push_back(camera);
+    made.cameras.push_back({"camera " + std::to_string(i + 1), parameters_of(cameras[i].optics.lens),
+                            cameras[i].T_room_camera, gamma_light(1.0)});
   }
   return made;
+}
+
+Eigen::Vector2d grid_pixel(int index, const BrownParameters& lens) {
+  return {(index % kScoredColumns + 0.5) / kScoredColumns * lens.width_px,
+          (index / kScoredColumns + 0.5) / kScoredRows * lens.height_px};
 }
 
 double noise_at(std::uint32_t seed, int x, int y) {
@@ -135,9 +129,10 @@ Result<ShowContent> read_content(const std::string& path, double tan_top, double
 }
 
 BumpedShow::BumpedShow(const BumpedShowOptions& options, ShowContent content, SimulatedShow room,
-                       ContinuousCalibrator calibrator, std::string installation_text)
+                       ContinuousCalibrator calibrator, ShowCalibration truth, std::string installation_text)
     : options_(options),
       content_(std::move(content)),
+      truth_(std::move(truth)),
       room_(std::make_unique<SimulatedShow>(std::move(room))),
       calibrator_(std::make_unique<ContinuousCalibrator>(std::move(calibrator))),
       heads_(calibrator_->applied().projectors.size()),
@@ -145,6 +140,19 @@ BumpedShow::BumpedShow(const BumpedShowOptions& options, ShowContent content, Si
       installation_text_(std::move(installation_text)) {
   for (const ShowProjector& projector : calibrator_->applied().projectors)
     draws_for_.push_back(projector.T_room_projector);
+  // A display draws by the measured map, which knows what the model does not; the map's own errors stay.
+  Draws draws = Draws(options.seed).stream("map");
+  for (std::size_t i = 0; i < heads_.size(); ++i) {
+    const ShowProjector& projector = calibrator_->applied().projectors[i];
+    const double error_px = 1.7 * options.left_over.map_px * projector.lens.width_px / 1920.0;
+    std::vector<Eigen::Vector2d>& left = left_over_px_.emplace_back();
+    for (int k = 0; k < kScoredColumns * kScoredRows; ++k) {
+      const Eigen::Vector2d pixel = grid_pixel(k, projector.lens);
+      const auto drawn = drawn_at(i, projector, pixel);
+      const Eigen::Vector2d noise(draws.about_zero(error_px), draws.about_zero(error_px));
+      left.push_back(drawn ? Eigen::Vector2d(*drawn - pixel + noise) : noise);
+    }
+  }
 }
 
 Result<BumpedShow> BumpedShow::make(const BumpedShowOptions& options, ShowContent content) {
@@ -156,10 +164,13 @@ Result<BumpedShow> BumpedShow::make(const BumpedShowOptions& options, ShowConten
   TRY_ASSIGN(Preset preset, make_preset(options.museum, options.seed, wanted));
   preset.truth.cells = options.wall_cells;
   const std::vector<FixedCamera> cameras = fixed_cameras(preset, options);
-  TRY_ASSIGN(ContinuousCalibrator calibrator,
-             ContinuousCalibrator::make(calibration_of(preset, cameras, options), options.calibrator));
+  ShowCalibration truth = true_room(preset, cameras);
+  TRY_ASSIGN(const ShowCalibration known,
+             calibrated(truth, options.left_over, Draws(options.seed).stream("calibration")));
+  TRY_ASSIGN(ContinuousCalibrator calibrator, ContinuousCalibrator::make(known, options.calibrator));
   TRY_ASSIGN(SimulatedShow room, SimulatedShow::make(preset.installation, preset.truth, cameras, options.threads));
-  return BumpedShow(options, std::move(content), std::move(room), std::move(calibrator), preset.installation_text);
+  return BumpedShow(options, std::move(content), std::move(room), std::move(calibrator), std::move(truth),
+                    preset.installation_text);
 }
 
 RgbImage BumpedShow::draw(std::size_t index) const {
@@ -329,17 +340,22 @@ double BumpedShow::drawn_error_px(std::size_t projector, double percentile) cons
   return off_px(projector, drawn_for, percentile);
 }
 
+std::optional<Eigen::Vector2d> BumpedShow::drawn_at(std::size_t projector, const ShowProjector& drawn_for,
+                                                    const Eigen::Vector2d& pixel) const {
+  const auto at = room_->truth().wall_at(projector, pixel.x(), pixel.y());
+  if (!at) return std::nullopt;
+  const auto place = believed_place(truth_, calibrator_->applied(), at->point.xyz);
+  if (!place) return std::nullopt;
+  return pixel_of(drawn_for.lens, (drawn_for.T_room_projector.inverse() * Point<frame::Room>{*place}).xyz);
+}
+
 double BumpedShow::off_px(std::size_t projector, const ShowProjector& drawn_for, double percentile) const {
   std::vector<double> errors;
-  constexpr int kColumns = 32;
-  constexpr int kRows = 18;
-  for (int i = 0; i < kColumns * kRows; ++i) {
-    const Eigen::Vector2d pixel((i % kColumns + 0.5) / kColumns * drawn_for.lens.width_px,
-                                (i / kColumns + 0.5) / kRows * drawn_for.lens.height_px);
-    const auto at = room_->truth().wall_at(projector, pixel.x(), pixel.y());
-    if (!at) continue;
-    const auto believed = pixel_of(drawn_for.lens, (drawn_for.T_room_projector.inverse() * at->point).xyz);
-    errors.push_back(believed ? (*believed - pixel).norm() : 1e3);
+  for (int i = 0; i < kScoredColumns * kScoredRows; ++i) {
+    const Eigen::Vector2d pixel = grid_pixel(i, drawn_for.lens);
+    if (!room_->truth().wall_at(projector, pixel.x(), pixel.y())) continue;
+    const auto drawn = drawn_at(projector, drawn_for, pixel);
+    errors.push_back(drawn ? (*drawn - pixel - left_over_px_[projector][static_cast<std::size_t>(i)]).norm() : 1e3);
   }
   if (errors.empty()) return 0.0;
   std::ranges::sort(errors);

@@ -13,6 +13,7 @@
 #include "drivers/simulated_room/flaws.h"
 #include "drivers/simulated_room/presets.h"
 #include "drivers/simulated_room/simulated_show.h"
+#include "tests/doubles/left_over.h"
 
 namespace cyclorama {
 
@@ -39,8 +40,7 @@ struct BumpedShowOptions {
   double exposure_s = 0.04;
   Duration period = std::chrono::milliseconds(250);  ///< From one step to the next.
   double turn_rad_s = 0.0;                           ///< The visitor's.
-  double calibration_turn_rad = 5e-5;                ///< How wrong each pose is that the calibration tells, at most.
-  double calibration_shift_m = 5e-4;
+  LeftOver left_over = {};                           ///< Of the calibration that the show goes on from.
   ContinuousOptions calibrator = {};
   int threads = 1;
 };
@@ -86,7 +86,8 @@ class BumpedShow {
   /// Cpu time of the calibration alone, so far.
   [[nodiscard]] double calibrator_cpu_s() const { return cpu_s_; }
 
-  /// How far a projector's pixels are from where they are drawn for, by the truth; percentile in [0, 1] of its picture.
+  /// How far a projector's pixels are from where they are drawn for, by the truth, as seen from the sweet spot: the
+  /// map's own errors and what was not corrected, or wrongly, since; percentile in [0, 1] of its picture.
   [[nodiscard]] double error_px(std::size_t projector, double percentile = 0.95) const;
   /// The same of what the displays draw for now.
   [[nodiscard]] double drawn_error_px(std::size_t projector, double percentile = 0.95) const;
@@ -96,12 +97,17 @@ class BumpedShow {
 
  private:
   BumpedShow(const BumpedShowOptions& options, ShowContent content, SimulatedShow room, ContinuousCalibrator calibrator,
-             std::string installation_text);
+             ShowCalibration truth, std::string installation_text);
   [[nodiscard]] RgbImage draw(std::size_t projector) const;
   [[nodiscard]] double off_px(std::size_t projector, const ShowProjector& drawn_for, double percentile) const;
+  /// The pixel by which the model draws what a pixel lights; nothing beside the wall.
+  [[nodiscard]] std::optional<Eigen::Vector2d> drawn_at(std::size_t projector, const ShowProjector& drawn_for,
+                                                        const Eigen::Vector2d& pixel) const;
 
   BumpedShowOptions options_;
   ShowContent content_;
+  ShowCalibration truth_;                                   ///< As it began.
+  std::vector<std::vector<Eigen::Vector2d>> left_over_px_;  ///< Per projector, at each scored pixel.
   std::unique_ptr<SimulatedShow> room_;
   std::unique_ptr<ContinuousCalibrator> calibrator_;
   std::vector<std::shared_ptr<const RgbImage>> heads_;

@@ -128,7 +128,8 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
       lately[body].add(innovation);
       seems_off_px[body] = motion[body].rms_px(one.step);
       // Less than what would be corrected may be followed.
-      is_creeping[body] = lately[body].is_surprising() && seems_off_px[body] >= options.correct_from_px;
+      is_creeping[body] =
+          lately[body].is_surprising() && seems_off_px[body] >= options.correct_from_px / options.pixels;
     }
     has_camera_moved = has_camera_moved || (is_surprise && body >= projectors());
     const bool is_usual = !is_surprise && (body >= projectors() || !is_creeping[body]);
@@ -163,7 +164,7 @@ void ContinuousCalibrator::State::loosen_stubborn() {
   for (BodyIndex i = 0; i < bodies(); ++i) {
     if (surprises[i] < kStubborn || is_refused[i]) continue;
     // What was not found, or is far, is no drift.
-    if (i < projectors() && (seems_off_px[i] > kMostFollowed_px ||
+    if (i < projectors() && (seems_off_px[i] > kMostFollowed_px / options.pixels ||
                              std::ranges::any_of(gone, [&](const auto& pair) { return pair.second == i; }))) {
       continue;
     }
@@ -203,11 +204,12 @@ void ContinuousCalibrator::State::correct_drift(TimePoint now, ShowReport* repor
         step_between(reference.projectors[i].T_room_projector, believed.projectors[i].T_room_projector);
     const auto wanted = stepped(scanned.projectors[i].T_room_projector, change);
     const auto was = applied.projectors[i].T_room_projector;
-    one.off_px = motion[i].rms_px(step_between(was, wanted));
+    const PoseStep way = step_between(was, wanted);
+    one.off_px = motion[i].rms_px(way);
     if (one.hold != Hold::kNone || std::ranges::any_of(surprises, [](int n) { return n > 0; })) continue;
     const bool is_wanted = realigns_until && now < *realigns_until;
-    if (one.off_px < (is_wanted ? kRealignsFrom_px : options.correct_from_px)) continue;
-    if (one.off_px < options.correct_from_sigmas * one.sigma_px) continue;
+    if (one.off_px < (is_wanted ? kRealignsFrom_px : options.correct_from_px) / options.pixels) continue;
+    if (filters[i].squared_deviations(way) < innovation_limit(6, options.correct_from_sigmas)) continue;
     applied.projectors[i].T_room_projector = wanted;
     report->corrections.push_back({i, was, wanted, one.off_px, one.sigma_px, false});
     report->log.push_back(fmt::format("{}: projector '{}' drifted: corrected by {:.2f} px, sure to {:.2f} px",
@@ -234,6 +236,7 @@ void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
   for (std::size_t i = 0; i < believed.cameras.size(); ++i) {
     if (is_refused[projectors() + i] && surprises[projectors() + i] >= kStubborn) blind = i;
   }
+  const std::vector<bool> is_anchored = anchored(looks);
   const auto is_quiet = [&](std::size_t i) { return surprises[i] == 0 && !is_refused[i]; };
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const Tally& sum = sums[i];
@@ -246,6 +249,10 @@ void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
            fmt::format("camera '{}' seems to have moved, and nothing explains yet where to; no drift is corrected",
                        believed.cameras[*blind].name),
            now, report);
+    } else if (10 * sum.fits >= 6 * sum.compared() && is_quiet(i) && is_settled && !is_anchored[i]) {
+      hold(i, Hold::kPlain,
+           "the camera that sees it sees nothing else; let it see a neighbour's picture or the wall's edge", now,
+           report);
     } else if (10 * sum.fits >= 6 * sum.compared() && is_quiet(i)) {
       hold(i, is_settled ? Hold::kNone : Hold::kSettling, is_settled ? "" : "it has only begun", now, report);
     } else if (2 * sum.faint > sum.compared()) {

@@ -64,9 +64,11 @@ struct ShowReport {
 struct ContinuousOptions {
   int width_px = 816;            ///< About how wide cameras' pictures are looked at.
   PatchOptions patches = {};     ///< How densely, and in how large parts, they are compared.
-  double least_sigma_px = 0.3;   ///< No sighting is better, in projector pixels.
-  double correct_from_px = 0.2;  ///< Drift of less stays as it is: correcting would be seen more than the error.
-  double correct_from_sigmas = 4.0;
+  double least_sigma_px = 0.3;   ///< No sighting is better, in the calibration's pixels.
+  double pixels = 1.0;           ///< Of the projectors, for one of the calibration's: its pictures are smaller by that.
+  double correct_from_px = 0.2;  ///< Drift of less stays as it is: correcting would be seen more than the error. Of the
+                                 ///< projectors' pixels.
+  double correct_from_sigmas = 4.0;  ///< As unlikely as a normal variable beyond so many, all directions together.
   Duration settle = std::chrono::seconds(3);
   Duration ask_for_scan_after = std::chrono::minutes(5);
   double fastest_px = 1.5;  ///< Content's way during an exposure, in pixels of the reduced picture.

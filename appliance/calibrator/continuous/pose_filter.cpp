@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -83,17 +84,21 @@ PoseStep PoseFilter::update(const Measured& measured) {
   return mean;
 }
 
+double PoseFilter::squared_deviations(const PoseStep& step) const {
+  const double squared = root_.partialPivLu().solve(step).squaredNorm();
+  return std::isfinite(squared) ? squared : 0.0;
+}
+
 void PoseFilter::restart(const PoseMatrix& covariance) {
   const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(0.5 * (covariance + covariance.transpose()));
   const double least = 1e-12 * std::max(parts.eigenvalues().maxCoeff(), 1e-300);
   root_ = parts.eigenvectors() * parts.eigenvalues().cwiseMax(least).cwiseSqrt().asDiagonal();
 }
 
-double innovation_limit(int directions) {
+double innovation_limit(int directions, double normal) {
   if (directions <= 0) return 0.0;
-  constexpr double kNormal = 6.0;  // 1e-9 lies beyond.
   const double ninth = 2.0 / (9.0 * directions);
-  const double root = 1.0 - ninth + kNormal * std::sqrt(ninth);
+  const double root = 1.0 - ninth + normal * std::sqrt(ninth);
   return directions * root * root * root;
 }
 

@@ -21,10 +21,11 @@ namespace cyclorama {
 /// A value; reentrant.
 class PoseFilter {
  public:
-  /// Per square root of a second. Warm-up drifts by 0.1 px a minute or so; a screw settles quicker.
+  /// Per square root of a second. Warm-up drifts by 0.1 px a minute or so: half of this would do for that, twice as
+  /// much makes drift seen a quarter of a pixel (of 1080p) later. A screw settles quicker, and is found as a bump.
   struct Walk {
-    double turn_rad = 1e-5;
-    double shift_m = 2e-5;
+    double turn_rad = 5e-6;
+    double shift_m = 1e-5;
   };
   PoseFilter(double turn_rad, double shift_m, const Walk& walk);
 
@@ -43,6 +44,8 @@ class PoseFilter {
   [[nodiscard]] Innovation innovation(const Measured& measured) const;
   /// What the believed pose is to be stepped by.
   PoseStep update(const Measured& measured);
+  /// How many deviations, squared, a step away from the believed pose is.
+  [[nodiscard]] double squared_deviations(const PoseStep& step) const;
   /// The pose is a new one, known so well.
   void restart(const PoseMatrix& covariance);
 
@@ -54,9 +57,9 @@ class PoseFilter {
   PoseStep walk_ = PoseStep::Zero();
 };
 
-/// The innovation that one in about 10^9 undisturbed ones exceeds, by its directions. Wilson and Hilferty's cube root,
-/// Proc. Nat. Acad. Sci. 17, 1931.
-[[nodiscard]] double innovation_limit(int directions);
+/// The squared length, in deviations, that as few undisturbed ones of so many directions exceed as a normal variable
+/// exceeds `normal`: beyond 6 lies one in about 10^9. Wilson and Hilferty's cube root, Proc. Nat. Acad. Sci. 17, 1931.
+[[nodiscard]] double innovation_limit(int directions, double normal = 6.0);
 
 /// The last innovations of one body: several in a row that are each no wonder are one together, as after a bump of half
 /// a pixel that a filter, not yet sure, would follow for seconds. Undisturbed, in simulated museums, they were 2 of 6

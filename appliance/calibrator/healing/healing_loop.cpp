@@ -54,6 +54,7 @@ struct HealingLoop::Watching {
   std::optional<TimePoint> kept_at;
   double kept_sigma_px = 0.0;  ///< A restart should not begin less sure than need be.
   bool wants_realignment = false;
+  std::string unkept;  ///< Why the last correction could not be written; it is tried again at each step.
 };
 
 HealingLoop::HealingLoop(Installation installation, std::filesystem::path folder, std::unique_ptr<ShowRooms> rooms,
@@ -122,18 +123,27 @@ Status HealingLoop::begin() {
   const auto at = calibrated_at();
   TRY_ASSIGN(ShowFile show, healing_start(folder_, installation_, rooms_->cameras()));
   const int factor = rooms_->picture_factor();
-  RecordStart start{applied_room(show, installation_, factor), learned_room(show, installation_, factor)};
+  RecordStart start{applied_room(show, installation_, factor), learned_room(show, installation_, factor),
+                    static_cast<std::uint32_t>(factor)};
   std::optional<ShowRecorder> recorder;
   if (!options_.record.empty()) {
     const auto folder = options_.record / utc_now();
-    TRY_ASSIGN(recorder, ShowRecorder::begin(folder, options_.installation_file, start));
-    // As it will be read: the last bits of a rotation are others there.
-    TRY_ASSIGN(const ShowRecord read, ShowRecord::open(folder));
-    start = read.start();
+    const std::uintmax_t used = record_bytes(options_.record);
+    auto recording =
+        used < kLargestRecords
+            ? ShowRecorder::begin(folder, options_.installation_file, start, kLargestRecords - used)
+            : Error(ErrorCode::kBusy, "the records in that folder have their largest size; take some away");
+    if (recording) {
+      recorder = *std::move(recording);
+      // As it will be read: the last bits of a rotation are others there.
+      TRY_ASSIGN(const ShowRecord read, ShowRecord::open(folder));
+      start = read.start();
+    } else if (options_.on_line) {
+      // A record is for engineers; the wall is kept without.
+      options_.on_line("nothing is recorded: " + recording.error().message());
+    }
   }
-  TRY_ASSIGN(ContinuousCalibrator calibrator, start.learned
-                                                  ? ContinuousCalibrator::resume(start.applied, *start.learned)
-                                                  : ContinuousCalibrator::make(start.applied));
+  TRY_ASSIGN(ContinuousCalibrator calibrator, start.begin());
   std::vector<std::string> names;
   for (const InstalledProjector& projector : installation_.projectors) names.push_back(projector.name);
   TRY_ASSIGN(std::unique_ptr<ShowRoom> room, rooms_->open());
@@ -171,8 +181,9 @@ Status HealingLoop::step() {
     inspection_.count(c.is_bump ? "watch_bumps" : "watch_drifts");
   }
   std::string sentence = now.health.sentence();
+  if (!now.unkept.empty()) sentence += "; displays are not told of corrections: " + now.unkept;
   for (const std::string& trouble : troubles) sentence += "; " + trouble;
-  say(sentence, now.health.is_well() && troubles.empty());
+  say(sentence, now.health.is_well() && troubles.empty() && now.unkept.empty());
   return Done{};
 }
 
@@ -190,12 +201,16 @@ void HealingLoop::keep(const ShowReport& report) {
   double sigma_px = 0.0;
   for (const ProjectorHealth& one : report.projectors) sigma_px = std::max(sigma_px, one.sigma_px);
   const bool is_due = !now.kept_at || clock_.now() > *now.kept_at + kKeepEvery || sigma_px < 0.5 * now.kept_sigma_px;
-  if (!has_corrected && !(is_calm && now.calibrator.is_settled() && is_due)) return;
+  log_corrections(report);
+  const bool is_unkept = !now.unkept.empty();
+  if (!has_corrected && !is_unkept && !(is_calm && now.calibrator.is_settled() && is_due)) return;
   now.kept_at = clock_.now();
   now.kept_sigma_px = sigma_px;
-  const Status written = write_state(has_corrected);
-  if (!written && options_.on_line) options_.on_line("what was found cannot be kept: " + written.error().message());
-  log_corrections(report);
+  const Status written = write_state(has_corrected || is_unkept);
+  const std::string why = written ? "" : written.error().message();
+  if (!written) inspection_.count("watch_unkept");
+  if (!written && why != now.unkept && options_.on_line) options_.on_line("what was found cannot be kept: " + why);
+  now.unkept = why;
 }
 
 Status HealingLoop::write_state(bool with_correction) {

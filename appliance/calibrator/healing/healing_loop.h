@@ -29,6 +29,7 @@ namespace cyclorama {
 /// 2. watch.json is written with it, and when all has become surer by half, so that another process goes on where this
 ///    one ended, and as sure.
 /// 3. Each correction is a line of FOLDER/corrections.log, with before and after.
+/// 4. What cannot be written is said for as long as that lasts, counted (watch_unkept), and written at the next step.
 ///
 /// Threads: one, which gives way to all others. Thread-safe.
 class HealingLoop {

@@ -17,6 +17,7 @@ constexpr char kMagic[] = "CYCSHOW2";
 constexpr std::size_t kMagicBytes = 8;
 constexpr std::uint32_t kMostJson = 1 << 20;
 constexpr std::uint32_t kMostPictures = 4096;
+constexpr std::uint32_t kMostFactor = 16;
 constexpr std::uint32_t kMostSide_px = 16384;
 constexpr std::size_t kMostPicture_px = std::size_t{1} << 26;
 enum : std::uint8_t { kMoment = 1, kRealignment = 2 };
@@ -104,6 +105,13 @@ void put_learned(const LearnedRoom& learned, ShowFile* file) {
   for (std::size_t i = 0; i < file->cameras.size(); ++i) file->cameras[i].root = learned.roots[count + i];
 }
 
+Result<ContinuousCalibrator> RecordStart::begin() const {
+  ContinuousOptions options;
+  options.pixels = factor;
+  return learned ? ContinuousCalibrator::resume(applied, *learned, options)
+                 : ContinuousCalibrator::make(applied, options);
+}
+
 std::string report_lines(const ShowReport& report) {
   std::string lines;
   for (const Correction& c : report.corrections) {
@@ -115,8 +123,19 @@ std::string report_lines(const ShowReport& report) {
   return lines;
 }
 
+std::uintmax_t record_bytes(const std::filesystem::path& folder) {
+  std::uintmax_t sum = 0;
+  std::error_code failed;
+  for (std::filesystem::recursive_directory_iterator it(folder, failed), end; !failed && it != end;
+       it.increment(failed)) {
+    std::error_code ignored;
+    if (it->is_regular_file(ignored)) sum += it->file_size(ignored);
+  }
+  return sum;
+}
+
 Result<ShowRecorder> ShowRecorder::begin(const std::filesystem::path& folder, const std::filesystem::path& installation,
-                                         const RecordStart& start) {
+                                         const RecordStart& start, std::uintmax_t most_bytes) {
   if (std::holds_alternative<MeshWall>(start.applied.wall)) {
     return Error(ErrorCode::kInvalidArgument,
                  "a wall that is a mesh lies in other files and is not recorded; record without --record");
@@ -131,8 +150,9 @@ Result<ShowRecorder> ShowRecorder::begin(const std::filesystem::path& folder, co
   File record(std::fopen((folder / "show.record").c_str(), "wbe"));
   File report(std::fopen((folder / "report.txt").c_str(), "wbe"));
   if (record == nullptr || report == nullptr) return system_error(folder);
-  ShowRecorder recorder(std::move(record), std::move(report));
+  ShowRecorder recorder(std::move(record), std::move(report), most_bytes);
   std::string bytes(kMagic, kMagicBytes);
+  put_number(start.factor, &bytes);
   std::string known;
   if (start.learned) {
     ShowFile file = file_of(start.learned->believed);
@@ -148,11 +168,10 @@ Result<ShowRecorder> ShowRecorder::begin(const std::filesystem::path& folder, co
 }
 
 Status ShowRecorder::put(const std::string& bytes) {
-  if (bytes_ + bytes.size() > kLargestRecord)
-    return Error(ErrorCode::kBusy, "the record has its largest size; no more is kept");
+  if (bytes.size() > left_) return Error(ErrorCode::kBusy, "the record has its largest size; no more is kept");
   if (std::fwrite(bytes.data(), 1, bytes.size(), record_.get()) != bytes.size() || std::fflush(record_.get()) != 0)
     return system_error("show.record");
-  bytes_ += bytes.size();
+  left_ -= bytes.size();
   return Done{};
 }
 
@@ -210,6 +229,7 @@ Result<ShowRecord> ShowRecord::open(const std::filesystem::path& folder) {
   if (!get_bytes(file.get(), &left, magic, sizeof magic) || std::memcmp(magic, kMagic, sizeof magic) != 0)
     return no_record;
   RecordStart start;
+  if (!get(file.get(), &left, &start.factor) || start.factor < 1 || start.factor > kMostFactor) return no_record;
   for (const bool is_learned : {false, true}) {
     std::uint32_t size = 0;
     if (!get(file.get(), &left, &size) || size > kMostJson || size > left) return no_record;
@@ -299,10 +319,7 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
 
 Result<std::string> replay(const std::filesystem::path& folder) {
   TRY_ASSIGN(ShowRecord record, ShowRecord::open(folder));
-  const RecordStart& start = record.start();
-  TRY_ASSIGN(ContinuousCalibrator calibrator, start.learned
-                                                  ? ContinuousCalibrator::resume(start.applied, *start.learned)
-                                                  : ContinuousCalibrator::make(start.applied));
+  TRY_ASSIGN(ContinuousCalibrator calibrator, record.start().begin());
   std::string lines;
   for (;;) {
     TRY_ASSIGN(const std::optional<ShowRecord::Event> event, record.next());

@@ -7,8 +7,8 @@
 ///     FOLDER/report.txt          what came of it, a line per event, numbers as hexadecimal floats
 ///
 /// show.record, all numbers little-endian:
-///     "CYCSHOW2" u32 bytes, JSON of what is applied; u32 bytes, JSON of what was learned, or 0: it was not settled
-///     per moment: u8 1, i64 now_ns,
+///     "CYCSHOW2" u32 factor, u32 bytes, JSON of what is applied; u32 bytes, JSON of what was learned, or 0: it was not
+///     settled per moment: u8 1, i64 now_ns,
 ///                 u32 pictures, { u32 projector, i64 lit_ns, u64 number, u32 width, u32 height, RGB bytes },
 ///                 u32 projectors, { u32 projector, i64 at_ns, u64 number }: until when it is known what they showed
 ///                 u32 photographs, { u32 camera, i64 opened_ns, i64 closed_ns, u32 width, u32 height, grey bytes }
@@ -29,13 +29,18 @@
 
 namespace cyclorama {
 
-/// Where a record is at its end: so that a forgotten one does not fill the disk.
-inline constexpr std::uintmax_t kLargestRecord = std::uintmax_t{8} << 30;
+/// Where the records of one folder are at their end, all together: so that a forgotten --record does not fill the disk,
+/// however often the calibrator starts again.
+inline constexpr std::uintmax_t kLargestRecords = std::uintmax_t{8} << 30;
 
 /// What a record begins with.
 struct RecordStart {
   ShowCalibration applied;
   std::optional<LearnedRoom> learned;
+  std::uint32_t factor = 1;  ///< By what its pictures are smaller than the projectors', each way.
+
+  /// Where no learned room is there, one that begins. Errors of ContinuousCalibrator::make().
+  [[nodiscard]] Result<ContinuousCalibrator> begin() const;
 };
 
 /// With what is applied; light is taken for 2.2 gamma, cameras for linear.
@@ -48,12 +53,15 @@ void put_learned(const LearnedRoom& learned, ShowFile* file);
 /// A line per correction, and per line of the log: the same for the same report, and for no other.
 [[nodiscard]] std::string report_lines(const ShowReport& report);
 
+/// Of all that lies in a folder.
+[[nodiscard]] std::uintmax_t record_bytes(const std::filesystem::path& folder);
+
 /// Thread-bound.
 class ShowRecorder {
  public:
   /// Makes the folder. kInvalidArgument  the wall is a mesh, which lies in other files.     kSystem  errno says why.
   static Result<ShowRecorder> begin(const std::filesystem::path& folder, const std::filesystem::path& installation,
-                                    const RecordStart& start);
+                                    const RecordStart& start, std::uintmax_t most_bytes = kLargestRecords);
   /// kSystem  errno says why, the disk is full; kBusy  it has its largest size: no more is kept.
   Status add(const ShowMoment& moment, const ShowReport& report);
   Status add_realignment();
@@ -63,11 +71,12 @@ class ShowRecorder {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   using File = std::unique_ptr<std::FILE, Close>;
-  ShowRecorder(File record, File report) : record_(std::move(record)), report_(std::move(report)) {}
+  ShowRecorder(File record, File report, std::uintmax_t left)
+      : record_(std::move(record)), report_(std::move(report)), left_(left) {}
   Status put(const std::string& bytes);
   File record_;
   File report_;
-  std::uintmax_t bytes_ = 0;
+  std::uintmax_t left_;  ///< Bytes that may still be written.
 };
 
 /// Reads what a recorder wrote. Thread-bound.

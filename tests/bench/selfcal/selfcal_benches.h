@@ -20,8 +20,8 @@ struct BumpSeries {
 /// Half as fine as a museum's, for a look that takes a minute: projectors of 960x540, cameras of 0.3 megapixels.
 void make_small(BumpedShowOptions* options);
 int bumps(const ShowContent& content, const BumpSeries& series);
-int quiet(const ShowContent& content, bool is_quick);
-int drift(const ShowContent& content, bool is_quick);
+int quiet(const ShowContent& content, bool is_quick, const Records::Options& kept);
+int drift(const ShowContent& content, bool is_quick, int most_minutes);
 int occlusion(const ShowContent& content, bool is_quick);
 int constraints(const ShowContent& content, bool is_quick);
 int cost(const ShowContent& content, bool is_quick);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick]; of bumps a part can be
-// asked for: selfcal_bench bump CONTENT.png FIRST COUNT small|large. trade takes --records FILE, which keeps each case
-// and does not run it again, --seconds S, after which no case is begun (then it ends with 75), --only KNOB, --json
-// FILE.
+// The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick]; of bumps and of a
+// drift a part can be asked for: selfcal_bench bump CONTENT.png FIRST COUNT small|large, drift CONTENT.png minutes N.
+// trade and quiet take --records FILE, which keeps each case and does not run it again, --seconds S, after which no
+// case is begun (then it ends with 75), --only KNOB,
+// --json FILE.
 #include <fmt/format.h>
 
 #include <cstring>
@@ -45,8 +46,10 @@ int main(int count, char** words) {
                            static_cast<std::uint32_t>(std::stoul(words[4])), std::strcmp(words[5], "small") == 0});
   }
   if (command == "bump") return bumps(content, is_quick ? BumpSeries{1, 12, true} : BumpSeries{});
-  if (command == "quiet") return quiet(content, is_quick);
-  if (command == "drift") return drift(content, is_quick);
+  if (command == "drift") {
+    const bool is_short = count > 4 && std::strcmp(words[3], "minutes") == 0;
+    return drift(content, is_quick, is_short ? std::stoi(words[4]) : 40);
+  }
   if (command == "occlusion") return occlusion(content, is_quick);
   if (command == "constraints") return constraints(content, is_quick);
   if (command == "extremes") return extremes(content, is_quick);
@@ -60,7 +63,7 @@ int main(int count, char** words) {
     return 0;
   }
   if (command == "features") return features(content, is_quick);
-  if (command == "trade") {
+  if (command == "trade" || command == "quiet") {
     Records::Options options;
     std::string json;
     bool is_short = false;
@@ -84,6 +87,7 @@ int main(int count, char** words) {
         return usage();
       }
     }
+    if (command == "quiet") return quiet(content, is_short, options);
     return trade(content, is_short, options, json);
   }
   if (command == "pictures") return pictures(content, count > 3 ? words[3] : ".");

@@ -159,5 +159,16 @@ TEST(InnovationWindow, is_not_surprised_by_what_is_undisturbed) {
   }
 }
 
+TEST(PoseFilter, a_step_is_as_many_deviations_as_its_covariance_says) {
+  PoseFilter filter(2e-3, 5e-2, {});
+  PoseStep step = PoseStep::Zero();
+  EXPECT_EQ(filter.squared_deviations(step), 0.0);
+  step[1] = 4e-3;
+  step[5] = 1.5e-1;
+  EXPECT_NEAR(filter.squared_deviations(step), 4.0 + 9.0, 1e-9);
+  EXPECT_LT(innovation_limit(6, 4.0), innovation_limit(6));
+  EXPECT_NEAR(innovation_limit(1, 4.0), 17.3, 2.0);  // One direction: as much lies beyond on both sides together.
+}
+
 }  // namespace
 }  // namespace cyclorama

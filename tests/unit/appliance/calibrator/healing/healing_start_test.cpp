@@ -270,19 +270,37 @@ TEST(ShowRecord, ends_wherever_it_is_cut_and_refuses_what_it_is_not) {
   for (std::size_t bytes = 0; bytes < whole.size(); bytes += 997) EXPECT_LE(events_of(bytes), 1);
   // A picture that is said to be larger than the file.
   auto damaged = whole;
-  std::size_t at = 8;
+  std::size_t at = 12;
   for (int i = 0; i < 2; ++i) {
     std::uint32_t size = 0;
     std::memcpy(&size, damaged.data() + at, 4);
     at += 4 + size;
   }
   const std::uint32_t huge = 16000;
-  std::memcpy(damaged.data() + at + 1 + 8 + 4 + 4 + 8, &huge, 4);
+  std::memcpy(damaged.data() + at + 1 + 8 + 4 + 4 + 8 + 8, &huge, 4);
   ASSERT_TRUE(write_file_atomically(folder.path / "show.record", std::span<const std::byte>(damaged)));
   auto record = ShowRecord::open(folder.path);
   ASSERT_TRUE(record);
   const auto event = record->next();
   EXPECT_TRUE(!event || !*event);
+}
+
+TEST(ShowRecord, ends_at_its_largest_size_and_all_of_a_folder_count) {
+  const Folder folder;
+  const SmallShow small;
+  EXPECT_EQ(record_bytes(folder.path / "none"), 0u);
+  const std::filesystem::path one = folder.path / "one";
+  const ShowMoment moment = small.moment(1);
+  const std::size_t pictures = moment.shown[0].picture->data().size() + moment.seen[0].picture->data().size();
+  auto recorder = ShowRecorder::begin(one, demo_installation_path(), {small.show, std::nullopt}, 3 * pictures);
+  ASSERT_TRUE(recorder) << recorder.error().message();
+  ASSERT_TRUE(recorder->add(moment, {}));
+  EXPECT_GT(record_bytes(folder.path), pictures);
+  Status added = Done{};
+  for (int i = 0; i < 3 && added; ++i) added = recorder->add(moment, {});
+  ASSERT_FALSE(added);
+  EXPECT_EQ(added.error().code(), ErrorCode::kBusy);
+  EXPECT_LE(std::filesystem::file_size(one / "show.record"), 3 * pictures);
 }
 
 TEST(HealingHealth, tells_who_is_held_and_why) {

@@ -21,8 +21,8 @@ namespace cyclorama {
 /// A value; reentrant.
 class PoseFilter {
  public:
-  /// Per square root of a second. Warm-up drifts by 0.1 px a minute or so: half of this would do for that, twice as
-  /// much makes drift seen a quarter of a pixel (of 1080p) later. A screw settles quicker, and is found as a bump.
+  /// Per square root of a second: 0.06 px of 1080p in a minute, in which warm-up drifts by 0.1 px or so; twice as
+  /// much makes the mean less sure by half. A screw settles quicker, and is found as a bump.
   struct Walk {
     double turn_rad = 5e-6;
     double shift_m = 1e-5;

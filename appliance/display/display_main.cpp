@@ -82,7 +82,7 @@ class StateLog {
   }
 
  private:
-  static constexpr double kTimeToConnect_s = 2.0;
+  static constexpr double kTimeToConnect_s = 30.0;
   bool was_healthy_ = true;
 };
 

@@ -95,10 +95,10 @@ class Appliance(Machine):
     def seconds(self):
         return time.monotonic() - self.began
 
-    def plug_in(self, head):
+    def plug_in(self, head, width=WIDTH, height=HEIGHT):
         """The first head has a projector from the start; the others get theirs by a VNC client that wishes a size. One after the
         other: of two at once the guest's driver may miss the second."""
-        self.resize(head, WIDTH, HEIGHT)
+        self.resize(head, width, height)
 
     def attach_stick(self, image, name):
         self.ask("blockdev-add", driver="raw", **{"node-name": name, "read-only": True}, file={"driver": "file", "filename": str(image)})

@@ -58,7 +58,7 @@ def run(options, folder):
         look("start", figures, start, machine, reference)
         look("security", figures, appliance_security.look_at_running, machine)
         look("provision", figures, appliance_provision.check_sticks, machine, folder)
-        look("farm", figures, appliance_farm.check, machine, options, folder, reference)
+        look("farm", figures, appliance_farm.check, machine, options, folder)
         look("reset", figures, reset, machine, reference)
     finally:
         machine.power_off()

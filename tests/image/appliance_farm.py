@@ -6,7 +6,7 @@ import pathlib
 import subprocess
 import time
 
-from appliance import HEADS, HEIGHT, WIDTH, Appliance
+from appliance import HEADS, HEIGHT, WIDTH, Appliance, reference_pictures, save_png
 from appliance_boot import attract_pictures, computer, is_as, wait_for_pictures
 from disk_image import stick
 from host_farm import HostFarm
@@ -14,11 +14,13 @@ from host_farm import HostFarm
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Beyond the dead angle of 5.7 degrees and far from the full speed: slowly enough for one picture to be found in the next.
 WANDS = {"rest": (0.0, 1.0), "right": (11.0, 1.0), "left": (-11.0, 1.0)}
-FRAME = WIDTH * HEIGHT
+FRAME = 640 * 480  # Bytes of the camera's grey picture.
+# Projectors of a quarter of the pixels: an emulated processor that also tracks the wand draws three of 640x480 once in 10 s and more.
+SMALL = (320, 240)
 VIVID = "vivid n_devs=1 node_types=0x101 num_inputs=1 input_types=3 num_outputs=1 output_types=1"
 TRACKER = '[camera]\nkind = "v4l2"\nport = "platform:vivid-000"\n'
-SHOWS_WITHIN_S = 400
-LOOKS_APART_S = 3
+SHOWS_WITHIN_S = 600
+LOOKS, LOOKS_APART_S = 12, 4
 MOST_AT_REST = 6.0  # Code values, mean: rays' noise from frame to frame.
 
 
@@ -63,7 +65,7 @@ def profile(picture):
     return [sum(pixels[3 * (y * width + x) + 1] for y in rows) / len(rows) for x in range(width)]
 
 
-def moved_px(one, other, most=240):
+def moved_px(one, other, most=100):
     """By how many pixels what `one` shows has moved to the right in `other`."""
     a, b = profile(one), profile(other)
 
@@ -104,9 +106,11 @@ def is_attracting(machine, reference):
 
 
 def stick_of_farm(folder, farm):
-    """A museum's stick for this farm and camera."""
-    texts = {"site.toml": farm.site(), "tracker.toml": TRACKER}
-    contents = {"cyclorama/installation.toml": ROOT / "demo/installation.toml", **farm.on_stick()}
+    """A museum's stick for this farm, its camera and its small projectors."""
+    installation = (ROOT / "demo/installation.toml").read_text().replace(f"width_px = {WIDTH}", f"width_px = {SMALL[0]}")
+    installation = installation.replace(f"height_px = {HEIGHT}", f"height_px = {SMALL[1]}")
+    texts = {"site.toml": farm.site(), "tracker.toml": TRACKER, "installation.toml": installation}
+    contents = dict(farm.on_stick())
     for name, text in texts.items():
         (folder / name).write_text(text)
         contents[f"cyclorama/{name}"] = folder / name
@@ -116,27 +120,45 @@ def stick_of_farm(folder, farm):
 
 
 def look_how_it_turns(machine, wand):
-    """(pixels that the middle head's picture moved to the right, mean difference on each head) within some seconds of a wand."""
+    """(pixels that the middle head's picture moved to the right in each look, mean difference on each head at the calmest)."""
     show_wand(machine, wand)
-    time.sleep(12)
+    time.sleep(15)
+    moved, differences = [], []
     before = machine.heads()
-    time.sleep(LOOKS_APART_S)
-    after = machine.heads()
-    return moved_px(before[1], after[1]), [round(mean_difference(a, b), 1) for a, b in zip(before, after)]
+    for _ in range(LOOKS):
+        time.sleep(LOOKS_APART_S)
+        after = machine.heads()
+        moved.append(moved_px(before[1], after[1]))
+        differences.append([round(mean_difference(a, b), 1) for a, b in zip(before, after)])
+        before = after
+    return moved, min(differences, key=max)
 
 
-def check_steering(machine, figures):
-    seen = {}
+def check_steering(machine, options, figures):
+    figures["steering"] = seen = {}
     for wand in ("rest", "right", "rest", "left"):
-        seen[wand] = look_how_it_turns(machine, wand)
-        print(f"wand {wand}: moved {seen[wand][0]} px, differs by {seen[wand][1]}", flush=True)
+        moved, calmest = look_how_it_turns(machine, wand)
+        seen.setdefault(wand, []).append({"moved_px": moved, "calmest": calmest})
+        print(f"wand {wand}: moved {moved} px, at the calmest differs by {calmest}", flush=True)
+        keep_pictures(machine, options, f"farm-{len(seen)}-{wand}")
     show_wand(machine, "rest")
-    figures["steering"] = seen
-    if seen["rest"][0] != 0 or max(seen["rest"][1]) > MOST_AT_REST:
-        figures["failed"].append(f"the view moves while the wand rests: {seen['rest']}")
+    total = {wand: sum(sum(look["moved_px"]) for look in looks) for wand, looks in seen.items()}
+    for look in seen["rest"]:
+        # Later looks alone: what was asked for before still comes.
+        if any(look["moved_px"][-LOOKS // 3:]) or max(look["calmest"]) > MOST_AT_REST:
+            figures["failed"].append(f"the view moves while the wand rests: {look}")
     # Who turns right sees the wall's picture go left.
-    if not seen["right"][0] < -2 or not seen["left"][0] > 2:
-        figures["failed"].append(f"the view does not turn as the wand says: {seen}")
+    if not total["right"] < -10 or not total["left"] > 10:
+        figures["failed"].append(f"the view does not turn as the wand says: {total}")
+
+
+def keep_pictures(machine, options, name):
+    if not options.pictures:
+        return
+    options.pictures.mkdir(parents=True, exist_ok=True)
+    for head, picture in enumerate(machine.heads()):
+        if picture:
+            save_png(picture, options.pictures / f"{name}-head{head}.png")
 
 
 def check_farm_away(machine, farm, reference, figures):
@@ -170,11 +192,11 @@ def check_head(machine, reference, figures):
     """The last one's projector out and in again; the others go on."""
     last = HEADS - 1
     machine.resize(last, 0, 0)
-    gone = wait_for(lambda: not live(machine, reference)[last], 60)
+    gone = wait_for(lambda: not live(machine, reference)[last], 240)
     time.sleep(5)
     others = live(machine, reference)[:last]
-    machine.plug_in(last)
-    back = wait_for(lambda: is_live(machine, reference), 120)
+    machine.plug_in(last, *SMALL)
+    back = wait_for(lambda: is_live(machine, reference), SHOWS_WITHIN_S)
     figures["head_gone_s"], figures["others_live"], figures["head_back_s"] = gone, all(others), back
     if gone is None or not all(others) or back is None:
         figures["failed"].append(f"head unplugged: dark after {gone} s, the others live: {others}, back after {back} s")
@@ -195,27 +217,34 @@ def check_full_disk(machine, reference, figures):
     print("full disk:", figures["full_disk"], flush=True)
 
 
-def check(machine, options, folder, reference, figures):
-    """On a computer that runs, whose QEMU has wand_disk() and a network that reaches the host."""
+def check(machine, options, folder, figures):
+    """On a computer that runs and has three heads, whose QEMU has wand_disk() and a network that reaches the host."""
     farm = HostFarm(options.programs, folder / "farm")
     farm.start()
     try:
         print(plug_camera(machine), flush=True)
         show_wand(machine, "rest")
+        for head in range(HEADS):
+            machine.plug_in(head, *SMALL)
+            time.sleep(5)
         machine.plug_stick(stick_of_farm(folder, farm), "farm")
+        reference = reference_pictures(options.programs, folder / "installation.toml", folder / "small")
         figures["live_s"] = wait_for(lambda: is_live(machine, reference), SHOWS_WITHIN_S)
         print(f"live after {figures['live_s']} s", flush=True)
+        keep_pictures(machine, options, "farm-live")
         if figures["live_s"] is None:
             figures["failed"].append("no live picture on every head")
             print(machine.run("cat /var/lib/cyclorama/provisioning.json; journalctl -b -n 40 -o cat --no-pager -u 'cyclorama-*'", 120)[1])
             return
-        check_steering(machine, figures)
+        check_steering(machine, options, figures)
         check_head(machine, reference, figures)
         check_camera(machine, figures)
         check_full_disk(machine, reference, figures)
         check_farm_away(machine, farm, reference, figures)
     finally:
         farm.stop()
+        for head in range(HEADS):
+            machine.plug_in(head)
 
 
 def run(options, folder):
@@ -227,7 +256,7 @@ def run(options, folder):
         if len(wait_for_pictures(machine, reference)) < HEADS:
             figures["failed"].append("no attract picture on every head")
         else:
-            check(machine, options, folder, reference, figures)
+            check(machine, options, folder, figures)
     finally:
         machine.power_off()
     return figures

@@ -40,6 +40,14 @@ def compare(name, found, failed):
         failed.append(f"{name}: '{line}' is in the checked list and not in the image")
 
 
+def compare_journal(lines, failed):
+    """Returns how many lines are no board's own."""
+    known = [re.compile(line) for line in (HERE / "expected/journal").read_text().splitlines() if line and not line.startswith("#")]
+    strange = [line for line in lines if not any(pattern.fullmatch(re.sub(r"^\[ *[\d.]+\] ", "", line)) for pattern in known)]
+    failed.extend(f"journal above notice: {line}" for line in strange)
+    return len(strange)
+
+
 def scan(machine):
     """The ports of SCANNED that answer. QEMU's network stands for a neighbour's computer; it knows how each connection fares."""
     calls, answering = [], set()
@@ -76,9 +84,12 @@ def look_at_running(machine, figures):
     compare("processes", [line.rstrip() for line in running.splitlines()], failed)
     _, used = machine.run("free -m | awk '/^Mem/ {print $3}'")
     figures["memory_used_mb"] = int(used)
-    _, noted = machine.run("journalctl -b -p warning -o short-monotonic --no-hostname --no-pager | tail -n 60", 120)
-    figures["journal_above_notice"] = len(noted.splitlines())
-    print(noted)
+    _, noted = machine.run("journalctl -b -p warning -o short-monotonic --no-hostname --no-pager | tail -n 80", 120)
+    noted = [line.rstrip() for line in noted.splitlines() if not line.startswith("-- ")]
+    figures["journal_of_the_board"] = len(noted)
+    figures["journal_above_notice"] = compare_journal(noted, failed)
+    figures["journal_of_the_board"] -= figures["journal_above_notice"]
+    print("\n".join(noted))
     figures["ports_open"] = scan(machine)
     if figures["ports_open"] != [OPERATOR_PORT]:
         failed.append(f"ports that answer: {figures['ports_open']}")

@@ -133,11 +133,11 @@ def check_bad(machine, image, old, bad, figures):
         figures["failed"].append(f"the bad update: {version(machine)} runs after {figures['tries_of_the_bad_one']} panics; {said}")
 
 
-def check_good(machine, image, old, folder, options, figures):
-    """Returns what cuts left."""
+def check_good(machine, image, old, folder, options, figures, ret_states):
+    """`ret_states` gets what cuts left."""
     machine.attach_stick(image, "good")
-    states = cut_while_updating(machine, folder, options.cuts, random.Random(8))
-    print(machine.run(REPORT)[1], f"{len(states)} cuts", flush=True)
+    ret_states += cut_while_updating(machine, folder, options.cuts, random.Random(8))
+    print(machine.run(REPORT)[1], f"{len(ret_states)} cuts", flush=True)
     machine.ask("device_del", id="good")
     machine.restart(START_S)
     figures["boots"] += 1
@@ -153,7 +153,6 @@ def check_good(machine, image, old, folder, options, figures):
         figures["updates"] += 1
     else:
         figures["failed"].append(f"the good update: {now} runs; {kernels}")
-    return states
 
 
 def run(options, folder):
@@ -163,14 +162,29 @@ def run(options, folder):
     bad_stick = stick_of(folder / "bad", folder / "bad.img")
     shutil.rmtree(folder / "bad")
     good_stick = stick_of(update, folder / "good.img")
-    machine = started(computer(options, folder))
-    figures["boots"] += 1
-    try:
-        old = version(machine)
-        check_bad(machine, bad_stick, old, bad, figures)
-        states = check_good(machine, good_stick, old, folder, options, figures)
-        new = version(machine)
-    finally:
+    old = machine = None
+
+    def whole(what, check):
+        """When it breaks off, the other update is looked at all the same, on a computer as it was."""
+        nonlocal machine, old
+        try:
+            if machine is None:
+                machine = started(computer(options, folder / what))
+                figures["boots"] += 1
+                old = version(machine)
+            check()
+        except (RuntimeError, OSError) as error:
+            figures["failed"].append(f"{what} update broke off: {error}"[-1500:])
+            print(figures["failed"][-1], flush=True)
+            if machine is not None:
+                machine.power_off()
+            machine = None
+
+    whole("bad", lambda: check_bad(machine, bad_stick, old, bad, figures))
+    states = []
+    whole("good", lambda: check_good(machine, good_stick, old, folder, options, figures, states))
+    new = re.search(r"_([\d.]+)\.efi", next(update.glob("*.efi")).name)[1]
+    if machine is not None:
         machine.power_off()
     with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
         figures["cuts"] = list(pool.map(after_cut, states))

@@ -100,6 +100,7 @@ def run(options, folder):
                     figures["failed"].append(f"{start} start: head {head} is not as drawn here: {found}")
             if debug:
                 account["security"] = "secure boot on" if "Secure boot enabled" in machine.run("dmesg | grep -i 'secure boot'")[1] else "?"
+                machine.run("systemctl is-system-running --wait", PICTURE_WITHIN_S)
                 account["stages"] = stages(machine.run("systemd-analyze --no-pager", 60)[1])
                 account["var"] = machine.run("cat /run/cyclorama/var")[1]
             figures["starts"].append(account)

@@ -54,7 +54,7 @@ class Disk:
 class Appliance(Machine):
     """The computer while it is switched on."""
 
-    def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, network="restrict=on", extra=()):
+    def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, network="restrict=on", extra=(), processors=2):
         self.folder = disk.folder
         self.disk = disk
         self.log = self.folder / "serial.log"
@@ -72,7 +72,7 @@ class Appliance(Machine):
             tpm_options = ["-chardev", f"socket,id=tpm,path={self.folder}/tpm.sock", "-tpmdev", "emulator,id=tpm0,chardev=tpm", "-device", "tpm-crb,tpmdev=tpm0"]
             wait_until(lambda: (self.folder / "tpm.sock").exists(), 20, "swtpm")
         code = "OVMF_CODE_4M.secboot.fd" if secure else "OVMF_CODE_4M.fd"
-        command = ["qemu-system-x86_64", "-machine", "q35,smm=on", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", str(memory_mb),
+        command = ["qemu-system-x86_64", "-machine", "q35,smm=on", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", str(processors), "-m", str(memory_mb),
                    "-nodefaults", "-global", "driver=cfi.pflash01,property=secure,value=on", "-global", "ICH9-LPC.disable_s3=1",
                    "-drive", f"if=pflash,unit=0,format=raw,readonly=on,file={OVMF / code}",
                    "-drive", f"if=pflash,unit=1,format=raw,file={self.folder}/vars.fd",
@@ -113,6 +113,8 @@ class Appliance(Machine):
         while (has_come := self.run(report)[1] != before) is False and time.monotonic() < deadline:
             time.sleep(1)
         self.ask("device_del", id=name)
+        # Who changes sticks takes seconds for it.
+        self.run("for i in $(seq 60); do [ -e /dev/disk/by-label/CYCLORAMA ] || break; sleep 1; done; sleep 5", 120)
         return has_come
 
     def hmp(self, command):

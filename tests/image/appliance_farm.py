@@ -20,7 +20,7 @@ SMALL = (320, 240)
 VIVID = "vivid n_devs=1 node_types=0x101 num_inputs=1 input_types=3 num_outputs=1 output_types=1"
 TRACKER = '[camera]\nkind = "v4l2"\nport = "platform:vivid-000"\n'
 SHOWS_WITHIN_S = 600
-LOOKS, LOOKS_APART_S = 12, 4
+LOOKS, LOOKS_APART_S = 8, 4
 MOST_AT_REST = 3.0  # Code values, mean: rays' noise from frame to frame.
 LEAST_OTHERWISE = 2.0  # The grotto is as dark as the evening sky of the attract picture: 3 to 6 from it, whose own tolerance is 1.5.
 

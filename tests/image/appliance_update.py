@@ -3,16 +3,15 @@
 stays; power that is cut at any moment of the good one leaves a computer that starts. Needs a second version, newer than the one under
 OUT, under OUT/next (image/build --debug --version V --out OUT/next)."""
 import concurrent.futures
-import os
 import random
 import re
 import shutil
-import signal
 import subprocess
 import time
 
 from appliance import HEADS, Appliance
 from appliance_boot import computer
+from appliance_cuts import cut_while, what_is_whole
 from appliance_tamper import flip_bit
 from disk_image import stick
 
@@ -21,7 +20,6 @@ START_S = 900
 BACK_S = 2400  # Three tries that end in a kernel's panic, and the start of the version before.
 UPDATED_S = 900
 GOOD_S = 900
-LONGEST_PAUSE_S = 6
 AT_A_TIME = 2
 REPORT = "cat /var/lib/cyclorama/update.json 2>/dev/null; true"
 
@@ -58,7 +56,8 @@ def version(machine):
 
 
 def started(disk):
-    machine = Appliance(disk)
+    # Nothing here waits for a picture; where two emulated processors share a real one, each waits for the other's.
+    machine = Appliance(disk, processors=1)
     try:
         machine.wait_for_shell(START_S)
     except Exception:
@@ -77,34 +76,12 @@ def wait_for_report(machine, word, seconds):
     return f"not '{word}' within {seconds} s, but {said!r}"
 
 
-def cut_while_updating(machine, folder, cuts, chance):
-    """[(seconds since the stick was plugged in, the computer as a power cut then leaves it)], at random moments of one update. QEMU
-    stands still while its files are copied: what they hold is what a killed QEMU leaves."""
-    began, states, number, held_s = time.monotonic(), [], 0, 0.0
-    while "ready" not in machine.run(REPORT)[1] and time.monotonic() - began < UPDATED_S:
-        time.sleep(chance.uniform(0, LONGEST_PAUSE_S))
-        stopped = time.monotonic()
-        os.kill(machine.process.pid, signal.SIGSTOP)
-        try:
-            states.append((round(stopped - began - held_s, 1), machine.disk.copy(folder / f"cut-{number}")))
-        finally:
-            os.kill(machine.process.pid, signal.SIGCONT)
-        held_s += time.monotonic() - stopped
-        number += 1
-        if len(states) > 2 * cuts:  # Disks are large.
-            shutil.rmtree(states.pop(chance.randrange(len(states)))[1].folder)
-    while len(states) > cuts:
-        shutil.rmtree(states.pop(chance.randrange(len(states)))[1].folder)
-    return states
-
-
-def after_cut(state):
+def after_cut(disk, folder):
     """What a computer says that starts after a cut."""
-    after_s, disk = state
-    account = {"after_s": after_s}
+    account = {}
     began = time.monotonic()
     try:
-        machine = started(disk)
+        machine = started(disk.copy(folder))
         try:
             account |= {"version": version(machine), "var": machine.run("cat /run/cyclorama/var")[1]}
         finally:
@@ -112,7 +89,7 @@ def after_cut(state):
     except RuntimeError as error:
         account["failed"] = str(error)[-800:]
     account["start_s"] = round(time.monotonic() - began)
-    shutil.rmtree(disk.folder)
+    shutil.rmtree(folder)
     print(account, flush=True)
     return account
 
@@ -136,7 +113,7 @@ def check_bad(machine, image, old, bad, figures):
 def check_good(machine, image, old, folder, options, figures, ret_states):
     """`ret_states` gets what cuts left."""
     machine.attach_stick(image, "good")
-    ret_states += cut_while_updating(machine, folder, options.cuts, random.Random(8))
+    ret_states += cut_while(lambda: "ready" not in machine.run(REPORT)[1], machine, folder, options.cuts, random.Random(8))
     print(machine.run(REPORT)[1], f"{len(ret_states)} cuts", flush=True)
     machine.ask("device_del", id="good")
     machine.restart(START_S)
@@ -153,6 +130,24 @@ def check_good(machine, image, old, folder, options, figures, ret_states):
         figures["updates"] += 1
     else:
         figures["failed"].append(f"the good update: {now} runs; {kernels}")
+
+
+def check_cuts(states, updates, old, folder, options, figures):
+    """The running version is whole after each, and the other one is, once the loader would start it; all or some are started."""
+    figures["power_cuts"], figures["cuts"], figures["started_after_cut"] = len(states), [], 0
+    for after_s, disk in states:
+        figures["cuts"].append({"after_s": after_s, "whole": what_is_whole(disk, updates, folder)})
+        print(figures["cuts"][-1], flush=True)
+    count = len(states) if options.starts is None else min(len(states), options.starts)
+    chosen = [int((number + 0.5) * len(states) / count) for number in range(count)]
+    with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
+        for number, account in zip(chosen, pool.map(lambda at: after_cut(states[at][1], folder / f"start-{at}"), chosen)):
+            figures["cuts"][number] |= account
+            figures["boots"] += account.get("version") in updates
+            figures["started_after_cut"] += account.get("version") in updates
+    for cut in figures["cuts"]:
+        if not cut["whole"].get(old) or not all(cut["whole"].values()) or ("start_s" in cut and cut.get("version") not in updates):
+            figures["failed"].append(f"power cut after {cut['after_s']} s of an update: {cut}")
 
 
 def run(options, folder):
@@ -186,12 +181,5 @@ def run(options, folder):
     new = re.search(r"_([\d.]+)\.efi", next(update.glob("*.efi")).name)[1]
     if machine is not None:
         machine.power_off()
-    with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
-        figures["cuts"] = list(pool.map(after_cut, states))
-    figures["power_cuts"] = len(figures["cuts"])
-    for cut in figures["cuts"]:
-        if cut.get("version") in (old, new):
-            figures["boots"] += 1
-        else:
-            figures["failed"].append(f"power cut after {cut['after_s']} s of an update: {cut}")
+    check_cuts(states, {old: options.out / "cyclorama-museum-debug/update", new: update}, old, folder, options, figures)
     return figures

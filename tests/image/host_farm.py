@@ -42,8 +42,10 @@ class HostFarm:
         return {f"cyclorama/tls/{name}": self.folder / "museum" / name for name in ("authority.crt", "certificate.crt", "key.pem")}
 
     def site(self):
+        """Turned slowly, and patient: an emulated computer shows a picture in seconds, which is wrong as long as the view turns."""
         return (f'[farm]\nheads = ["[{HOST_FROM_WITHIN}]:{MUSEUMS}"]\nmuseum = "{MUSEUM}"\nauthority = "tls/authority.crt"\n'
-                'certificate = "tls/certificate.crt"\nkey = "tls/key.pem"\n[picture]\nsamples = 1\njpeg_quality = 70\n')
+                'certificate = "tls/certificate.crt"\nkey = "tls/key.pem"\n[picture]\nsamples = 1\njpeg_quality = 70\n'
+                '[walk]\nturn_deg_per_s = 5\nguide_after_s = 0\n[display]\nattract_after_s = 90\n')
 
     def start(self):
         for program, settings in (("cyclorama-farm", "farm.toml"), ("cyclorama-node", "node.toml")):

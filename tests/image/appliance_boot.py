@@ -68,12 +68,12 @@ def stages(text):
     return {name: seconds(value) for name, value in found.items()}
 
 
-def bare_start_s(image, folder):
-    """Seconds from power on until a Debian with nothing but kernel and systemd has started."""
+def bare_start(image, folder):
+    """(seconds from power on, {stage: seconds}) until a Debian with nothing but kernel and systemd has started."""
     machine = Appliance(Disk(folder, image), heads=1)
     try:
-        wait_until(lambda: "Startup finished" in machine.console(), PICTURE_WITHIN_S, "start of the bare Debian")
-        return round(machine.seconds(), 1)
+        wait_until(lambda: re.search(r"Startup finished in .* = ", machine.console()), PICTURE_WITHIN_S, "start of the bare Debian")
+        return round(machine.seconds(), 1), stages(re.findall(r"Startup finished in .*", machine.console())[-1])
     finally:
         machine.power_off()
 
@@ -102,6 +102,8 @@ def run(options, folder):
                 account["security"] = "secure boot on" if "Secure boot enabled" in machine.run("dmesg | grep -i 'secure boot'")[1] else "?"
                 machine.run("systemctl is-system-running --wait", PICTURE_WITHIN_S)
                 account["stages"] = stages(machine.run("systemd-analyze --no-pager", 60)[1])
+                begins = machine.run("systemctl show -P ExecMainStartTimestampMonotonic cyclorama-display")[1]
+                account["display_begins_s"] = round(int(begins) / 1e6, 1)  # After the kernel; what follows is graphics, here emulated.
                 account["var"] = machine.run("cat /run/cyclorama/var")[1]
             figures["starts"].append(account)
             print(account, flush=True)
@@ -109,6 +111,8 @@ def run(options, folder):
             machine.power_off()
     bare = options.out / "bare/bare.raw"
     if bare.exists() and not options.quick:
-        figures["bare_start_s"] = bare_start_s(bare, folder / "bare")
+        figures["bare_start_s"], figures["bare_stages"] = bare_start(bare, folder / "bare")
+        if debug:
+            figures["ratio_until_display"] = round(figures["starts"][-1]["display_begins_s"] / sum(figures["bare_stages"].values()), 2)
         figures["ratio"] = round(max(figures["starts"][-1]["first_picture_s"].values()) / figures["bare_start_s"], 2)
     return figures

@@ -123,7 +123,7 @@ def check_good(machine, image, old, folder, options, figures, ret_states):
         machine.plug_in(head)
         time.sleep(5)
     # The health check takes the tries out of the kernel image's name.
-    stays = "for i in $(seq 60); do ls /efi/EFI/Linux | grep -q '%s\\.efi' && break; sleep 10; done; ls /efi/EFI/Linux; cat /run/cyclorama/health" % now.replace(".", "\\.")
+    stays = "at=$(bootctl -p)/EFI/Linux; for i in $(seq 60); do ls $at | grep -q '%s\\.efi' && break; sleep 10; done; ls $at; cat /run/cyclorama/health" % now.replace(".", "\\.")
     _, kernels = machine.run(stays, GOOD_S)
     print(kernels, flush=True)
     if now != old and re.search(rf"_{re.escape(now)}\.efi", kernels):

@@ -61,8 +61,9 @@ class FakeTour final : private wire::Tour::Service {
     return wait_until([&] { return presented.size() >= frames_presented && dropped.size() >= frames_dropped; });
   }
 
-  bool wait_for_question(const std::function<bool(const wire::ClockQuestion&)>& condition) {
-    return wait_until([&] { return std::any_of(questions.begin(), questions.end(), condition); });
+  bool has_question(const std::function<bool(const wire::ClockQuestion&)>& condition) {
+    const std::lock_guard lock(mutex_);
+    return std::any_of(questions.begin(), questions.end(), condition);
   }
   bool wait_for_questions(std::size_t count) {
     return wait_until([&] { return questions.size() >= count; });

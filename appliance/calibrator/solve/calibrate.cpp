@@ -17,6 +17,8 @@ constexpr double kWallFloor_px = 0.05;  // Of a sample's sigma: what lens models
 // A map that predicts new measurements as well as the new one predicts what it left out is still right; left-out
 // errors of some hundred places scatter by some percent.
 constexpr double kStillRight = 1.1;
+// Of all maps alike: what they are off by is less than three quarters of the new measurements' scatter.
+constexpr double kHardlyWorse = 1.25;
 /// What differs by less in the scatter of single places is no sign that something moved.
 constexpr double kMeetAsWell = 1.02;
 /// Of the new measurements, where an old map may have no direction: at the rim either map may end a little earlier.
@@ -211,7 +213,10 @@ class Calibrating {
       const bool has_hole = known_part(old, samples_[p]) < known_part(projector.map, samples_[p]) - kMostUnknown;
       projector.is_previous = error && *error < kStillRight * own && !has_hole;
       if (projector.is_previous) projector.map = old;
-      if (error && !has_hole) maps_of_before_.emplace_back(p, old);
+      if (error && !has_hole) {
+        maps_of_before_.emplace_back(p, old);
+        worst_of_before_ = std::max(worst_of_before_, *error / std::max(own, 1e-9));
+      }
       if (error) {
         remark(
             fmt::format("projector '{}' {} map of {}: it predicts the new measurements to {:.3f} px, the new one what "
@@ -230,13 +235,15 @@ class Calibrating {
     return Done{};
   }
 
-  /// Where some maps stay and others do not, old and new ones have to meet. If all of the old ones meet as well, then
-  /// what is new is the camera's error (few degrees seen, much noise), and no projector has moved.
+  /// Where some maps stay and others do not, old and new ones have to meet; and where none stays, all may have missed
+  /// by a hair. If all of the old ones meet as well, then what is new is the camera's error (few degrees seen, much
+  /// noise), and no projector has moved.
   void keep_all_that_meet_as_well() {
     std::vector<CalibratedProjector>& projectors = calibration_.projectors;
     const auto kept = std::ranges::count_if(projectors, &CalibratedProjector::is_previous);
     const bool is_mixed = kept > 0 && static_cast<std::size_t>(kept) < projectors.size();
-    if (!is_mixed || maps_of_before_.size() < projectors.size()) return;
+    const bool is_hardly_worse = kept == 0 && worst_of_before_ < kHardlyWorse;
+    if (!(is_mixed || is_hardly_worse) || maps_of_before_.size() < projectors.size()) return;
     Calibration before = calibration_;
     for (auto& [p, map] : maps_of_before_) before.projectors[p].map = std::move(map);
     const MeasuredRegistration as_it_was = measured_registration(measurements_, before);
@@ -245,8 +252,8 @@ class Calibrating {
     for (std::size_t p = 0; p < projectors.size(); ++p)
       projectors[p] = {projectors[p].name, std::move(before.projectors[p].map), true};
     remark(
-        fmt::format("all projectors keep their maps of {}: those meet to {:.3f} px in the new measurements, together "
-                    "with new ones to {:.3f}",
+        fmt::format("all projectors keep their maps of {}: those meet to {:.3f} px in the new measurements, the new "
+                    "ones to {:.3f}",
                     options_.previous->date, as_it_was.mean_px, anew.mean_px));
   }
 
@@ -255,6 +262,7 @@ class Calibrating {
   const CalibrateOptions& options_;
   Calibration calibration_;
   std::vector<std::pair<std::size_t, MeasuredMap>> maps_of_before_;  ///< Turned; without holes.
+  double worst_of_before_ = 0.0;  ///< Error of one of them, in parts of the new one's on what that left out.
   Samples samples_;
   PlateHints hints_;
   Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< Of the calibration before.

@@ -139,10 +139,11 @@ class WallScanning {
     for (const ScanView& view : kept.views()) places[view.projector] += view.places.size();
     for (std::size_t p = 0; p < places.size(); ++p) {
       if (places[p] >= kLeastPlaces) continue;
-      return Error(ErrorCode::kUnavailable,
-                   fmt::format("projector '{}' lights nothing that the camera sees, in any of {} directions; switch it "
-                               "on, take its cover off, see that its cable's picture arrives, then resume",
-                               installation_.projectors[p].name, plan_.directions.size()));
+      return Error(
+          ErrorCode::kUnavailable,
+          fmt::format("projector '{}' lights nothing that the camera sees, in any of {} directions; switch it "
+                      "on, take its cover off, darken the room, see that its cable's picture arrives, then resume",
+                      installation_.projectors[p].name, plan_.directions.size()));
     }
     return Done{};
   }

@@ -19,7 +19,7 @@ def sweeps(records):
     found = {}
     for record in records:
         match = re.match(r"(.*?) ?(-?\d+\.?\d*)( .*)? seed \d+$", record["key"])
-        name = (match[1] + (match[3] or "")).strip()
+        name = (match[1].removesuffix(" of") + (match[3] or "")).strip()
         found.setdefault(name, {}).setdefault(float(match[2]), []).append(record)
     return {name: sorted(points.items()) for name, points in found.items()}
 
@@ -48,7 +48,7 @@ def drawn(number, name, points):
         out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in places]
     for i, (_, seeds) in enumerate(points):
         if all("refused" in seed for seed in seeds):
-            out.append(f'<text x="{left + (i + 0.5) * step:.1f}" y="{top + HEIGHT - 6}" text-anchor="middle">refused</text>')
+            out.append(f'<text x="{left + (i + 0.5) * step:.1f}" y="{top + HEIGHT - 6}" text-anchor="middle">×</text>')
     return out
 
 
@@ -59,6 +59,7 @@ def main(source, target):
         shapes += drawn(number, name, points)
     for number, (key, colour) in enumerate(COLOURS.items()):
         shapes.append(f'<text x="{LEFT + 200 * number}" y="22" fill="{colour}">{WORDS[key]}</text>')
+    shapes.append(f'<text x="{LEFT + 200 * len(COLOURS)}" y="22">× refused, with what to add</text>')
     rows = (len(panels) + ACROSS - 1) // ACROSS
     size = (LEFT + ACROSS * (WIDTH + GAP_X), TOP + rows * (HEIGHT + GAP_Y))
     pathlib.Path(target).write_text(

@@ -105,6 +105,39 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
   EXPECT_EQ(kept_calibrations(folder_).size(), 2u);
 }
 
+/// The sun through a window, evenly on the wall. Truth is the test's, who calibrates sees light alone.
+TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
+  PresetOptions options;
+  options.projectors = 2;
+  options.projector_width_px = 160;
+  options.projector_height_px = 100;
+  options.camera_megapixels = 0.1;
+  for (const double lux : {300.0, 3000.0}) {
+    auto preset = make_preset("cylinder126", 5, options);
+    ASSERT_TRUE(preset.has_value());
+    preset->truth.ambient_lux = {lux, lux, lux};
+    auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+    ASSERT_TRUE(museum.has_value());
+    SimulatedPatternScreen screen(&*museum);
+    SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
+    SimulatedTurnplate plate(&*museum);
+    ScanSettings settings;
+    settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
+    settings.with_wall = false;
+    settings.with_seams = false;
+    const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, plate}, folder_ / "day",
+                                         "2026-01-01T00-00-00Z", SteadyClock(), {}, {});
+    std::filesystem::remove_all(folder_ / "day");
+    if (outcome) {
+      const MuseumScore score = score_of(*museum, outcome->calibration);
+      EXPECT_LE(score.p95_px, 0.6) << lux;
+      EXPECT_LT(static_cast<double>(score.missing), 0.05 * static_cast<double>(score.lit)) << lux;
+    } else {
+      EXPECT_THAT(outcome.error().message(), ::testing::HasSubstr("darken the room")) << lux;
+    }
+  }
+}
+
 TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) {
   PresetOptions options;
   options.projectors = 2;

@@ -7,8 +7,10 @@
 ///     FOLDER/report.txt          what came of it, a line per event, numbers as hexadecimal floats
 ///
 /// show.record, all numbers little-endian:
-///     "CYCSHOW2" u32 factor, u32 bytes, JSON of what is applied; u32 bytes, JSON of what was learned, or 0: it was not
-///     settled per moment: u8 1, i64 now_ns,
+///     "CYCSHOW2" u32 factor, u32 bytes, JSON of what is applied; u32 bytes, JSON of what was learned, or 0: not
+///     settled
+///
+///     per moment: u8 1, i64 now_ns,
 ///                 u32 pictures, { u32 projector, i64 lit_ns, u64 number, u32 width, u32 height, RGB bytes },
 ///                 u32 projectors, { u32 projector, i64 at_ns, u64 number }: until when it is known what they showed
 ///                 u32 photographs, { u32 camera, i64 opened_ns, i64 closed_ns, u32 width, u32 height, grey bytes }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/calibrator/solve/calibrate.h"
-#include "appliance/calibrator/solve/registration.h"
 
 #include <fmt/format.h>
 
@@ -9,6 +8,8 @@
 #include <cmath>
 #include <future>
 #include <limits>
+
+#include "appliance/calibrator/solve/registration.h"
 
 namespace cyclorama {
 namespace {

@@ -14,7 +14,7 @@ namespace {
 constexpr double kBlock_px = 96.0;
 constexpr double kFlat_sigmas = 3.0;
 constexpr int kFoldSteps = 15;
-constexpr LensRung kWallsLens = LensRung::kRadial1;  // With which the ladder of walls is climbed.
+constexpr LensRung kWallsLens = LensRung::kRadial1;  // With which the ladder of walls is climbed first.
 constexpr double kLensMatters = 1.02;                // Of its left-out error: less is chance.
 // A rung whose prediction is already as good as the measurements themselves, and not bettered by the next one, ends the
 // climb. As good is not enough: what is less than noise for one sample is clear in a thousand.
@@ -205,7 +205,7 @@ struct LensLadder {
   }
 };
 
-/// `wall` was tried with kWallsLens, and is usable.
+/// `wall` was fitted with kWallsLens.
 LensLadder climb_lenses(const Ladder& ladder, const Tried& wall) {
   std::vector<std::future<Tried>> attempts;
   for (const LensRung rung : kProjectorLensRungs) {
@@ -276,7 +276,8 @@ Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projector
                  "about right");
   }
   LensLadder lenses = climb_lenses(ladder, tried[*chosen]);
-  // Lenses that are not as the walls were compared with: richer walls make up for them. With those that they have.
+  // Where lenses are richer than those with which walls were compared, richer walls made up for them: compare walls
+  // again, with the lenses that they have.
   if (kLensMatters * lenses.best().heldout_rms_px < lenses.of(kWallsLens).trial.heldout_rms_px) {
     const LensRung lens = kProjectorLensRungs[lenses.best_at];
     std::map<SurfaceRung, Tried> again;

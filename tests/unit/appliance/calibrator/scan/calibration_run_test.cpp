@@ -105,15 +105,19 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
   EXPECT_EQ(kept_calibrations(folder_).size(), 2u);
 }
 
-/// The sun through a window, evenly on the wall. Truth is the test's, who calibrates sees light alone.
-TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
+PresetOptions two_small_projectors() {
   PresetOptions options;
   options.projectors = 2;
   options.projector_width_px = 160;
   options.projector_height_px = 100;
   options.camera_megapixels = 0.1;
+  return options;
+}
+
+/// The sun through a window, evenly on the wall. Truth is the test's, who calibrates sees light alone.
+TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
   for (const double lux : {300.0, 3000.0}) {
-    auto preset = make_preset("cylinder126", 5, options);
+    auto preset = make_preset("cylinder126", 5, two_small_projectors());
     ASSERT_TRUE(preset.has_value());
     preset->truth.ambient_lux = {lux, lux, lux};
     auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
@@ -130,6 +134,7 @@ TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
     std::filesystem::remove_all(folder_ / "day");
     if (outcome) {
       const MuseumScore score = score_of(*museum, outcome->calibration);
+      RecordProperty("p95_px", std::to_string(score.p95_px));
       EXPECT_LE(score.p95_px, 0.6) << lux;
       EXPECT_LT(static_cast<double>(score.missing), 0.05 * static_cast<double>(score.lit)) << lux;
     } else {
@@ -139,12 +144,7 @@ TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
 }
 
 TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) {
-  PresetOptions options;
-  options.projectors = 2;
-  options.projector_width_px = 160;
-  options.projector_height_px = 100;
-  options.camera_megapixels = 0.1;
-  const auto preset = make_preset("cylinder126", 5, options);
+  const auto preset = make_preset("cylinder126", 5, two_small_projectors());
   ASSERT_TRUE(preset.has_value());
   auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
   ASSERT_TRUE(museum.has_value());

@@ -18,11 +18,11 @@ double turn_at(int step) {
   return kTurns[(step / 8) % 7];
 }
 
-/// One hour of a museum of its own: it settles at its usual rate, then it is looked at every `period`.
-Result<Json> quiet_hour(const ShowContent& content, std::uint32_t seed, bool is_small, Duration period, int steps) {
+/// One hour of a small museum of its own: it settles at its usual rate, then it is looked at every `period`.
+Result<Json> quiet_hour(const ShowContent& content, std::uint32_t seed, Duration period, int steps) {
   BumpedShowOptions options;
   options.seed = seed;
-  if (is_small) make_small(&options);
+  make_small(&options);
   TRY_ASSIGN(BumpedShow show, BumpedShow::make(options, content));
   for (int i = 0; i < 14; ++i) TRY(show.step());
   show.set_period(period);
@@ -60,7 +60,7 @@ int quiet(const ShowContent& content, bool is_quick, const Records::Options& kep
   for (int hour = 1; hour <= hours; ++hour) {
     std::string failed;
     const auto record = records.get(fmt::format("quiet {} of {} steps", hour, steps), [&] {
-      auto made = quiet_hour(content, static_cast<std::uint32_t>(hour), true, period, steps);
+      auto made = quiet_hour(content, static_cast<std::uint32_t>(hour), period, steps);
       if (!made) failed = made.error().message();
       return made ? *std::move(made) : Json();
     });

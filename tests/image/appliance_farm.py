@@ -39,11 +39,12 @@ def wand_disk(programs, folder):
 
 
 def plug_camera(machine):
-    """As test-camera does (tests/tools/vivid.cpp): output joined to input, both 640x480, grey, nothing written over it."""
-    machine.run(f"modprobe {VIVID}", 120)
+    """As test-camera does (tests/tools/vivid.cpp): output joined to input, both 640x480, grey, nothing written over it. No real camera
+    has to be set up first: the tracker would open this one before."""
+    machine.run(f"systemctl stop cyclorama-tracker; modprobe {VIVID}", 120)
     for number, name in enumerate(WANDS):
         machine.run(f"dd if=/dev/disk/by-id/virtio-wand of=/run/{name}.grey bs={FRAME} skip={number} count=1", 60)
-    return machine.run("""for node in /sys/class/video4linux/video*; do
+    said = machine.run("""for node in /sys/class/video4linux/video*; do
       case $(cat $node/name) in vivid-*-vid-out) out=/dev/${node##*/} ;; vivid-*-vid-cap) in=/dev/${node##*/} ;; esac
     done
     v4l2-ctl -d $in --set-dv-bt-timings=index=0 --set-ctrl osd_text_mode=2
@@ -52,6 +53,8 @@ def plug_camera(machine):
     # Until 6.11 one switch; later each input is joined to an output.
     v4l2-ctl -d $in --set-ctrl loop_video=1 >/dev/null 2>&1 || v4l2-ctl -d $in --set-ctrl hdmi_000_0_is_connected_to=2 >/dev/null
     echo in $in out $out; echo $out >/run/wand-node""", 120)[1]
+    machine.run("systemctl start cyclorama-tracker", 60)
+    return said
 
 
 def show_wand(machine, name):
@@ -180,7 +183,7 @@ def check_camera(machine, figures):
     before = int(machine.run(since)[1].split()[-1])
     machine.run("systemctl stop wand; echo vivid.0 >/sys/bus/platform/drivers/vivid/unbind", 60)
     gone = wait_for(lambda: machine.run("journalctl -b -o cat -u cyclorama-tracker --no-pager | tail -n 3 | grep -c 'No pictures'")[1].endswith("1"), 120)
-    machine.run("echo vivid.0 >/sys/bus/platform/drivers/vivid/bind", 60)
+    machine.run("systemctl stop cyclorama-tracker; echo vivid.0 >/sys/bus/platform/drivers/vivid/bind", 60)
     plug_camera(machine)
     show_wand(machine, "rest")
     back = wait_for(lambda: int(machine.run(since)[1].split()[-1]) > before, 240)

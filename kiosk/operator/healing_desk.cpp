@@ -64,6 +64,17 @@ Status HealingDesk::realign() {
   return from_grpc(status, "having the projectors looked for anew");
 }
 
+Result<std::string> HealingDesk::undo() {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kDeadline);
+  wire::RealignOrder order;
+  order.set_undo(true);
+  wire::RealignAnswer answer;
+  const grpc::Status status = healing_->Realign(&context, order, &answer);
+  if (!status.ok()) return from_grpc(status, "taking the last correction back");
+  return printable(answer.undone(), 4 * kLongest);
+}
+
 std::string watched_json(const wire::ProcessStatus& calibrator) {
   const wire::Table* const now = table_of(calibrator, "watched projectors");
   if (now == nullptr) return "null";

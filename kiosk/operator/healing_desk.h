@@ -21,6 +21,8 @@ class HealingDesk {
   [[nodiscard]] std::string json() const;
   /// kUnavailable, kTimedOut  nobody answers there, or nothing watches: says why.
   Status realign();
+  /// Takes the last correction back that stands: which it was. kNotFound  there is none. Others alike.
+  Result<std::string> undo();
 
  private:
   explicit HealingDesk(const std::shared_ptr<grpc::Channel>& channel);

@@ -114,6 +114,15 @@ void serve_healing(httplib::Server& server, MuseumDesk* desk) {
     if (const Status told = desk->healing->realign(); !told) return answer_error(told.error(), response);
     response.status = 204;
   });
+  server.Post("/realign/undo", [desk](const httplib::Request&, httplib::Response& response) {
+    if (desk->healing == nullptr) {
+      return answer_error(
+          Error(ErrorCode::kNotFound, "no calibrator is named; start the page with --calibrator ADDRESS"), response);
+    }
+    const auto undone = desk->healing->undo();
+    if (!undone) return answer_error(undone.error(), response);
+    response.set_content(Json{{"undone", *undone}}.dump(), "application/json");
+  });
 }
 
 void serve_support(httplib::Server& server, MuseumDesk* desk) {

@@ -137,6 +137,7 @@ BumpedShow::BumpedShow(const BumpedShowOptions& options, ShowContent content, Si
       calibrator_(std::make_unique<ContinuousCalibrator>(std::move(calibrator))),
       heads_(calibrator_->applied().projectors.size()),
       is_on_(heads_.size(), true),
+      is_moved_(heads_.size(), false),
       installation_text_(std::move(installation_text)) {
   for (const ShowProjector& projector : calibrator_->applied().projectors)
     draws_for_.push_back(projector.T_room_projector);
@@ -296,7 +297,13 @@ Result<ShowMoment> BumpedShow::look() {
       moment.shown.push_back({i, now_ - exposure - before, heads_[i], number_ + 1});
     }
     ++number_;
+  } else {
+    // A projector that moved shines what it shone: no display knows of it, and nothing is drawn anew.
+    for (std::size_t i = 0; i < heads_.size(); ++i) {
+      if (is_moved_[i]) TRY(room_->show(i, is_on_[i] ? RgbImage(*heads_[i]) : RgbImage()));
+    }
   }
+  is_moved_.assign(heads_.size(), false);
   // Displays are asked a moment later.
   const Duration asked_after = std::min<Duration>(options_.period / 4, std::chrono::milliseconds(100));
   for (std::size_t i = 0; i < heads_.size(); ++i) moment.until.push_back({i, now_ + asked_after, number_});
@@ -323,7 +330,7 @@ void BumpedShow::bump(std::size_t projector, const PoseStep& step) {
   const auto moved =
       room_->move_projector(projector, stepped(room_->truth().truth().projectors[projector].T_room_projector, step));
   CHECK(moved);
-  is_changed_ = true;
+  is_moved_[projector] = true;
 }
 
 void BumpedShow::bump_camera(std::size_t camera, const PoseStep& step) {

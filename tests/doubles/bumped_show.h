@@ -112,11 +112,12 @@ class BumpedShow {
   std::unique_ptr<ContinuousCalibrator> calibrator_;
   std::vector<std::shared_ptr<const RgbImage>> heads_;
   std::vector<bool> is_on_;
+  std::vector<bool> is_moved_;  ///< Since the last look.
   std::string installation_text_;
   std::vector<RigidTransform<frame::Room, frame::Projector>> draws_for_;
   std::vector<RigidTransform<frame::Room, frame::Projector>> drawn_for_;
   double drawn_heading_rad_ = 0.0;
-  bool is_changed_ = true;  ///< What is to be drawn, or what lights the wall.
+  bool is_changed_ = true;  ///< What is to be drawn, or which lamps are on.
   TimePoint now_ = TimePoint{} + std::chrono::seconds(100);
   double heading_rad_ = 0.0;
   ShowMoment moment_;

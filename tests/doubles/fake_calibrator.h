@@ -100,14 +100,20 @@ class FakeCalibrator final : private wire::Calibrator::Service {
   }
 
   InspectionService inspection{"calibrator"};
-  /// Counts who wants a realignment.
+  /// Counts who wants a realignment, and undoes corrections that it never made.
   struct Healing final : wire::Healing::Service {
-    grpc::Status Realign(grpc::ServerContext*, const wire::RealignOrder*, wire::RealignAnswer*) override {
+    grpc::Status Realign(grpc::ServerContext*, const wire::RealignOrder* order, wire::RealignAnswer* answer) override {
+      if (order->undo()) {
+        if (corrections == 0) return {grpc::StatusCode::NOT_FOUND, "no correction stands that could be undone"};
+        answer->set_undone("projector 'middle' is drawn for as before correction " + std::to_string(corrections--));
+        return grpc::Status::OK;
+      }
       ++realigned;
       return is_watching ? grpc::Status::OK
                          : grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "nothing watches the wall");
     }
     std::atomic<int> realigned{0};
+    std::atomic<int> corrections{1};  ///< That can be undone.
     std::atomic<bool> is_watching{true};
   } healing;
 

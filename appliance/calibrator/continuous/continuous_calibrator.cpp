@@ -55,6 +55,8 @@ std::string_view name_of(Hold hold) {
       return "no light";
     case Hold::kSearching:
       return "searching";
+    case Hold::kUnplaced:
+      return "not placed";
   }
   CHECK(false);
 }
@@ -198,7 +200,7 @@ void ContinuousCalibrator::State::correct_drift(TimePoint now, ShowReport* repor
   for (std::size_t i = 0; i < projectors(); ++i) {
     ProjectorHealth& one = health[i];
     one.sigma_px = motion[i].sigma_px(filters[i].covariance());
-    one.wants_scan = now - measured_at[i] > options.ask_for_scan_after;
+    one.wants_scan = now - measured_at[i] > options.ask_for_scan_after || !believed.projectors[i].unplaced.empty();
     if (!is_settled) continue;
     const PoseStep change =
         step_between(reference.projectors[i].T_room_projector, believed.projectors[i].T_room_projector);
@@ -240,7 +242,9 @@ void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
   const auto is_quiet = [&](std::size_t i) { return surprises[i] == 0 && !is_refused[i]; };
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const Tally& sum = sums[i];
-    if (sum.compared() < kLeastPatches) {
+    if (!believed.projectors[i].unplaced.empty()) {
+      hold(i, Hold::kUnplaced, believed.projectors[i].unplaced, now, report);
+    } else if (sum.compared() < kLeastPatches) {
       const bool is_dark = pixels == 0.0 || light / pixels < kDarkest;
       hold(i, is_dark ? Hold::kDark : Hold::kPlain,
            is_dark ? "the show is dark" : "there is nothing in its picture to go by", now, report);
@@ -320,6 +324,18 @@ Result<ContinuousCalibrator> ContinuousCalibrator::resume(const ShowCalibration&
 }
 
 void ContinuousCalibrator::realign() { state_->wants_realignment = true; }
+Status ContinuousCalibrator::put_back(std::size_t projector,
+                                      const RigidTransform<frame::Room, frame::Projector>& T_room_projector) {
+  CHECK(projector < state_->projectors());
+  if (!state_->is_settled) return Error(ErrorCode::kUnavailable, "it has only begun; wait some seconds");
+  // Where it would be believed to stand if that place were right: where it is believed to stand.
+  const auto change = state_->scanned.projectors[projector].T_room_projector.inverse() * T_room_projector;
+  auto& rest = state_->reference.projectors[projector].T_room_projector;
+  rest = state_->believed.projectors[projector].T_room_projector * change.inverse();
+  state_->applied.projectors[projector].T_room_projector = T_room_projector;
+  state_->health[projector].off_px = 0.0;
+  return Done{};
+}
 bool ContinuousCalibrator::is_settled() const { return state_->is_settled; }
 
 ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {

@@ -33,6 +33,7 @@ enum class Hold {
   kInTheWay,
   kNoLight,    ///< Its part of the wall is dark and should not be.
   kSearching,  ///< Something moved, and no pose explains it yet.
+  kUnplaced,   ///< The calibration does not say where it stands.
 };
 [[nodiscard]] std::string_view name_of(Hold hold);
 
@@ -119,6 +120,9 @@ class ContinuousCalibrator {
   /// Somebody wants it now: for ten seconds every projector is searched for as if nothing were known of late, and what
   /// is found is corrected from 0.05 px on.
   void realign();
+  /// Somebody knows better: the displays draw for this place of a projector from now on, and how all is seen now counts
+  /// as right with it. kUnavailable  it is not settled yet.
+  Status put_back(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& T_room_projector);
   /// Whether what the scan left over has been learned.
   [[nodiscard]] bool is_settled() const;
 

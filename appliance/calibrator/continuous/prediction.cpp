@@ -68,6 +68,7 @@ LitPart lit_part(const SeenWall& seen, const ShowProjector& projector) {
   LitPart lit;
   lit.places.resize(seen.points.size());
   lit.first_row = seen.height;
+  lit.is_placed = projector.unplaced.empty();
   const RigidTransform<frame::Projector, frame::Room> T = projector.T_room_projector.inverse();
   const Eigen::Matrix3f R = T.rotation().toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>();
@@ -143,7 +144,8 @@ Prediction predict(const SeenWall& seen, std::span<const LitPart> lit, std::span
     std::int8_t& owner = made.owner.data()[k];
     if (std::isnan(seen.points[k].x())) {
       owner = kBesideWall;
-    } else if (owner >= 0 && most.data()[k] < kOwnShare * made.light.light.data()[k]) {
+    } else if (owner >= 0 && (!lit[static_cast<std::size_t>(owner)].is_placed ||
+                              most.data()[k] < kOwnShare * made.light.light.data()[k])) {
       owner = kOverlap;
     }
   }

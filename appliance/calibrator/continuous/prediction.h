@@ -45,6 +45,7 @@ struct LitPart {
   std::vector<Place> places;
   int first_row = 0;  ///< Rows with light.
   int end_row = 0;
+  bool is_placed = true;  ///< Or nobody knows well enough where it lands.
 };
 [[nodiscard]] LitPart lit_part(const SeenWall& seen, const ShowProjector& projector);
 /// How many of a projector's pixels lie beneath one of the camera's, on the median; 1 if it lights none.

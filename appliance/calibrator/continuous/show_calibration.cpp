@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace cyclorama {
@@ -37,6 +38,12 @@ CodeLight gamma_light(double gamma) {
   CodeLight light{};
   for (std::size_t code = 0; code < light.size(); ++code)
     light[code] = static_cast<float>(std::pow(static_cast<double>(code) / 255.0, gamma));
+  return light;
+}
+
+CodeLight rounded_light(CodeLight light) {
+  constexpr float kSteps = 65535.0f;
+  for (float& one : light) one = std::round(kSteps * std::clamp(one, 0.0f, 1.0f)) / kSteps;
   return light;
 }
 

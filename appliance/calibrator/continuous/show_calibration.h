@@ -16,6 +16,8 @@ namespace cyclorama {
 /// Light of a channel for each code of 8 bits, in [0, 1].
 using CodeLight = std::array<float, 256>;
 [[nodiscard]] CodeLight gamma_light(double gamma);
+/// In steps of 1/65535, as files keep it.
+[[nodiscard]] CodeLight rounded_light(CodeLight light);
 
 struct ShowProjector {
   std::string name;
@@ -23,6 +25,7 @@ struct ShowProjector {
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
   std::array<CodeLight, 3> light{};             ///< As measured; gamma_light(2.2) will do.
   std::array<float, 3> grey{.21f, .72f, .07f};  ///< How bright a camera finds each channel.
+  std::string unplaced{};  ///< Why nobody knows where it stands; its light is then nobody's. Empty: it is known.
 };
 
 struct ShowCamera {

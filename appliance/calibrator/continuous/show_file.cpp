@@ -17,6 +17,7 @@ constexpr int kMostPx = 16384;
 constexpr double kFarthest_m = 1e3;
 constexpr double kFlattest = 1e-60;  // Determinant of six deviations of a micrometre or microradian: 1e-36.
 constexpr std::size_t kMost = 64;
+constexpr float kLightSteps = 65535.0f;
 constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
 Json json_of(const BrownParameters& lens) {
@@ -69,6 +70,24 @@ RigidTransform<frame::Room, Body> pose_of(StrictJson json) {
   return {turn, {t[0], t[1], t[2]}};
 }
 
+Json json_of(const std::array<CodeLight, 3>& light) {
+  Json values = Json::array();
+  for (const CodeLight& channel : light) {
+    for (const float part : channel) values.push_back(static_cast<int>(std::lround(kLightSteps * part)));
+  }
+  return values;
+}
+
+/// Channel by channel.
+std::array<CodeLight, 3> light_of(StrictJson* json) {
+  std::array<CodeLight, 3> light{};
+  const std::size_t codes = light[0].size();
+  const std::vector<StrictJson> values = json->list("light_65535", 3 * codes, 3 * codes);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    light[i / codes][i % codes] = static_cast<float>(values[i].as_number(0.0, kLightSteps, true)) / kLightSteps;
+  return light;
+}
+
 /// By columns.
 PoseMatrix root_of(StrictJson* json) {
   PoseMatrix root = PoseMatrix::Identity();
@@ -91,6 +110,8 @@ std::string show_json(const ShowFile& show) {
                         {"at_rest", json_of(p.learned->at_rest)},
                         {"root", json_of(p.learned->root)}};
     }
+    if (!p.unplaced.empty()) one["unplaced"] = p.unplaced;
+    if (p.light) one["light_65535"] = json_of(*p.light);
     projectors.push_back(std::move(one));
   }
   Json cameras = Json::array();
@@ -125,6 +146,8 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
                    root_of(&learned)};
       learned.refuse_other_keys();
     }
+    if (one.has("unplaced")) p.unplaced = one.text("unplaced", 1000);
+    if (one.has("light_65535")) p.light = light_of(&one);
     one.refuse_other_keys();
   }
   for (StrictJson one : json.list("cameras", 0, kMost)) {

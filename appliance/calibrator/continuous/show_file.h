@@ -9,6 +9,7 @@
 /// measured; only the way from there to `applied` counts.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -34,6 +35,9 @@ struct ShowFile {
       PoseMatrix root;                                         ///< How sure that is, as PoseFilter::root().
     };
     std::optional<Learned> learned{};
+    std::string unplaced{};  ///< As ShowProjector::unplaced; `scanned` is then where it was installed.
+    /// Per channel, as rounded_light() has it; nothing: not measured.
+    std::optional<std::array<CodeLight, 3>> light{};
   };
   struct Camera {
     std::string name;

@@ -38,10 +38,11 @@ Result<std::vector<PlacedCamera>> place_cameras(const std::vector<WatchingCamera
     const WatchingCamera& camera = cameras[k];
     ScanCamera& eye = *devices.cameras[k];
     if (eye.width_px() != camera.lens.width_px || eye.height_px() != camera.lens.height_px) {
-      return Error(
-          ErrorCode::kInvalidArgument,
+      placed.push_back({camera.name, camera.lens, {}});
+      placed.back().trouble =
           fmt::format("camera '{}' gives pictures of {}x{}, but its lens was calibrated for {}x{}", camera.name,
-                      eye.width_px(), eye.height_px(), camera.lens.width_px, camera.lens.height_px));
+                      eye.width_px(), eye.height_px(), camera.lens.width_px, camera.lens.height_px);
+      continue;
     }
     std::vector<PlacedPixel> pixels;
     ViewSettings settings;
@@ -59,9 +60,15 @@ Result<std::vector<PlacedCamera>> place_cameras(const std::vector<WatchingCamera
       pixels.insert(pixels.end(), some.begin(), some.end());
     }
     auto fitted = place_camera(camera.lens, pixels);
-    if (!fitted) return std::move(fitted).error().while_doing(fmt::format("placing camera '{}'", camera.name));
-    placed.push_back({camera.name, camera.lens, fitted->pose, fitted->used, fitted->rms_px});
+    placed.push_back({camera.name, camera.lens, {}});
+    if (!fitted) {
+      placed.back().trouble = fmt::format("camera '{}': {}", camera.name, fitted.error().message());
+      continue;
+    }
+    placed.back() = {camera.name, camera.lens, fitted->pose, fitted->used, fitted->rms_px};
   }
+  if (!placed.empty() && std::ranges::none_of(placed, &std::string::empty, &PlacedCamera::trouble))
+    return Error(ErrorCode::kBadData, placed.front().trouble);
   return placed;
 }
 

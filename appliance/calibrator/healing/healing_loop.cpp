@@ -5,10 +5,10 @@
 #include <pthread.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <ctime>
+#include <span>
 #include <utility>
 
+#include "appliance/calibrator/healing/correction_log.h"
 #include "common/base/give_way.h"
 
 namespace cyclorama {
@@ -16,36 +16,24 @@ namespace {
 
 constexpr Duration kTryAgainAfter = std::chrono::seconds(1);
 constexpr Duration kKeepEvery = std::chrono::minutes(10);
-constexpr std::uintmax_t kLargestLog = std::uintmax_t{1} << 20;
 constexpr int kGivesWay = 10;
-
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  return {text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc)};
-}
-
-std::string pose_json(const RigidTransform<frame::Room, frame::Projector>& T) {
-  const Eigen::Quaterniond& q = T.rotation();
-  const Eigen::Vector3d& t = T.translation();
-  return fmt::format(R"({{"rotation_wxyz": [{:.9f}, {:.9f}, {:.9f}, {:.9f}], "place_m": [{:.6f}, {:.6f}, {:.6f}]}})",
-                     q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
-}
 
 }  // namespace
 
 /// What is there while it watches.
 struct HealingLoop::Watching {
-  Watching(ShowFile of, ContinuousCalibrator with, HealingHealth how, std::unique_ptr<ShowRoom> in,
+  Watching(HealingStart from, ContinuousCalibrator with, HealingHealth how, std::unique_ptr<ShowRoom> in,
            std::filesystem::file_time_type at)
-      : show(std::move(of)),
+      : show(std::move(from.show)),
+        cameras(std::move(from.cameras)),
+        left_out(std::move(from.troubles)),
         calibrator(std::move(with)),
         health(std::move(how)),
         room(std::move(in)),
         calibrated_at(at) {}
   ShowFile show;
+  std::vector<std::size_t> cameras;   ///< The room's, in the order of those of `show`.
+  std::vector<std::string> left_out;  ///< Cameras, and why.
   ContinuousCalibrator calibrator;
   HealingHealth health;
   std::unique_ptr<ShowRoom> room;
@@ -121,7 +109,8 @@ void HealingLoop::turn() {
 
 Status HealingLoop::begin() {
   const auto at = calibrated_at();
-  TRY_ASSIGN(ShowFile show, healing_start(folder_, installation_, rooms_->cameras()));
+  TRY_ASSIGN(HealingStart begun, healing_start(folder_, installation_, rooms_->cameras()));
+  const ShowFile& show = begun.show;
   const int factor = rooms_->picture_factor();
   RecordStart start{applied_room(show, installation_, factor), learned_room(show, installation_, factor),
                     static_cast<std::uint32_t>(factor)};
@@ -148,7 +137,7 @@ Status HealingLoop::begin() {
   for (const InstalledProjector& projector : installation_.projectors) names.push_back(projector.name);
   TRY_ASSIGN(std::unique_ptr<ShowRoom> room, rooms_->open());
   watching_ =
-      std::make_unique<Watching>(std::move(show), std::move(calibrator),
+      std::make_unique<Watching>(std::move(begun), std::move(calibrator),
                                  HealingHealth(std::move(names), static_cast<double>(factor)), std::move(room), at);
   watching_->recorder = std::move(recorder);
   return Done{};
@@ -156,8 +145,15 @@ Status HealingLoop::begin() {
 
 Status HealingLoop::step() {
   Watching& now = *watching_;
-  std::vector<std::string> troubles;
-  TRY_ASSIGN(const ShowMoment moment, now.room->next(&troubles));
+  std::vector<std::string> troubles = now.left_out;
+  TRY_ASSIGN(ShowMoment moment, now.room->next(&troubles));
+  // The calibration counts those cameras alone that it knows.
+  std::erase_if(moment.seen, [&](const CameraPicture& picture) {
+    return std::ranges::find(now.cameras, picture.camera) == now.cameras.end();
+  });
+  for (CameraPicture& picture : moment.seen) {
+    picture.camera = static_cast<std::size_t>(std::ranges::find(now.cameras, picture.camera) - now.cameras.begin());
+  }
   if (std::exchange(now.wants_realignment, false)) {
     now.calibrator.realign();
     if (now.recorder) TRY(now.recorder->add_realignment());
@@ -187,7 +183,8 @@ Status HealingLoop::step() {
   return Done{};
 }
 
-void HealingLoop::keep(const ShowReport& report) {
+/// What the calibration knows, into what is written.
+void HealingLoop::take_over() {
   Watching& now = *watching_;
   const ShowCalibration& applied = now.calibrator.applied();
   const ShowCalibration& believed = now.calibrator.believed();
@@ -196,12 +193,26 @@ void HealingLoop::keep(const ShowReport& report) {
   for (std::size_t i = 0; i < now.show.cameras.size(); ++i)
     now.show.cameras[i].T_room_camera = believed.cameras[i].T_room_camera;
   if (const auto learned = now.calibrator.learned()) put_learned(*learned, &now.show);
+}
+
+void HealingLoop::keep(const ShowReport& report) {
+  Watching& now = *watching_;
+  take_over();
   const bool has_corrected = !report.corrections.empty();
-  const bool is_calm = std::ranges::all_of(report.projectors, [](const auto& p) { return p.hold == Hold::kNone; });
+  const bool is_calm = std::ranges::all_of(
+      report.projectors, [](const auto& p) { return p.hold == Hold::kNone || p.hold == Hold::kUnplaced; });
   double sigma_px = 0.0;
-  for (const ProjectorHealth& one : report.projectors) sigma_px = std::max(sigma_px, one.sigma_px);
+  for (const ProjectorHealth& one : report.projectors) {
+    if (one.hold != Hold::kUnplaced) sigma_px = std::max(sigma_px, one.sigma_px);
+  }
   const bool is_due = !now.kept_at || clock_.now() > *now.kept_at + kKeepEvery || sigma_px < 0.5 * now.kept_sigma_px;
-  log_corrections(report);
+  std::vector<LoggedCorrection> corrections;
+  const double pixels = rooms_->picture_factor();
+  for (const Correction& c : report.corrections) {
+    corrections.push_back({utc_now(), c.is_bump ? "bump" : "drift", c.projector, pixels * c.moved_px,
+                           pixels * c.sigma_px, c.before, c.after});
+  }
+  log_corrections(folder_, corrections);
   const bool is_unkept = !now.unkept.empty();
   if (!has_corrected && !is_unkept && !(is_calm && now.calibrator.is_settled() && is_due)) return;
   now.kept_at = clock_.now();
@@ -218,30 +229,13 @@ Status HealingLoop::write_state(bool with_correction) {
   if (with_correction) {
     ShowFile correction = show;
     correction.cameras.clear();
-    for (ShowFile::Projector& projector : correction.projectors) projector.learned.reset();
+    for (ShowFile::Projector& projector : correction.projectors) {
+      projector.learned.reset();
+      projector.light.reset();
+    }
     TRY(write_show(folder_ / kCorrectionFile, correction));
   }
   return write_show(folder_ / kWatchFile, show);
-}
-
-void HealingLoop::log_corrections(const ShowReport& report) {
-  if (report.corrections.empty()) return;
-  const std::filesystem::path path = folder_ / "corrections.log";
-  std::error_code ignored;
-  if (std::filesystem::file_size(path, ignored) > kLargestLog && !ignored)
-    std::filesystem::rename(path, folder_ / "corrections.log.1", ignored);
-  std::FILE* const file = std::fopen(path.c_str(), "ae");
-  if (file == nullptr) return;
-  const double pixels = rooms_->picture_factor();
-  for (const Correction& c : report.corrections) {
-    fmt::print(
-        file,
-        R"({{"at": "{}", "projector": {}, "kind": "{}", "moved_px": {:.3f}, "sigma_px": {:.3f}, "before": {}, "after": {}}})",
-        utc_now(), c.projector + 1, c.is_bump ? "bump" : "drift", pixels * c.moved_px, pixels * c.sigma_px,
-        pose_json(c.before), pose_json(c.after));
-    fmt::print(file, "\n");
-  }
-  std::fclose(file);
 }
 
 Status HealingLoop::realign() {
@@ -251,6 +245,34 @@ Status HealingLoop::realign() {
   if (watching_ == nullptr) return Error(ErrorCode::kUnavailable, "the wall is not watched: " + lacks_);
   watching_->wants_realignment = true;
   return Done{};
+}
+
+Result<std::string> HealingLoop::undo() {
+  if (holders_ > 0) return Error(ErrorCode::kUnavailable, "the wall is being measured");
+  const std::lock_guard lock(working_);
+  if (watching_ == nullptr) return Error(ErrorCode::kUnavailable, "the wall is not watched: " + lacks_);
+  Watching& now = *watching_;
+  std::vector<RigidTransform<frame::Room, frame::Projector>> applied;
+  for (const ShowProjector& projector : now.calibrator.applied().projectors)
+    applied.push_back(projector.T_room_projector);
+  const auto last = last_correction(folder_, applied);
+  if (!last) return Error(ErrorCode::kNotFound, "no correction stands that could be undone");
+  // As a record of it is read: the last bits of a rotation are others there.
+  TRY(now.calibrator.put_back(last->projector, {last->before.rotation(), last->before.translation()}));
+  if (now.recorder) TRY(now.recorder->add_put_back(last->projector, last->before));
+  const LoggedCorrection undone{utc_now(),      "undone",    last->projector, last->moved_px,
+                                last->sigma_px, last->after, last->before};
+  log_corrections(folder_, std::span(&undone, 1));
+  take_over();
+  const Status written = write_state(true);
+  now.unkept = written ? "" : written.error().message();
+  inspection_.count("watch_undone");
+  std::string sentence = fmt::format(
+      "projector '{}' is drawn for as before the {} of {}, which moved it by {:.2f} px; how it is seen now "
+      "counts as its place",
+      installation_.projectors[last->projector].name, last->kind, last->at, last->moved_px);
+  if (options_.on_line) options_.on_line(sentence);
+  return sentence;
 }
 
 Result<std::vector<PlacedCamera>> HealingLoop::place_cameras(std::stop_token stop) {

@@ -28,8 +28,10 @@ namespace cyclorama {
 /// 1. correction.json, which displays follow, is only ever replaced by a calibration that step() accepted.
 /// 2. watch.json is written with it, and when all has become surer by half, so that another process goes on where this
 ///    one ended, and as sure.
-/// 3. Each correction is a line of FOLDER/corrections.log, with before and after.
+/// 3. Each correction is a line of FOLDER/corrections.log, with before and after (correction_log.h); the last can be
+///    taken back.
 /// 4. What cannot be written is said for as long as that lasts, counted (watch_unkept), and written at the next step.
+/// 5. Who cannot be watched, or cannot watch, is named with the remedy; the others are kept.
 ///
 /// Threads: one, which gives way to all others. Thread-safe.
 class HealingLoop {
@@ -66,6 +68,9 @@ class HealingLoop {
 
   /// kUnavailable  nothing is watched: why.
   Status realign();
+  /// Takes the last correction back that stands: what is seen now counts as its projector's place. Says which it was.
+  /// kUnavailable  nothing is watched: why.     kNotFound  no correction stands.
+  Result<std::string> undo();
   /// Precondition: the caller holds it. Errors of place_cameras(); kNotFound  no camera watches, or no calibration.
   Result<std::vector<PlacedCamera>> place_cameras(std::stop_token stop);
 
@@ -77,7 +82,7 @@ class HealingLoop {
   Status step();
   void keep(const ShowReport& report);
   Status write_state(bool with_correction);
-  void log_corrections(const ShowReport& report);
+  void take_over();
   void say(const std::string& sentence, bool is_well);
   [[nodiscard]] std::filesystem::file_time_type calibrated_at() const;
 

@@ -30,12 +30,21 @@ grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wi
     one->set_name(camera.name);
     one->set_places(static_cast<std::uint32_t>(camera.places));
     one->set_rms_px(camera.rms_px);
+    one->set_trouble(camera.trouble);
   }
   return grpc::Status::OK;
 }
 
-grpc::Status HealingService::Realign(grpc::ServerContext*, const wire::RealignOrder*, wire::RealignAnswer*) {
+grpc::Status HealingService::Realign(grpc::ServerContext*, const wire::RealignOrder* order,
+                                     wire::RealignAnswer* answer) {
   if (loop_ == nullptr) return refused("nothing watches the wall; name a fixed camera with --watch");
+  if (order->undo()) {
+    const auto undone = loop_->undo();
+    if (!undone && undone.error().code() == ErrorCode::kNotFound) return to_grpc(undone.error());
+    if (!undone) return refused(undone.error().message());
+    answer->set_undone(*undone);
+    return grpc::Status::OK;
+  }
   if (const Status told = loop_->realign(); !told) return refused(told.error().message());
   return grpc::Status::OK;
 }

@@ -11,18 +11,27 @@
 
 namespace cyclorama {
 
+/// What there is to go on with.
+struct HealingStart {
+  ShowFile show;
+  std::vector<std::size_t> cameras;   ///< Which of those that watch: show.cameras, in its order.
+  std::vector<std::string> troubles;  ///< Who is left out, why, and what to do about it.
+};
+
 /// What the calibrator's folder says of the room, for a calibration that goes on during the show.
 ///
 ///     calibration.json ── maps ─▶ fit_projector() ─▶ scanned     of a calibration that is new to watch.json
 ///     watch.json ────────────────────────────────▶ cameras; scanned, applied and learned too, if it is of this one
 ///
-/// kNotFound  there is no calibration; or nobody knows yet where the cameras stand, or one of `cameras` is not among
-/// those that were placed, or has another lens since: says what to do.     kBadData  a file is damaged, or no place
-/// fits a projector's map.
-Result<ShowFile> healing_start(const std::filesystem::path& folder, const Installation& installation,
-                               const std::vector<WatchingCamera>& cameras);
+/// Of one camera that was never placed, or has another lens since, and of one projector whose map no place fits, it
+/// goes on without; how codes become light is taken from the calibration's colours.json where there is one.
+/// kNotFound  there is no calibration, or nobody knows yet where any of the cameras stands: says what to do.
+/// kBadData  a file is damaged, or no projector's map fits a place.
+Result<HealingStart> healing_start(const std::filesystem::path& folder, const Installation& installation,
+                                   const std::vector<WatchingCamera>& cameras);
 
-/// The same after the cameras were placed; what is known of projectors stays. Writes watch.json.
+/// The same after the cameras were placed, but for those that were not; what is known of projectors stays. Writes
+/// watch.json.
 Result<ShowFile> keep_places(const std::filesystem::path& folder, const Installation& installation,
                              const std::vector<PlacedCamera>& cameras);
 

@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 #include "appliance/calibrator/continuous/show_file.h"
@@ -17,10 +19,11 @@ constexpr char kMagic[] = "CYCSHOW2";
 constexpr std::size_t kMagicBytes = 8;
 constexpr std::uint32_t kMostJson = 1 << 20;
 constexpr std::uint32_t kMostPictures = 4096;
+constexpr double kFarthest_m = 1e4;
 constexpr std::uint32_t kMostFactor = 16;
 constexpr std::uint32_t kMostSide_px = 16384;
 constexpr std::size_t kMostPicture_px = std::size_t{1} << 26;
-enum : std::uint8_t { kMoment = 1, kRealignment = 2 };
+enum : std::uint8_t { kMoment = 1, kRealignment = 2, kPutBack = 3 };
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 template <typename Number>
@@ -32,7 +35,7 @@ ShowFile file_of(const ShowCalibration& show) {
   ShowFile file;
   file.calibration = "recorded";
   for (const ShowProjector& p : show.projectors)
-    file.projectors.push_back({p.name, p.lens, p.T_room_projector, p.T_room_projector, {}});
+    file.projectors.push_back({p.name, p.lens, p.T_room_projector, p.T_room_projector, {}, p.unplaced, p.light});
   for (const ShowCamera& c : show.cameras) file.cameras.push_back({c.name, c.lens, c.T_room_camera});
   return file;
 }
@@ -71,7 +74,9 @@ ShowCalibration show_of(const ShowFile& file, const Installation& installation) 
     projector.name = p.name;
     projector.lens = p.lens;
     projector.T_room_projector = p.applied;
-    projector.light.fill(gamma_light(2.2));
+    projector.light.fill(rounded_light(gamma_light(2.2)));
+    if (p.light) projector.light = *p.light;
+    projector.unplaced = p.unplaced;
     show.projectors.push_back(std::move(projector));
   }
   for (const ShowFile::Camera& c : file.cameras)
@@ -217,6 +222,17 @@ Status ShowRecorder::add_realignment() {
   return put(bytes);
 }
 
+Status ShowRecorder::add_put_back(std::size_t projector,
+                                  const RigidTransform<frame::Room, frame::Projector>& T_room_projector) {
+  std::string bytes;
+  put_number(kPutBack, &bytes);
+  put_number(static_cast<std::uint32_t>(projector), &bytes);
+  const Eigen::Quaterniond& q = T_room_projector.rotation();
+  const Eigen::Vector3d& t = T_room_projector.translation();
+  for (const double value : {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}) put_number(value, &bytes);
+  return put(bytes);
+}
+
 Result<ShowRecord> ShowRecord::open(const std::filesystem::path& folder) {
   TRY_ASSIGN(const Installation installation, read_installation(folder / "installation.toml"));
   const std::filesystem::path path = folder / "show.record";
@@ -256,6 +272,17 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
   Event event;
   if (kind == kRealignment) {
     event.wants_realignment = true;
+    return std::optional<Event>(std::move(event));
+  }
+  if (kind == kPutBack) {
+    std::uint32_t projector = 0;
+    std::array<double, 7> v{};
+    if (!get(file, &left_, &projector) || !get_bytes(file, &left_, v.data(), sizeof v)) return end;
+    const Eigen::Quaterniond turn(v[0], v[1], v[2], v[3]);
+    const Eigen::Vector3d place(v[4], v[5], v[6]);
+    if (!(std::abs(turn.norm() - 1.0) < 1e-6) || !(place.norm() < kFarthest_m)) return damaged;
+    event.put_back = projector;
+    event.place = {turn, place};
     return std::optional<Event>(std::move(event));
   }
   if (kind != kMoment) return damaged;
@@ -326,6 +353,10 @@ Result<std::string> replay(const std::filesystem::path& folder) {
     if (!event) return lines;
     if (event->wants_realignment) {
       calibrator.realign();
+    } else if (event->put_back) {
+      if (*event->put_back >= calibrator.applied().projectors.size())
+        return Error(ErrorCode::kBadData, fmt::format("'{}' is no record of a show", folder.string()));
+      TRY(calibrator.put_back(*event->put_back, event->place));
     } else {
       lines += report_lines(calibrator.step(event->moment));
     }

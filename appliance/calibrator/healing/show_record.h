@@ -15,6 +15,7 @@
 ///                 u32 projectors, { u32 projector, i64 at_ns, u64 number }: until when it is known what they showed
 ///                 u32 photographs, { u32 camera, i64 opened_ns, i64 closed_ns, u32 width, u32 height, grey bytes }
 ///     u8 2: somebody wanted a realignment
+///     u8 3, u32 projector, f64 rotation w, x, y, z, place x, y, z: it was put back there
 #pragma once
 
 #include <cstdio>
@@ -45,7 +46,7 @@ struct RecordStart {
   [[nodiscard]] Result<ContinuousCalibrator> begin() const;
 };
 
-/// With what is applied; light is taken for 2.2 gamma, cameras for linear.
+/// With what is applied; light that was not measured is taken for 2.2 gamma, cameras for linear.
 [[nodiscard]] ShowCalibration show_of(const ShowFile& file, const Installation& installation);
 /// What was learned, if all of it is there.
 [[nodiscard]] std::optional<LearnedRoom> learned_of(const ShowFile& file, const Installation& installation);
@@ -67,6 +68,7 @@ class ShowRecorder {
   /// kSystem  errno says why, the disk is full; kBusy  it has its largest size: no more is kept.
   Status add(const ShowMoment& moment, const ShowReport& report);
   Status add_realignment();
+  Status add_put_back(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& T_room_projector);
 
  private:
   struct Close {
@@ -90,6 +92,8 @@ class ShowRecord {
 
   struct Event {
     bool wants_realignment = false;
+    std::optional<std::size_t> put_back{};  ///< A projector, there:
+    RigidTransform<frame::Room, frame::Projector> place{};
     ShowMoment moment;
   };
   /// Nothing at the end, also where the record is cut short. kBadData  what no recorder writes.

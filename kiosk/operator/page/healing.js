@@ -74,3 +74,8 @@ press("realign", async () => {
   await ask("/realign", {});
   say("The projectors are looked for anew; what is found is corrected within some seconds.");
 });
+
+press("realign-undo", async () => {
+  const answer = await ask("/realign/undo", {});
+  say(`Undone: ${answer.undone}.`);
+});

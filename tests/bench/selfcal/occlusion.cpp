@@ -82,7 +82,7 @@ std::vector<Case> cases() {
 
 }  // namespace
 
-int occlusion(const ShowContent& content, bool is_quick) {
+int occlusion(const ShowContent& content, bool is_quick, std::size_t first) {
   int wrong = 0;
   int held = 0;
   int had_to_hold = 0;
@@ -92,7 +92,7 @@ int occlusion(const ShowContent& content, bool is_quick) {
   fmt::print("{:<28} {:>11} {:>6} {:>10} {:>10}  held because\n", "case", "corrections", "wrong", "worst px",
              "after px");
   const std::vector<Case> all = cases();
-  for (std::size_t i = 0; i < all.size(); i += is_quick ? 2 : 1) {
+  for (std::size_t i = first; i < all.size(); i += is_quick ? 2 : 1) {
     const Case& one = all[i];
     BumpedShowOptions options;
     options.seed = 1 + static_cast<std::uint32_t>(i % 3);

@@ -89,12 +89,11 @@ int quiet(const ShowContent& content, bool is_quick, const Records::Options& kep
   return records.exit_code();
 }
 
-int drift(const ShowContent& content, bool is_quick, int most_minutes) {
-  // A tenth of a pixel a minute, as a lamp that warms up, for so many minutes; looked at once a second, a quarter of
-  // what the calibrator does.
-  const int minutes = std::min(most_minutes, is_quick ? 10 : 40);
+int drift(const ShowContent& content, const DriftSeries& series) {
+  // A tenth of a pixel a minute, as a lamp that warms up; in steps of a hundredth, so that the simulation is not made
+  // anew for each look.
   BumpedShowOptions options;
-  if (is_quick) make_small(&options);
+  if (series.is_small) make_small(&options);
   auto made = BumpedShow::make(options, content);
   if (!made) {
     fmt::print(stderr, "selfcal_bench: {}\n", made.error().message());
@@ -104,35 +103,46 @@ int drift(const ShowContent& content, bool is_quick, int most_minutes) {
   for (int i = 0; i < 14; ++i) {
     if (!show.step()) return 1;
   }
-  show.set_period(std::chrono::seconds(1));
+  show.set_period(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / series.looks_per_s)));
+  const int looks_per_step = 6 * series.looks_per_s;
   std::vector<double> errors;
   std::vector<double> others;
+  int corrections = 0;
   int wrong = 0;
   PoseStep creep = PoseStep::Zero();
-  creep[1] = 0.1 / 60.0 / show.calibrator().applied().projectors[1].lens.focal_u_px;
-  for (int i = 0; i < minutes * 60; ++i) {
-    show.bump(1, creep);
-    show.set_turn(turn_at(i / 4) * 0.25);
+  creep[1] = 0.01 / show.calibrator().applied().projectors[1].lens.focal_u_px;
+  for (int i = 0; i < series.minutes * 60 * series.looks_per_s; ++i) {
+    if (i % looks_per_step == looks_per_step / 2) show.bump(1, creep);
+    show.set_turn(turn_at(i / (4 * series.looks_per_s)) * 0.25);
     std::vector<double> before;
     for (std::size_t k = 0; k < show.projector_count(); ++k) before.push_back(show.error_px(k));
     const auto report = show.step();
     if (!report) return 1;
     for (const std::string& line : report->log) fmt::print(stderr, "{}\n", line);
-    for (const Correction& c : report->corrections)
+    for (const Correction& c : report->corrections) {
       wrong += show.error_px(c.projector) > before[c.projector] + kWrong_px ? 1 : 0;
+      corrections += c.projector == 1 ? 1 : 0;
+      fmt::print(stderr, "  off before {:.3f} px, then {:.3f} px\n", before[c.projector], show.error_px(c.projector));
+    }
     // What stands on the wall until the next look: it was drawn before this one.
     errors.push_back(before[1]);
     for (const std::size_t k : {std::size_t{0}, std::size_t{2}}) others.push_back(show.error_px(k));
+    if ((i + 1) % (series.looks_per_s * 60) == 0) {
+      fmt::print(stderr, "{} minutes: p95 {:.3f} px, most {:.3f} px\n", (i + 1) / (series.looks_per_s * 60),
+                 percentile(errors, 0.95), percentile(errors, 1.0));
+    }
   }
   fmt::print("{} minutes: {:.2f} px in all; error p50 {:.3f} px, p95 {:.3f} px, most {:.3f} px; others p95 {:.3f} px\n",
-             minutes, 0.1 * minutes, percentile(errors, 0.5), percentile(errors, 0.95), percentile(errors, 1.0),
-             percentile(others, 0.95));
-  fmt::print("{}\n", Json{{"minutes", minutes},
-                          {"drift_px", 0.1 * minutes},
+             series.minutes, 0.1 * series.minutes, percentile(errors, 0.5), percentile(errors, 0.95),
+             percentile(errors, 1.0), percentile(others, 0.95));
+  fmt::print("{}\n", Json{{"minutes", series.minutes},
+                          {"drift_px", 0.1 * series.minutes},
+                          {"looks_per_s", series.looks_per_s},
+                          {"corrections", corrections},
                           {"error_px_p95", percentile(errors, 0.95)},
                           {"error_px_most", percentile(errors, 1.0)},
                           {"others_px_p95", percentile(others, 0.95)},
-                          {"projector_width_px", is_quick ? 960 : 1920},
+                          {"projector_width_px", series.is_small ? 960 : 1920},
                           {"wrong_corrections", wrong}}
                          .dump());
   return 0;

@@ -21,8 +21,14 @@ struct BumpSeries {
 void make_small(BumpedShowOptions* options);
 int bumps(const ShowContent& content, const BumpSeries& series);
 int quiet(const ShowContent& content, bool is_quick, const Records::Options& kept);
-int drift(const ShowContent& content, bool is_quick, int most_minutes);
-int occlusion(const ShowContent& content, bool is_quick);
+struct DriftSeries {
+  int minutes = 15;
+  int looks_per_s = 4;
+  bool is_small = false;
+};
+int drift(const ShowContent& content, const DriftSeries& series);
+/// Cases are counted from 0; of the quick ones every other.
+int occlusion(const ShowContent& content, bool is_quick, std::size_t first);
 int constraints(const ShowContent& content, bool is_quick);
 int cost(const ShowContent& content, bool is_quick);
 /// Of refreshes, without and with a calibration beside.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick]; of bumps and of a
-// drift a part can be asked for: selfcal_bench bump CONTENT.png FIRST COUNT small|large, drift CONTENT.png minutes N.
-// trade and quiet take --records FILE, which keeps each case and does not run it again, --seconds S, after which no
-// case is begun (then it ends with 75), --only KNOB,
+// drift a part can be asked for, and of the occlusions (--quick FIRST): selfcal_bench bump CONTENT.png FIRST COUNT
+// small|large, drift CONTENT.png MINUTES LOOKS_PER_S small|large. trade and quiet take --records FILE, which keeps each
+// case and does not run it again, --seconds S, after which no case is begun (then it ends with 75), --only KNOB,
 // --json FILE.
 #include <fmt/format.h>
 
@@ -46,11 +46,11 @@ int main(int count, char** words) {
                            static_cast<std::uint32_t>(std::stoul(words[4])), std::strcmp(words[5], "small") == 0});
   }
   if (command == "bump") return bumps(content, is_quick ? BumpSeries{1, 12, true} : BumpSeries{});
-  if (command == "drift") {
-    const bool is_short = count > 4 && std::strcmp(words[3], "minutes") == 0;
-    return drift(content, is_quick, is_short ? std::stoi(words[4]) : 40);
+  if (command == "drift" && count == 6) {
+    return drift(content, {std::stoi(words[3]), std::stoi(words[4]), std::strcmp(words[5], "small") == 0});
   }
-  if (command == "occlusion") return occlusion(content, is_quick);
+  if (command == "drift") return drift(content, is_quick ? DriftSeries{10, 1, true} : DriftSeries{});
+  if (command == "occlusion") return occlusion(content, is_quick, is_quick && count > 4 ? std::stoul(words[4]) : 0);
   if (command == "constraints") return constraints(content, is_quick);
   if (command == "extremes") return extremes(content, is_quick);
   if (command == "rooms") return room_extremes(content) ? 0 : 1;

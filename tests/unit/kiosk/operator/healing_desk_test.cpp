@@ -60,5 +60,16 @@ TEST(HealingDesk, passes_on_why_nothing_is_realigned) {
   EXPECT_THAT(refused.error().message(), HasSubstr("nothing watches the wall"));
 }
 
+TEST(HealingDesk, tells_which_correction_was_undone_or_that_none_stands) {
+  FakeCalibrator calibrator;
+  const auto desk = HealingDesk::make(calibrator.address());
+  ASSERT_TRUE(desk);
+  const auto undone = (*desk)->undo();
+  ASSERT_TRUE(undone) << undone.error().message();
+  EXPECT_THAT(*undone, HasSubstr("projector 'middle'"));
+  EXPECT_EQ((*desk)->undo().error().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(calibrator.healing.realigned, 0);
+}
+
 }  // namespace
 }  // namespace cyclorama

@@ -249,6 +249,62 @@ TEST_F(HealingLoopTest, says_for_as_long_as_displays_cannot_be_told_and_tells_th
   EXPECT_EQ(says().find("displays are not told"), std::string::npos) << says();
 }
 
+TEST_F(HealingLoopTest, goes_on_without_a_camera_that_was_never_placed_and_names_it) {
+  std::vector<PlacedCamera> placed;
+  for (const ShowCamera& camera : stage_.show->calibrator().applied().cameras)
+    placed.push_back({camera.name, camera.lens, camera.T_room_camera});
+  placed[0].trouble = "it sees too little";
+  ASSERT_TRUE(keep_places(stage_.folder, stage_.show->room().truth().installation(), placed));
+  begin();
+  ASSERT_TRUE(comes_to_say("nobody knows where camera 'camera 1' stands; let the cameras be placed")) << says();
+  ASSERT_TRUE(comes_to_say("projectors in place")) << says();
+  bump(2, 0.006);
+  const double bumped = off_px(2);
+  EXPECT_TRUE(comes([&] { return off_px(2) < 0.3 * bumped; }, 30)) << says() << log();
+  for (const std::string& line : corrections()) EXPECT_THAT(line, HasSubstr("\"projector\": 3")) << line;
+}
+
+TEST_F(HealingLoopTest, goes_on_without_a_projector_whose_map_tells_no_place_and_names_it) {
+  const TrueMuseum& truth = stage_.show->room().truth();
+  Calibration calibration = true_calibration(truth, "2026-11-22T11-00-00Z");
+  for (Eigen::Vector3d& direction : calibration.projectors[2].map.directions) direction.setConstant(std::nan(""));
+  ASSERT_TRUE(save_calibration(stage_.folder, calibration));
+  begin();
+  EXPECT_TRUE(
+      comes_to_say("keeps 2 of 3 projectors in place; 'projector 3' is left as it is: where it stands cannot be "
+                   "told from its map"))
+      << says();
+  EXPECT_THAT(says(), HasSubstr("cyclorama calibrate --quick projector 3"));
+  bump(0, 0.006);
+  bump(2, 0.004);  // Nobody knows; it is not corrected, and holds nobody else back.
+  const double bumped = off_px(0);
+  EXPECT_TRUE(comes([&] { return off_px(0) < 0.3 * bumped; }, 30)) << says() << log();
+  EXPECT_LT(off_px(1), 0.6);
+  for (const std::string& line : corrections()) EXPECT_THAT(line, HasSubstr("\"projector\": 1")) << line;
+}
+
+TEST_F(HealingLoopTest, takes_the_last_correction_back_and_keeps_to_that) {
+  begin();
+  ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
+  EXPECT_EQ(loop_->undo().error().code(), ErrorCode::kNotFound);
+  bump(1, 0.006);
+  const double bumped = off_px(1);
+  ASSERT_TRUE(comes([&] { return off_px(1) < 0.3 * bumped; }, 20)) << log();
+  while (const auto undone = loop_->undo()) EXPECT_THAT(*undone, HasSubstr("projector 'projector 2'"));
+  EXPECT_THAT(corrections().back(), HasSubstr("\"projector\": 2, \"kind\": \"undone\""));
+  const std::size_t known = corrections().size();
+  EXPECT_TRUE(comes([&] { return off_px(1) > 0.8 * bumped; }, 5)) << log();
+  EXPECT_FALSE(comes([&] { return off_px(1) < 0.8 * bumped || corrections().size() > known; }, 20)) << log();
+  // Another process, too.
+  loop_.reset();
+  begin();
+  ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
+  EXPECT_FALSE(comes([&] { return off_px(1) < 0.8 * bumped || corrections().size() > known; }, 10)) << log();
+  // What comes later is found as ever.
+  bump(1, -0.005);
+  EXPECT_TRUE(comes([&] { return corrections().size() > known; }, 20)) << log();
+}
+
 /// A line of a replay, as corrections.log has it but for its time.
 std::string logged(const std::string& line) {
   std::size_t projector = 0;
@@ -280,6 +336,8 @@ TEST_F(HealingLoopTest, a_recorded_show_is_found_again_bit_by_bit_as_often_as_on
   ASSERT_TRUE(loop_->realign());
   bump(0, -0.003);
   ASSERT_TRUE(comes([&] { return corrections().size() >= 2; })) << log();
+  ASSERT_TRUE(loop_->undo());
+  comes([] { return false; }, 3);
   loop_.reset();
   begin(true);  // As another process, which goes on.
   bump(1, 0.003);
@@ -303,7 +361,8 @@ TEST_F(HealingLoopTest, a_recorded_show_is_found_again_bit_by_bit_as_often_as_on
       if (const std::string one = logged(line); !one.empty()) found.push_back(one);
     }
   }
-  const std::vector<std::string> kept = corrections();
+  std::vector<std::string> kept = corrections();
+  EXPECT_EQ(std::erase_if(kept, [](const std::string& line) { return line.find("undone") != std::string::npos; }), 1u);
   ASSERT_EQ(found.size(), kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_THAT(kept[i], HasSubstr(found[i]));
 }

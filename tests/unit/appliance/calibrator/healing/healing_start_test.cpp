@@ -9,8 +9,12 @@
 #include "appliance/calibrator/continuous/corrected_map.h"
 #include "appliance/calibrator/continuous/pose_step.h"
 #include "appliance/calibrator/continuous/show_fit.h"
+#include "appliance/calibrator/healing/correction_log.h"
 #include "appliance/calibrator/healing/healing_health.h"
+#include "appliance/calibrator/healing/healing_start.h"
 #include "appliance/calibrator/healing/show_record.h"
+#include "appliance/calibrator/solve/calibration_file.h"
+#include "appliance/calibrator/solve/colour_file.h"
 #include "common/base/file.h"
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/exact_calibration.h"
@@ -76,6 +80,113 @@ TEST(ShowFile, comes_back_as_it_was_written) {
   EXPECT_EQ(read->projectors[0].learned->root, root);
   EXPECT_EQ(to_block(read->projectors[0].lens), to_block(show.projectors[0].lens));
   EXPECT_EQ(read->cameras[0].name, show.cameras[0].name);
+}
+
+TEST(ShowFile, keeps_to_the_bit_how_codes_become_light_and_why_one_is_not_placed) {
+  ShowFile show;
+  show.calibration = "x";
+  show.projectors.push_back(installed(demo_room().projectors[0]));
+  show.projectors[0].unplaced = "nobody \"measured\" it";
+  show.projectors[0].light.emplace();
+  show.projectors[0].light->fill(rounded_light(gamma_light(1.8)));
+  const auto read = parse_show(show_json(show), "watch.json");
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->projectors[0].unplaced, show.projectors[0].unplaced);
+  EXPECT_EQ(read->projectors[0].light, show.projectors[0].light);
+  std::string bad = show_json(show);
+  bad.replace(bad.find("65535\n"), 5, "65536");
+  EXPECT_FALSE(parse_show(bad, "watch.json"));
+}
+
+/// A calibrated room of three projectors, and where a camera stands in it.
+struct CalibratedRoom {
+  CalibratedRoom() {
+    calibration = exact_calibration(room, "2026-11-22T10-00-00Z");
+    const RigidTransform<frame::Room, frame::Projector>& T = room.projectors[1].T_room_projector;
+    placed.name = "seen";
+    placed.lens = {640, 480, 500.0, 500.0, 320.0, 240.0};
+    placed.T_room_camera = {T.rotation(), T.translation()};
+  }
+  Result<HealingStart> start(const std::vector<WatchingCamera>& cameras) {
+    TRY(save_calibration(folder.path, calibration));
+    TRY(keep_places(folder.path, room, {placed}));
+    return healing_start(folder.path, room, cameras);
+  }
+  Folder folder;
+  Installation room = demo_room_with_pixels_over(8);
+  Calibration calibration;
+  PlacedCamera placed;
+};
+
+TEST(HealingStart, goes_on_with_what_is_good_and_names_the_rest) {
+  CalibratedRoom room;
+  for (Eigen::Vector3d& direction : room.calibration.projectors[0].map.directions) direction.setConstant(std::nan(""));
+  room.calibration.projectors.pop_back();
+  const auto start = room.start({{"never placed", room.placed.lens}, {"seen", room.placed.lens}});
+  ASSERT_TRUE(start) << start.error().message();
+  EXPECT_EQ(start->cameras, std::vector<std::size_t>{1});
+  ASSERT_EQ(start->troubles.size(), 1u);
+  EXPECT_THAT(start->troubles[0], HasSubstr("'never placed' stands; let the cameras be placed"));
+  ASSERT_EQ(start->show.projectors.size(), 3u);
+  EXPECT_THAT(start->show.projectors[0].unplaced, HasSubstr("cannot be told from its map"));
+  EXPECT_EQ(start->show.projectors[1].unplaced, "");
+  EXPECT_THAT(start->show.projectors[2].unplaced, HasSubstr("knows nothing of it; calibrate it with"));
+  // With no camera at all nothing can be kept.
+  EXPECT_EQ(healing_start(room.folder.path, room.room, {{"never placed", room.placed.lens}}).error().code(),
+            ErrorCode::kNotFound);
+}
+
+TEST(HealingStart, predicts_by_the_responses_that_were_measured) {
+  CalibratedRoom room;
+  CalibratedColour colour;
+  colour.name = room.room.projectors[1].name;
+  colour.colour.response.emplace();
+  constexpr double kGamma[] = {1.6, 2.0, 2.7};
+  for (std::size_t c = 0; c < 3; ++c) (*colour.colour.response)[c] = ResponseCurve::power(kGamma[c], 65);
+  const std::vector<WatchingCamera> cameras{{"seen", room.placed.lens}};
+  const auto before = room.start(cameras);
+  ASSERT_TRUE(before) << before.error().message();
+  EXPECT_FALSE(before->show.projectors[1].light);
+  const auto own = calibration_folder(room.folder.path, room.calibration.date);
+  ASSERT_TRUE(write_file_atomically(own / "colours.json", colours_json(std::span(&colour, 1))));
+  const auto start = healing_start(room.folder.path, room.room, cameras);
+  ASSERT_TRUE(start) << start.error().message();
+  const ShowCalibration show = applied_room(start->show, room.room, 1);
+  for (std::size_t code = 0; code < 256; ++code) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(show.projectors[1].light[c][code], std::pow(static_cast<double>(code) / 255.0, kGamma[c]), 2e-3);
+    }
+    EXPECT_NEAR(show.projectors[0].light[0][code], std::pow(static_cast<double>(code) / 255.0, 2.2), 1e-5);
+  }
+}
+
+TEST(CorrectionLog, finds_the_last_correction_that_stands) {
+  const Folder folder;
+  const Installation room = demo_room();
+  std::vector<RigidTransform<frame::Room, frame::Projector>> at;
+  for (const InstalledProjector& p : room.projectors) at.push_back(p.T_room_projector);
+  EXPECT_FALSE(last_correction(folder.path, at));
+  const auto first = at[0];
+  std::vector<LoggedCorrection> made;
+  for (int i = 0; i < 3; ++i) {
+    const auto before = at[0];
+    at[0] = stepped(before, small_step());
+    made.push_back({utc_now(), i == 1 ? "drift" : "bump", 0, 1.0 + i, 0.1, before, at[0]});
+  }
+  log_corrections(folder.path, made);
+  for (int i = 2; i >= 0; --i) {
+    const auto last = last_correction(folder.path, at);
+    ASSERT_TRUE(last);
+    EXPECT_NEAR(last->moved_px, 1.0 + i, 1e-3);
+    const LoggedCorrection undone{utc_now(), "undone", 0, last->moved_px, 0.1, last->after, last->before};
+    log_corrections(folder.path, std::span(&undone, 1));
+    at[0] = last->before;
+  }
+  EXPECT_LT(step_between(at[0], first).norm(), 1e-5);
+  EXPECT_FALSE(last_correction(folder.path, at));
+  // What somebody else wrote into it is passed over.
+  ASSERT_TRUE(write_file_atomically(folder.path / "corrections.log", std::string_view("{\n[]\n{\"kind\": 3}\n\n")));
+  EXPECT_FALSE(last_correction(folder.path, at));
 }
 
 TEST(ShowFile, names_the_place_of_what_is_wrong) {
@@ -240,6 +351,45 @@ TEST(ShowRecord, is_found_again_bit_by_bit) {
   const auto again = replay(folder.path);
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_EQ(*again, lines);
+}
+
+TEST(ShowRecord, knows_what_was_put_back) {
+  const Folder folder;
+  const SmallShow small;
+  const PoseMatrix root = 1e-4 * PoseMatrix::Identity();
+  const auto& there = small.show.projectors[0].T_room_projector;
+  const RecordStart start{small.show, LearnedRoom{small.show, {there}, {root, root}}, 1};
+  {
+    auto recorder = ShowRecorder::begin(folder.path, demo_installation_path(), start);
+    ASSERT_TRUE(recorder);
+    ASSERT_TRUE(recorder->add(small.moment(0), {}));
+    ASSERT_TRUE(recorder->add_put_back(0, stepped(there, small_step())));
+    ASSERT_TRUE(recorder->add(small.moment(1), {}));
+  }
+  auto record = ShowRecord::open(folder.path);
+  ASSERT_TRUE(record) << record.error().message();
+  auto calibrator = record->start().begin();
+  ASSERT_TRUE(calibrator);
+  int put_back = 0;
+  for (;;) {
+    const auto event = record->next();
+    ASSERT_TRUE(event);
+    if (!*event) break;
+    if (!(*event)->put_back) {
+      EXPECT_TRUE(calibrator->step((*event)->moment).corrections.empty());
+      continue;
+    }
+    ++put_back;
+    EXPECT_EQ(*(*event)->put_back, 0u);
+    ASSERT_TRUE(calibrator->put_back(0, (*event)->place));
+    EXPECT_LT(step_between(calibrator->applied().projectors[0].T_room_projector, stepped(there, small_step())).norm(),
+              1e-12);
+    const auto learned = calibrator->learned();
+    ASSERT_TRUE(learned);
+    // What is believed would be right if what was put back were.
+    EXPECT_LT(step_between(learned->at_rest[0], learned->believed.projectors[0].T_room_projector).norm(), 2e-4);
+  }
+  EXPECT_EQ(put_back, 1);
 }
 
 TEST(ShowRecord, ends_wherever_it_is_cut_and_refuses_what_it_is_not) {

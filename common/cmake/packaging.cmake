@@ -19,7 +19,7 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # Packages need the programs, not the
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
-set(CPACK_COMPONENTS_ALL farm node museum tools)
+set(CPACK_COMPONENTS_ALL farm node museum provision tools)
 set(CPACK_PACKAGE_CONTACT "Cyclorama developers <nobody@example.org>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -34,13 +34,16 @@ Ray traces for a head: dials it, gets the scenes it is told to, renders parts of
 pictures. It never listens.")
 set(CPACK_DEBIAN_MUSEUM_DESCRIPTION "visits of scenes on a projected panorama: the museum's side
 Tracker, tour, display and operator page.")
+set(CPACK_DEBIAN_PROVISION_DESCRIPTION "settings of a museum's computer or a render host, from a stick
+Checks all of them, and takes them into use whole or not at all.")
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "tools for the scenes of a render farm
 Render a scene, measure it, make a grotto to try with.")
 # dh_installsystemd's duties, in the words of the units that a package brings.
 set(units_of_farm cyclorama-farm.service)
 set(units_of_node cyclorama-node.service)
 set(units_of_museum cyclorama-tour.service cyclorama-tracker.service cyclorama-display.service cyclorama-operator.service
-  cyclorama-projectors.service cyclorama-hand.service cyclorama-settings.path)
+  cyclorama-projectors.service cyclorama-hand.service)
+set(units_of_provision cyclorama-settings.path)
 set(settings_of_farm /etc/cyclorama/farm.toml /etc/logrotate.d/cyclorama-farm)
 set(settings_of_node /etc/cyclorama/node.toml)
 string(TIMESTAMP CYCLORAMA_CHANGED "%a, %d %b %Y %H:%M:%S +0000" UTC)
@@ -71,5 +74,5 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 endforeach()
 set(CPACK_DEBIAN_FARM_PACKAGE_DEPENDS "systemd, openssl")              # For cyclorama-authority.
-set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, libgl1-mesa-dri, tzdata")  # Opened at run time: EGL's drivers, time zones.
+set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, cyclorama-provision, libgl1-mesa-dri, tzdata")  # Opened at run time: EGL's drivers, time zones.
 include(CPack)

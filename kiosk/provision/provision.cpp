@@ -127,7 +127,7 @@ Result<ProvisioningReport> provision(const ProvisionOrder& order, SettingsStore*
   return report;
 }
 
-Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore* store) {
+Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore* store, SettingsOf of) {
   const Status done = store->restore();
   if (!done) store->abandon();
   TRY(Status(done));
@@ -135,7 +135,7 @@ Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore
   report.at = at;
   report.verdict = Verdict::kRestored;
   report.in_use = store->in_use();
-  const SettingsVerdict verdict = check_settings(store->settings(), {});
+  const SettingsVerdict verdict = check_settings(store->settings(), {{}, of});
   report.museum = verdict.museum;
   report.farm = verdict.farm;
   report.projectors = verdict.projectors;

@@ -25,6 +25,7 @@ struct ProvisionOrder {
 Result<ProvisioningReport> provision(const ProvisionOrder& order, SettingsStore* store);
 
 /// The settings of before. Errors of SettingsStore::restore().
-Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore* store);
+Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore* store,
+                                            SettingsOf of = SettingsOf::kMuseum);
 
 }  // namespace cyclorama

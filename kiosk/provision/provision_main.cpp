@@ -15,17 +15,29 @@
 namespace cyclorama {
 namespace {
 
+constexpr const char* kMuseum = "museum";
+constexpr const char* kFarmHost = "farm-host";
+/// Scenes come with them: as long a file as FAT holds.
+constexpr FolderLimits kFarmHostLimits{200, (std::size_t{4} << 30) - 1, std::size_t{16} << 30};
+
 struct Options {
   std::string state = "/var/lib/cyclorama";
   std::string from;
   std::string programs = "/usr/bin";
   std::optional<std::string> changed;
   bool if_there = false;
+  std::string of = kMuseum;
+
+  [[nodiscard]] SettingsOf owner() const { return of == kMuseum ? SettingsOf::kMuseum : SettingsOf::kFarmHost; }
 };
 
 void add_options(CLI::App& app, Options* options) {
   app.require_subcommand(1);
   app.add_option("--state", options->state, "Where the settings live: the programs read its folder 'settings'")
+      ->capture_default_str();
+  app.add_option("--for", options->of, "Whose settings they are: a museum's computer, or a render host's")
+      ->check(CLI::IsMember({kMuseum, kFarmHost}))
+      ->envname("CYCLORAMA_SETTINGS_FOR")
       ->capture_default_str();
   CLI::App& install = *app.add_subcommand("install", "Check a folder, and take its settings into use if all is well");
   CLI::App& check =
@@ -34,12 +46,14 @@ void add_options(CLI::App& app, Options* options) {
       *app.add_subcommand("restore", "Take the settings of before into use; a second time is back again");
   app.add_subcommand("status", "What came of the last folder, as JSON");
   for (CLI::App* const command : {&install, &check}) {
-    command->add_option("FOLDER", options->from, "With site.toml, installation.toml and all that they name")
+    command
+        ->add_option("FOLDER", options->from,
+                     "With site.toml and installation.toml, or farm.toml and node.toml, and all that they name")
         ->required();
     command
         ->add_option(
             "--programs", options->programs,
-            "Where cyclorama-display and cyclorama-tracker are, which check their own settings; empty: not asked")
+            "Where the programs are that check their own settings, such as cyclorama-display; empty: not asked")
         ->capture_default_str();
   }
   install.add_flag("--if-there", options->if_there, "A folder that is not there is no error");
@@ -73,7 +87,7 @@ Status run(const Options& options, const CLI::App& app) {
   TRY_ASSIGN(SettingsStore store, SettingsStore::open(options.state));
   const std::string at = time_text(std::time(nullptr));
   if (app.got_subcommand("restore")) {
-    TRY_ASSIGN(const ProvisioningReport report, restore_settings(at, &store));
+    TRY_ASSIGN(const ProvisioningReport report, restore_settings(at, &store, options.owner()));
     say(report);
     log(LogLevel::kNotice, fmt::format("the settings of before are in use again, as {}", report.in_use));
     return publish(options, report);
@@ -81,6 +95,8 @@ Status run(const Options& options, const CLI::App& app) {
   ProvisionOrder order;
   order.from = options.from;
   order.check.programs = options.programs;
+  order.check.of = options.owner();
+  if (order.check.of == SettingsOf::kFarmHost) order.limits = kFarmHostLimits;
   order.only_check = app.got_subcommand("check");
   order.at = at;
   auto report = provision(order, &store);
@@ -116,8 +132,9 @@ Status run(const Options& options, const CLI::App& app) {
 }  // namespace cyclorama
 
 int main(int argc, char** argv) {
-  cyclorama::Program program("cyclorama-provision",
-                             "Takes a museum's settings from a stick into use: all of them, checked, or none.");
+  cyclorama::Program program(
+      "cyclorama-provision",
+      "Takes a museum's or a render host's settings from a stick into use: all of them, checked, or none.");
   cyclorama::Options options;
   cyclorama::add_options(program.options(), &options);
   return program.run(argc, argv,

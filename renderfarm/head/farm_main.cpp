@@ -22,6 +22,7 @@ struct Arguments {
   std::string inspect{};
   std::string balance{};
   bool insecure = false;
+  bool is_check = false;
   std::string record{};
 };
 
@@ -86,6 +87,7 @@ void log_notice(const std::string& sentence, const NoticeAbout& about) {
 
 Status run(const Arguments& arguments, const StopSignal& stop) {
   TRY_ASSIGN(HeadOptions options, options_from(arguments));
+  if (arguments.is_check) return validate(options);
   TRY_ASSIGN(const auto head, Head::start(std::move(options), log_notice));
   log(LogLevel::kNotice,
       fmt::format("museums dial port {}, nodes dial port {}", head->museum_port(), head->node_port()));
@@ -130,6 +132,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}));
   app.add_option("--record", arguments.record, "Write what each frame costs into this folder, for cyclorama-balance");
   app.add_flag("--insecure", arguments.insecure, "Let others than this machine dial without TLS");
+  app.add_flag("--check", arguments.is_check, "Read the settings and end: 0 if they are good");
   TopArguments top;
   add_top(app, &top);
   return program.run(argc, argv, [&](const StopSignal& stop) {

@@ -16,6 +16,7 @@ struct Arguments {
   std::string config{};
   FarmNodeOptions options{.threads = 0};
   double memory_gib = 0.0;
+  bool is_check = false;
 };
 
 /// node.toml's keys are the options' names; what the command line says overrules it.
@@ -37,6 +38,7 @@ Result<FarmNodeOptions> options_from(const Arguments& arguments) {
 
 Status run(const Arguments& arguments, const StopSignal& stop) {
   TRY_ASSIGN(const FarmNodeOptions options, options_from(arguments));
+  if (arguments.is_check) return Done{};
   TRY_ASSIGN(const auto node, FarmNode::start(options, embree_scene_loader(options.threads)));
   Notify notify;
   notify.ready();
@@ -83,6 +85,7 @@ int main(int argc, char** argv) {
                  "What scenes and pictures at rest may take together (default: scenes are not limited)")
       ->check(CLI::Range(kLeastMemoryGib, kMostMemoryGib));
   app.add_option("--cache", options.cache.folder, "Folder for scenes that heads hand out (default: takes none)");
+  app.add_flag("--check", arguments.is_check, "Read the settings and end: 0 if they are good");
   app.add_option("--name", options.name, "How people call this node (default: the host's name)");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

@@ -80,8 +80,9 @@ class Appliance(Machine):
                    "-netdev", f"user,id=net,{network}", "-device", "virtio-net-pci,netdev=net,romfile=",
                    "-device", "qemu-xhci,id=usb",
                    "-chardev", f"socket,id=serial,path={self.folder}/serial,server=on,wait=off,logfile={self.log}", "-serial", "chardev:serial",
-                   "-device", f"virtio-gpu-pci,id=card,max_outputs={heads},xres={WIDTH},yres={HEIGHT}",
                    "-qmp", f"unix:{self.folder}/qmp,server=on,wait=off", *tpm_options, *extra]
+        if heads:
+            command += ["-device", f"virtio-gpu-pci,id=card,max_outputs={heads},xres={WIDTH},yres={HEIGHT}"]
         for head in range(heads):
             command += ["-vnc", f"unix:{self.folder}/vnc{head},display=card,head={head}"]
         self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=open(self.folder / "qemu.log", "w"))

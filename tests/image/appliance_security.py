@@ -33,6 +33,7 @@ def exposure(unit):
 
 
 def compare(name, found, failed):
+    """With a checked list, of which a render host has its own: 'farm-host/users'."""
     wanted = [line for line in (HERE / "expected" / name).read_text().splitlines() if line and not line.startswith("#")]
     for line in sorted(set(found) - set(wanted)):
         failed.append(f"{name}: '{line}' is in the image and not in the checked list")
@@ -76,12 +77,12 @@ def scan(machine):
     return sorted(answering & set(SCANNED))
 
 
-def look_at_running(machine, figures):
+def look_at_running(machine, figures, lists="", ports=(OPERATOR_PORT,)):
     failed = figures["failed"]
     _, sockets = machine.run("ss -Htulnp | sed -E 's/users:..\"([^\"]*)\".*/\\1/' | awk '{print $1, $5, $NF}' | sort -u", 60)
-    compare("listening", [re.sub(r"%\w+", "", line) for line in sockets.splitlines()], failed)
+    compare(lists + "listening", [re.sub(r"%\w+", "", line) for line in sockets.splitlines()], failed)
     _, running = machine.run(PROCESSES, 300)
-    compare("processes", [line.rstrip() for line in running.splitlines()], failed)
+    compare(lists + "processes", [line.rstrip() for line in running.splitlines()], failed)
     _, used = machine.run("free -m | awk '/^Mem/ {print $3}'")
     figures["memory_used_mb"] = int(used)
     _, noted = machine.run("journalctl -b -p warning -o short-monotonic --no-hostname --no-pager | tail -n 80", 120)
@@ -91,7 +92,7 @@ def look_at_running(machine, figures):
     figures["journal_of_the_board"] -= figures["journal_above_notice"]
     print("\n".join(noted))
     figures["ports_open"] = scan(machine)
-    if figures["ports_open"] != [OPERATOR_PORT]:
+    if figures["ports_open"] != list(ports):
         failed.append(f"ports that answer: {figures['ports_open']}")
 
 

@@ -12,14 +12,16 @@ MUSEUM = "hall-3"
 
 
 class HostFarm:
-    def __init__(self, programs, folder):
+    def __init__(self, programs, folder, addresses=(HOST_FROM_WITHIN, "::1")):
+        """Its head's certificate is for these addresses."""
         self.programs = pathlib.Path(programs).resolve()
         self.folder = pathlib.Path(folder)
         self.folder.mkdir(parents=True, exist_ok=True)
         self.running = []
         self._run("cyclorama-grotto", "--triangles", TRIANGLES, "--out", self.folder / "scene", "--force")
         self._authority("init")
-        for role, *more in (("head", "farm", "--address", HOST_FROM_WITHIN, "--address", "::1"), ("node", "node"), ("museum", MUSEUM)):
+        of_head = [word for address in addresses for word in ("--address", address)]
+        for role, *more in (("head", "farm", *of_head), ("node", "node"), ("museum", MUSEUM)):
             self._authority("--output", self.folder / f"{role}.tar", role, *more)
             (self.folder / role).mkdir(exist_ok=True)
             subprocess.run(["tar", "-xf", self.folder / f"{role}.tar", "-C", self.folder / role], check=True)

@@ -18,24 +18,41 @@ DEFAULT = '[farm]\nheads = ["[::1]:7401"]\n'
 
 
 class Computer:
-    def __init__(self, source, build, folder):
-        self.scripts = source / "image/mkosi.extra/usr/lib/cyclorama"
+    """With an image's files, laid over each other as image/build does it."""
+
+    def __init__(self, source, build, folder, profile="museum"):
+        folder.mkdir(exist_ok=True)
+        over = folder / "over"
+        for tree in (source / "image/mkosi.extra", source / "kiosk/lockdown", source / f"image/mkosi.profiles/{profile}/mkosi.extra"):
+            shutil.copytree(tree, over, dirs_exist_ok=True)
+        self.over = over
+        self.scripts = over / "usr/lib/cyclorama"
         self.state = folder / "state"
-        self.defaults = folder / "defaults"
+        self.defaults = over / "usr/share/cyclorama/settings"
         self.state.mkdir()
-        shutil.copytree(source / "image/mkosi.extra/usr/share/cyclorama/settings", self.defaults)
-        shutil.copy(source / "demo/installation.toml", self.defaults)
+        if profile == "museum":
+            shutil.copy(source / "demo/installation.toml", self.defaults)
         # Restarting services is not for a test.
         stubs = folder / "stubs"
         stubs.mkdir()
         for name in ("systemctl", "chown"):
             (stubs / name).write_text("#!/bin/sh\nexit 0\n")
             (stubs / name).chmod(0o755)
-        self.environment = {"PATH": f"{stubs}:{build}/bin:{os.environ['PATH']}", "CYCLORAMA_STATE": str(self.state), "CYCLORAMA_DEFAULTS": str(self.defaults), "CYCLORAMA_PROGRAMS": f"{build}/bin",
+        self.environment = {"PATH": f"{stubs}:{build}/bin:{os.environ['PATH']}", "CYCLORAMA_STATE": str(self.state), "CYCLORAMA_DEFAULTS": str(self.defaults), "CYCLORAMA_PROGRAMS": f"{build}/bin", "CYCLORAMA_ESPS": str(folder / "esp"),
                             "CYCLORAMA_UPDATE_KEY": str(folder / "update.pub"), "CYCLORAMA_OS_RELEASE": str(folder / "os-release")}
 
     def run(self, script, *arguments, **environment):
         return subprocess.run(["sh", str(self.scripts / script), *map(str, arguments)], env=self.environment | environment, capture_output=True, text=True).returncode
+
+    def unit(self, name):
+        """All that the image says of a unit of ours: itself, then what is laid over it."""
+        files = [self.over / "usr/lib/systemd/system" / name, *sorted((self.over / f"usr/lib/systemd/system/{name}.d").glob("*.conf"))]
+        return "".join(file.read_text() for file in files if file.exists())
+
+    def stub(self, name, script):
+        file = pathlib.Path(self.environment["PATH"].split(":")[0]) / name
+        file.write_text(f"#!/bin/sh\n{script}\n")
+        file.chmod(0o755)
 
     def start_with(self, folder):
         """A start, with the folder's files as systemd credentials."""
@@ -161,11 +178,79 @@ def check_wishes(computer, folder):
     return bad
 
 
+def check_health(computer, folder):
+    """Whoever is not well and on trial is sent back; who was good before stays."""
+    bad = 0
+    counted = folder / "counted"
+    where = {"CYCLORAMA_COUNTED": str(counted), "CYCLORAMA_SETTINGS": str(computer.defaults)}
+    for well in (True, False):
+        computer.stub("cyclorama-health", f'[ "$2" = 3 ] || exit 9; exit {0 if well else 1}')
+        counted.write_text("")
+        bad += expect(f"a version on trial that is {'' if well else 'not '}well {'stays' if well else 'goes'}", computer.run("health", **where) == (0 if well else 1))
+        counted.unlink()
+        bad += expect(f"one that was good and is {'' if well else 'not '}well stays", computer.run("health", **where) == 0)
+    return bad
+
+
+HEAD = 'museums = "[::1]:7401"\nnodes = "[::1]:7402"\n[[scene]]\nname = "cave"\npath = "/etc/cyclorama/cave"\non = "head"\n'
+
+
+def check_farm_host(host, folder):
+    """A render host's settings come by the same ways; what it is, they say."""
+    bad = 0
+    host.environment["CYCLORAMA_SETTINGS_FOR"] = "farm-host"
+    bad += expect("a render host's units say so", all("CYCLORAMA_SETTINGS_FOR=farm-host" in host.unit(name) for name in ("cyclorama-provision@.service", "cyclorama-find-settings.service")))
+    host.run("find-settings")
+    bad += expect("a new render host has no settings", not (host.state / "settings").exists(), host.report())
+    bad += expect("and that is a good start", host.run("is-well", CYCLORAMA_SETTINGS=str(host.state / "settings")) == 0)
+    esp = folder / "host/esp/cyclorama"
+    (esp / "cave").mkdir(parents=True)
+    (esp / "cave/scene.toml").write_text("")
+    (esp / "farm.toml").write_text(HEAD)
+    (esp / "node.toml").write_text('heads = ["[::1]:7402"]\n')
+    host.run("find-settings")
+    settings = host.state / "settings"
+    bad += expect("settings and a scene of the boot partition are taken", (settings / "cave/scene.toml").exists() and "installed" in host.report(), host.report())
+    (esp / "farm.toml").write_text(HEAD.replace("museums", "musuems"))
+    host.run("find-settings")
+    bad += expect("the head's own reader refuses a wrong key", "refused" in host.report() and "musuems" in host.report(), host.report())
+    (esp / "farm.toml").write_text(HEAD)
+    (esp / "node.toml").write_text('heads = ["[::1]:7402"]\nthreads = 99999\n')
+    host.run("find-settings")
+    bad += expect("the node's own reader refuses a wrong value", "refused" in host.report() and "threads" in host.report(), host.report())
+    bad += expect("and they change nothing", (settings / "farm.toml").read_text() == HEAD)
+    console = folder / "console"
+    host.run("tell-settings", CYCLORAMA_CONSOLE=str(console))
+    bad += expect("the serial port tells why", "threads" in console.read_text())
+    given = folder / "given-node"
+    given.mkdir()
+    (given / "node.toml").write_text('heads = ["[2001:db8::1]:7402"]\n')
+    shutil.rmtree(esp)
+    host.start_with(given)
+    bad += expect("a node alone comes by credentials", not (settings / "farm.toml").exists() and "2001:db8::1" in (settings / "node.toml").read_text(), host.report())
+    fast = {"CYCLORAMA_SETTINGS": str(settings), "CYCLORAMA_HEALTH_S": "1", "CYCLORAMA_STILL_S": "0"}
+    asked = folder / "asked"
+    asked.write_text("")
+    host.stub("systemctl", f'echo "$@" >>{asked}; case $1 in show) echo 0 ;; esac')
+    bad += expect("a node that runs is well", host.run("is-well", **fast) == 0)
+    bad += expect("and nobody asks for a head", "cyclorama-node" in asked.read_text() and "cyclorama-farm" not in asked.read_text(), asked.read_text())
+    host.stub("systemctl", "case $1 in show) echo 0 ;; *) exit 3 ;; esac")
+    bad += expect("one that does not start is not", host.run("is-well", **fast) == 1)
+    host.stub("systemctl", f"case $1 in show) wc -l <{asked}; echo >>{asked} ;; esac")
+    bad += expect("nor is one that starts again and again", host.run("is-well", **fast) == 1)
+    rules = (host.over / "etc/nftables.conf").read_text()
+    bad += expect("only what museums and nodes dial is open", "tcp dport { 7401, 7402 }" in rules and "8443" not in rules)
+    bad += expect("nothing of a museum's is there", not list(host.over.rglob("*wish*")) + list(host.over.rglob("cyclorama-display*")))
+    return bad
+
+
 def main(source, build):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         computer = Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder)
         bad = check_settings(computer, folder) + check_update(computer, folder) + check_wishes(computer, folder)
+        bad += check_health(computer, folder)
+        bad += check_farm_host(Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder / "host", "farm-host"), folder)
     print("scripts: ok" if bad == 0 else f"scripts: {bad} failed")
     return 1 if bad else 0
 

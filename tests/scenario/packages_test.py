@@ -18,11 +18,12 @@ import sys
 import tempfile
 import time
 
-SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand", "calibrator"], "tools": []}
+SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand", "calibrator"], "provision": [], "tools": []}
 # They do one thing when it is needed, and end.
-HELPERS = {"museum": ["provision-esp", "provision@", "settings"]}
+HELPERS = {"provision": ["provision-esp", "provision@", "settings"]}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
-            "museum": ["cyclorama", "cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-provision", "cyclorama-tour", "cyclorama-tracker"],
+            "museum": ["cyclorama", "cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
+            "provision": ["cyclorama-provision"],
             "tools": ["cyclorama-balance", "cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
 problems = []
 
@@ -86,7 +87,7 @@ def check_files(component, root):
     expect(listed == settings, f"{component}: conffiles {listed}, but in etc lies {settings}")
     for script in ("postinst", "prerm", "postrm"):
         file = root / "DEBIAN" / script
-        expect(file.exists() == bool(SERVICES[component]), f"{component}: {script}")
+        expect(file.exists() == bool(SERVICES[component] or HELPERS.get(component)), f"{component}: {script}")
         if file.exists():
             expect(os.access(file, os.X_OK) and run("sh", "-n", file).returncode == 0, f"{component}: {script} does not run")
             expect("@" not in file.read_text(), f"{component}: {script} is not filled in")

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "common/base/file.h"
+#include "kiosk/provision/provision.h"
+#include "tests/doubles/test_authority.h"
+
+namespace cyclorama {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kHead =
+    "museums = \"[::]:7401\"\nnodes = \"[::]:7402\"\n[[scene]]\nname = \"cave\"\npath = \"/etc/cyclorama/cave\"\non = "
+    "\"head\"\n[tls]\nauthority = \"tls-head/authority.crt\"\ncertificate = \"tls-head/certificate.crt\"\nkey = "
+    "\"tls-head/key.pem\"\n";
+constexpr const char* kNode =
+    "heads = [\"[2001:db8::1]:7402\"]\n[tls]\nauthority = \"tls-node/authority.crt\"\ncertificate = "
+    "\"tls-node/certificate.crt\"\nkey = \"tls-node/key.pem\"\n";
+
+/// One for all tests: it takes seconds to make.
+TestAuthority& authority() {
+  static TestAuthority made;
+  return made;
+}
+const TlsFiles& head_certificates() {
+  static const TlsFiles files = authority().head();
+  return files;
+}
+const TlsFiles& node_certificates() {
+  static const TlsFiles files = authority().node("n1");
+  return files;
+}
+
+/// A render host's stick: head, node, and a scene of the head's.
+class FarmStick {
+ public:
+  FarmStick() {
+    std::string folder = (fs::temp_directory_path() / "farm-stick-XXXXXX").string();
+    EXPECT_NE(::mkdtemp(folder.data()), nullptr);
+    place_ = folder;
+    fs::create_directories(place_ / "state");
+    for (const char* const inner : {"cave", "tls-head", "tls-node"}) fs::create_directories(stick() / inner);
+    write("farm.toml", kHead);
+    write("node.toml", kNode);
+    write("cave/scene.toml", "title = \"Cave\"\n");
+    copy(head_certificates(), "tls-head");
+    copy(node_certificates(), "tls-node");
+  }
+  ~FarmStick() { fs::remove_all(place_); }
+  FarmStick(const FarmStick&) = delete;
+  FarmStick& operator=(const FarmStick&) = delete;
+
+  [[nodiscard]] fs::path stick() const { return place_ / "stick"; }
+  [[nodiscard]] fs::path settings() const { return place_ / "state" / "settings"; }
+  void write(const std::string& name, const std::string& text) const {
+    EXPECT_TRUE(write_file_atomically(stick() / name, std::string_view(text)));
+  }
+  void remove(const std::string& name) const { fs::remove_all(stick() / name); }
+  void copy(const TlsFiles& files, const std::string& to) const {
+    for (const fs::path& file : {files.authority, files.certificate, files.key}) {
+      fs::copy_file(file, stick() / to / file.filename(), fs::copy_options::overwrite_existing);
+    }
+  }
+  [[nodiscard]] ProvisioningReport install(const fs::path& programs = {}) const {
+    auto store = SettingsStore::open(place_ / "state");
+    CHECK(store);
+    auto report = provision({stick(), {programs, SettingsOf::kFarmHost}, {}, false, "2026-11-23T04:00:00Z"}, &*store);
+    CHECK(report);
+    return *std::move(report);
+  }
+
+ private:
+  fs::path place_;
+};
+
+TEST(FarmHost, takes_head_node_and_a_scene_from_one_stick) {
+  const FarmStick host;
+  const ProvisioningReport report = host.install();
+  EXPECT_EQ(report.verdict, Verdict::kInstalled) << report_json(report);
+  EXPECT_THAT(report.farm, ElementsAre("[2001:db8::1]:7402"));
+  EXPECT_EQ(report.certificate_until.size(), 10u);
+  EXPECT_TRUE(fs::exists(host.settings() / "cave" / "scene.toml"));
+  for (const char* const secret : {"tls-head/key.pem", "tls-node/key.pem"}) {
+    struct stat info {};
+    ASSERT_EQ(::stat((host.settings() / secret).c_str(), &info), 0);
+    EXPECT_EQ(info.st_mode & 0007, 0u) << secret << " is for all to read";
+  }
+}
+
+TEST(FarmHost, may_be_a_head_or_a_node_alone) {
+  const FarmStick host;
+  host.remove("node.toml");
+  EXPECT_EQ(host.install().verdict, Verdict::kInstalled);
+  host.write("node.toml", kNode);
+  host.remove("farm.toml");
+  EXPECT_EQ(host.install().verdict, Verdict::kInstalled);
+  EXPECT_FALSE(fs::exists(host.settings() / "farm.toml")) << "what is not on the stick is not in use any more";
+}
+
+TEST(FarmHost, is_no_museum_and_a_museum_is_no_render_host) {
+  const FarmStick host;
+  host.write("site.toml", "");
+  EXPECT_THAT(host.install().problems, Contains(HasSubstr("site.toml is a museum's")));
+  host.remove("site.toml");
+  auto store = SettingsStore::open(host.settings().parent_path());
+  ASSERT_TRUE(store);
+  const auto report = provision({host.stick(), {}, {}, false, ""}, &*store);
+  ASSERT_TRUE(report);
+  EXPECT_THAT(report->problems, Contains(HasSubstr("site.toml is missing")));
+}
+
+struct Spoilt {
+  const char* name;
+  void (*spoil)(const FarmStick&);
+  const char* says;
+};
+class BadFarmStick : public testing::TestWithParam<Spoilt> {};
+
+TEST_P(BadFarmStick, is_refused_with_a_reason) {
+  const FarmStick host;
+  GetParam().spoil(host);
+  const ProvisioningReport report = host.install();
+  EXPECT_EQ(report.verdict, Verdict::kRefused);
+  EXPECT_THAT(report.problems, ElementsAre(HasSubstr(GetParam().says))) << report_json(report);
+  EXPECT_FALSE(fs::exists(host.settings()));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ways, BadFarmStick,
+    testing::Values(
+        Spoilt{"nothing",
+               [](const FarmStick& s) {
+                 s.remove("farm.toml");
+                 s.remove("node.toml");
+               },
+               "neither farm.toml nor node.toml"},
+        Spoilt{"head_cut", [](const FarmStick& s) { s.write("farm.toml", "museums = \"[:"); }, "farm.toml:1"},
+        Spoilt{"node_cut", [](const FarmStick& s) { s.write("node.toml", "heads = [\"[20"); }, "node.toml:1"},
+        Spoilt{"key_missing", [](const FarmStick& s) { s.remove("tls-node/key.pem"); },
+               "'tls-node/key.pem', which is not there"},
+        Spoilt{"certificates_elsewhere",
+               [](const FarmStick& s) {
+                 s.write("node.toml",
+                         "[tls]\nauthority = \"tls-node/authority.crt\"\ncertificate = \"tls-node/certificate.crt\"\n"
+                         "key = \"../key.pem\"\n");
+               },
+               "which is not in the folder"},
+        Spoilt{"head_with_a_nodes_certificate", [](const FarmStick& s) { s.copy(node_certificates(), "tls-head"); },
+               "a head needs one"},
+        Spoilt{"node_with_a_heads_certificate", [](const FarmStick& s) { s.copy(head_certificates(), "tls-node"); },
+               "a node needs one"},
+        Spoilt{"scene_missing", [](const FarmStick& s) { s.remove("cave"); }, "scene 'cave' lies at"},
+        Spoilt{"scene_beyond",
+               [](const FarmStick& s) {
+                 s.write("farm.toml", std::string(kHead).replace(std::string(kHead).find("cave\"\non"), 4, "../no"));
+               },
+               "which is not there"},
+        Spoilt{"grants_missing",
+               [](const FarmStick& s) { s.write("farm.toml", std::string("museums_file = \"m.toml\"\n") + kHead); },
+               "'m.toml', which is not there"},
+        Spoilt{"token_missing",
+               [](const FarmStick& s) { s.write("farm.toml", std::string(kHead) + "[watch]\ntoken_file = \"t\"\n"); },
+               "'t', which is not there"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(FarmHost, asks_the_programs_about_their_own_tables) {
+  const FarmStick host;
+  const fs::path programs = host.settings().parent_path() / "bin";
+  fs::create_directories(programs);
+  const auto program = [&](const char* name, const char* script) {
+    EXPECT_TRUE(write_file_atomically(programs / name, std::string_view(script)));
+    fs::permissions(programs / name, fs::perms::owner_all);
+  };
+  program("cyclorama-farm", "#!/bin/sh\ntest \"$1\" = --check\n");
+  program("cyclorama-node", "#!/bin/sh\necho \"<3>${3}:1: threads: is too many\" >&2\nexit 1\n");
+  EXPECT_THAT(host.install(programs).problems,
+              ElementsAre("cyclorama-node refuses them: node.toml:1: threads: is too many"));
+  program("cyclorama-node", "#!/bin/sh\nexit 0\n");
+  EXPECT_THAT(host.install(programs).problems, IsEmpty());
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <nlohmann/json.hpp>
@@ -43,7 +43,13 @@ Pose pose_of(StrictJson json) {
   return {turn, {t[0], t[1], t[2]}};
 }
 
-std::optional<LoggedCorrection> parse(const std::string& line) {
+bool is_time(const std::string& text) {
+  return text.size() == 20 && text.find_first_not_of("0123456789-:TZ") == std::string::npos;
+}
+
+}  // namespace
+
+std::optional<LoggedCorrection> parse_correction(std::string_view line) {
   const nlohmann::json document = nlohmann::json::parse(line, nullptr, false);
   StrictJson::Mistakes mistakes;
   StrictJson json(document, kFile, &mistakes);
@@ -55,11 +61,17 @@ std::optional<LoggedCorrection> parse(const std::string& line) {
   read.sigma_px = json.number("sigma_px", 0.0, 1e9);
   read.before = pose_of(json.at("before"));
   read.after = pose_of(json.at("after"));
-  if (mistakes.is_any) return std::nullopt;
+  json.refuse_other_keys();
+  const bool is_kind = read.kind == "bump" || read.kind == "drift" || read.kind == "undone";
+  if (mistakes.is_any || !is_kind || !is_time(read.at)) return std::nullopt;
   return read;
 }
 
-}  // namespace
+std::string correction_line(const LoggedCorrection& c) {
+  return fmt::format(
+      R"({{"at": "{}", "projector": {}, "kind": "{}", "moved_px": {:.3f}, "sigma_px": {:.3f}, "before": {}, "after": {}}})",
+      c.at, c.projector + 1, c.kind, c.moved_px, c.sigma_px, pose_json(c.before), pose_json(c.after));
+}
 
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
@@ -77,13 +89,7 @@ void log_corrections(const std::filesystem::path& folder, std::span<const Logged
     std::filesystem::rename(path, folder / (std::string(kFile) + ".1"), ignored);
   std::FILE* const file = std::fopen(path.c_str(), "ae");
   if (file == nullptr) return;
-  for (const LoggedCorrection& c : corrections) {
-    fmt::print(
-        file,
-        R"({{"at": "{}", "projector": {}, "kind": "{}", "moved_px": {:.3f}, "sigma_px": {:.3f}, "before": {}, "after": {}}})",
-        c.at, c.projector + 1, c.kind, c.moved_px, c.sigma_px, pose_json(c.before), pose_json(c.after));
-    fmt::print(file, "\n");
-  }
+  for (const LoggedCorrection& one : corrections) fmt::print(file, "{}\n", correction_line(one));
   std::fclose(file);
 }
 
@@ -94,7 +100,7 @@ std::optional<LoggedCorrection> last_correction(const std::filesystem::path& fol
   std::istringstream all(*text);
   for (std::string line; std::getline(all, line);) lines.push_back(std::move(line));
   for (const std::string& line : std::views::reverse(lines)) {
-    const auto one = parse(line);
+    const auto one = parse_correction(line);
     if (!one || one->kind == "undone" || one->projector >= applied.size()) continue;
     if (step_between(applied[one->projector], one->after).norm() < kSame) return one;
   }

@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "appliance/calibrator/continuous/continuous_calibrator.h"
 
@@ -27,6 +28,11 @@ struct LoggedCorrection {
   RigidTransform<frame::Room, frame::Projector> before;
   RigidTransform<frame::Room, frame::Projector> after;
 };
+
+/// One line, without its end.
+[[nodiscard]] std::string correction_line(const LoggedCorrection& correction);
+/// The opposite; nothing where it is no such line.
+[[nodiscard]] std::optional<LoggedCorrection> parse_correction(std::string_view line);
 
 /// What cannot be written is not said here: the wall is kept in its place without a log.
 void log_corrections(const std::filesystem::path& folder, std::span<const LoggedCorrection> corrections);

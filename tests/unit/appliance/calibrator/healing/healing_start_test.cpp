@@ -184,6 +184,10 @@ TEST(CorrectionLog, finds_the_last_correction_that_stands) {
   }
   EXPECT_LT(step_between(at[0], first).norm(), 1e-5);
   EXPECT_FALSE(last_correction(folder.path, at));
+  const auto again = parse_correction(correction_line(made[1]));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->kind, "drift");
+  EXPECT_LT(step_between(again->after, made[1].after).norm(), 1e-5);
   // What somebody else wrote into it is passed over.
   ASSERT_TRUE(write_file_atomically(folder.path / "corrections.log", std::string_view("{\n[]\n{\"kind\": 3}\n\n")));
   EXPECT_FALSE(last_correction(folder.path, at));

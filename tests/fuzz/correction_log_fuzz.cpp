@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "appliance/calibrator/healing/correction_log.h"
+#include "common/base/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const auto read = parse_correction({reinterpret_cast<const char*>(data), size});
+  if (!read) return 0;
+  // What was accepted can be drawn for, written, and read again.
+  CHECK(read->before.translation().allFinite() && read->after.rotation().coeffs().allFinite());
+  const auto back = parse_correction(correction_line(*read));
+  CHECK(back && back->kind == read->kind && back->projector == read->projector);
+  return 0;
+}

@@ -154,12 +154,13 @@ bool OpeningHours::is_open(WallTime now) const {
   return false;
 }
 
-OpeningHours read_opening_hours(ConfigTable* site) {
+OpeningHours read_opening_hours(ConfigTable* site, std::string* ret_time_zone) {
   if (!site->has("hours")) return {};
   ConfigTable table = site->table("hours");
   const std::vector<std::string> lines = table.texts("open");
   const std::string zone = table.text("time_zone", "");
   auto hours = OpeningHours::parse(lines, zone);
+  if (hours && ret_time_zone != nullptr) *ret_time_zone = zone;
   if (hours) return *std::move(hours);
   table.refuse("open", hours.error().message());
   return {};
@@ -168,7 +169,7 @@ OpeningHours read_opening_hours(ConfigTable* site) {
 Result<OpeningHours> read_opening_hours(const std::filesystem::path& site) {
   TRY_ASSIGN(Config config, Config::read(site));
   ConfigTable root = config.root();
-  for (const char* const others : {"display", "farm", "picture", "walk"}) static_cast<void>(root.has(others));
+  for (const char* const others : {"display", "farm", "picture", "update", "walk"}) static_cast<void>(root.has(others));
   OpeningHours hours = read_opening_hours(&root);
   TRY(config.finish());
   return hours;

@@ -56,8 +56,9 @@ class OpeningHours {
   absl::TimeZone zone_;
 };
 
-/// [hours] of a site.toml. Mistakes are recorded with the table.
-OpeningHours read_opening_hours(ConfigTable* site);
+/// [hours] of a site.toml. Mistakes are recorded with the table. `ret_time_zone`, if not null, gets the zone's name, or
+/// nothing where it is this computer's.
+OpeningHours read_opening_hours(ConfigTable* site, std::string* ret_time_zone = nullptr);
 /// The same, of a file whose other tables are left to other programs. Errors of Config::read() and Config::finish().
 Result<OpeningHours> read_opening_hours(const std::filesystem::path& site);
 

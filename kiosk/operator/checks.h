@@ -10,8 +10,8 @@
 
 #include "kiosk/operator/machine_facts.h"
 #include "kiosk/operator/observation.h"
-#include "kiosk/operator/update_status.h"
 #include "kiosk/provision/provisioning_report.h"
+#include "kiosk/update/update_status.h"
 
 namespace cyclorama {
 

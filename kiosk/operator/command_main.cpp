@@ -20,6 +20,7 @@
 #include "kiosk/operator/status_json.h"
 #include "kiosk/operator/status_table.h"
 #include "kiosk/operator/summary.h"
+#include "kiosk/operator/update_command.h"
 #include "kiosk/operator/wand_command.h"
 
 namespace cyclorama {
@@ -38,6 +39,7 @@ struct Options {
   CalibrateCommand calibrate;
   RealignCommand realign;
   DoctorCommand doctor;
+  UpdateCommand update;
   int exit_code = kExitOk;  // Of a command that did what it was asked.
   CalibrateCameraCommand calibrate_camera;
 };
@@ -77,6 +79,7 @@ void add_options(CLI::App& app, Options* options) {
   options->wand.add_to(&app);
   options->calibrate.add_to(&app);
   options->realign.add_to(&app);
+  options->update.add_to(&app);
   add_watches(*options->doctor.add_to(&app), options);
   options->calibrate_camera.add_to(&app);
 }
@@ -169,6 +172,7 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (app.got_subcommand("wand")) return options.wand.run();
   if (app.got_subcommand("calibrate")) return options.calibrate.run(stop);
   if (app.got_subcommand("realign")) return options.realign.run();
+  if (app.got_subcommand("update")) return options.update.run(stop);
   const bool is_doctor = app.got_subcommand("doctor");
   if (is_doctor && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
   if (app.got_subcommand("calibrate-camera")) return options.calibrate_camera.run(app);

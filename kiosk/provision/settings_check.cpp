@@ -16,6 +16,7 @@
 #include "kiosk/provision/folder_check.h"
 #include "kiosk/provision/operator_settings.h"
 #include "kiosk/tour/session/tour_settings.h"
+#include "kiosk/update/update_settings.h"
 
 namespace cyclorama {
 namespace {
@@ -56,6 +57,8 @@ class MuseumChecker {
       if (!hours && hours.error().message() == settings.error().message()) return;  // One mistake, said once.
       return check_.problem(settings.error().message());
     }
+    const auto update = read_update_settings(check_.in("site.toml"));
+    if (!update && hours) check_.problem(update.error().message());
     check_.verdict().museum = settings->museum;
     check_.verdict().farm = settings->heads;
     bool is_far = false;

@@ -128,9 +128,13 @@ grpc::ServerUnaryReactor* FileServer::list(grpc::CallbackServerContext* context,
 
 grpc::ServerWriteReactor<wire::FileChunk>* FileServer::fetch(grpc::CallbackServerContext* context,
                                                              const wire::FetchFileRequest& request) {
-  auto file = library_.open(request.sha256());
+  return send(context, library_.open(request.sha256()), request.offset());
+}
+
+grpc::ServerWriteReactor<wire::FileChunk>* FileServer::send(grpc::CallbackServerContext* context,
+                                                            Result<StampedFile> file, std::uint64_t offset) {
   if (!file) return new Refusal(to_grpc(file.error()));
-  if (request.offset() > file->stamp.bytes) {
+  if (offset > file->stamp.bytes) {
     return new Refusal(to_grpc(Error(ErrorCode::kInvalidArgument, "the offset is beyond the file's end")));
   }
   const std::lock_guard lock(mutex_);
@@ -139,7 +143,7 @@ grpc::ServerWriteReactor<wire::FileChunk>* FileServer::fetch(grpc::CallbackServe
     return new Refusal(
         to_grpc(Error(ErrorCode::kBusy, fmt::format("{} files are on their way already; ask again", streams_.size()))));
   }
-  auto* const stream = new Stream(*this, context, *std::move(file), request.offset());  // Ends in its OnDone().
+  auto* const stream = new Stream(*this, context, *std::move(file), offset);  // Ends in its OnDone().
   streams_.insert(stream);
   if (stream->is_at_end()) {
     stream->end(grpc::Status::OK);

@@ -22,8 +22,8 @@
 namespace cyclorama {
 
 /// Answers Nodes.ListFiles and Nodes.FetchFile: files of the library's scenes, to many nodes at once, piece by piece in
-/// turn. Its thread (`files`) reads the disk and keeps the rate, so that neither waits in gRPC's threads nor in the
-/// head's loop. Whoever it serves was let in before. Thread-safe.
+/// turn; and gives museums their updates. Its thread (`files`) reads the disk and keeps the rate, so that neither waits
+/// in gRPC's threads nor in the head's loop. Whoever it serves was let in before. Thread-safe.
 class FileServer {
  public:
   struct Options {
@@ -41,6 +41,9 @@ class FileServer {
                                  wire::SceneFiles* reply) const;
   grpc::ServerWriteReactor<wire::FileChunk>* fetch(grpc::CallbackServerContext* context,
                                                    const wire::FetchFileRequest& request);
+  /// The same of any file that the caller may give away, from `offset` on; an error is what the peer gets.
+  grpc::ServerWriteReactor<wire::FileChunk>* send(grpc::CallbackServerContext* context, Result<StampedFile> file,
+                                                  std::uint64_t offset);
   /// Cuts the streams of those.
   void cut(const std::function<bool(const Identity& who)>& whom);
   /// Ends all streams (UNAVAILABLE), and those that come. Idempotent.

@@ -84,7 +84,8 @@ class Head::Loop final : private Peers {
     thread_ = std::thread(
         [this] { run(); });  // Before the servers: every call that a server takes needs somebody to finish it.
     TRY_ASSIGN(node_server_, WireServer::start(options_.nodes, {&nodes_service_}, port_for(Role::kNode)));
-    TRY_ASSIGN(museum_server_, WireServer::start(options_.museums, {&farm_service_}, port_for(Role::kMuseum)));
+    TRY_ASSIGN(museum_server_,
+               WireServer::start(options_.museums, {&farm_service_, &updates_service_}, port_for(Role::kMuseum)));
     if (!options_.inspect.empty()) {
       TRY_ASSIGN(inspect_server_, WireServer::start(options_.inspect, {&inspection_}));
     }
@@ -320,6 +321,8 @@ class Head::Loop final : private Peers {
   FileServer files_{library_, options_.distribution.files};
   NodesService nodes_service_{events_, files_};
   FarmService farm_service_{events_};
+  UpdatesService updates_service_{UpdateShelf(options_.updates), files_,
+                                  [this](const Identity& who) { return gate_->may_update(who); }};
   std::unique_ptr<WireServer> node_server_;
   std::unique_ptr<WireServer> museum_server_;
   std::unique_ptr<WireServer> inspect_server_;

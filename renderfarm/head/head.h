@@ -37,6 +37,7 @@ struct HeadOptions {
   WatchOptions watch{};
   std::string record{};  ///< Folder for what frames cost, for cyclorama-balance; empty: not kept.
   DistributionOptions distribution{};
+  std::filesystem::path updates{};  ///< Of appliances' images, as UpdateShelf; empty: none.
 };
 
 /// That names, paths and addresses can work, and that nothing listens to the world without TLS. kInvalidArgument names

@@ -49,6 +49,7 @@ Result<HeadOptions> options_of(Config config, const std::string& name) {
     options.distribution.files.streams = static_cast<std::size_t>(
         distribution.integer("files", {1, 1024}, static_cast<int>(FileServer::Options{}.streams)));
   }
+  if (root.has("updates")) options.updates = root.table("updates").text("folder");
   if (root.has("watch")) {
     options.watch = read_watch_options(root.table("watch"), std::filesystem::path(name).parent_path());
   }

@@ -16,9 +16,9 @@ namespace cyclorama {
 ///   nodes = "[::]:7402"              # Where nodes dial.
 ///   inspect = "[::1]:7403"           # Where the operator looks; without it, nowhere.
 ///   balance = "cost-map-stealing"    # For comparison: "cost-map", "pbt-leaves", "pbt" or "equal".
-///   museums_file = "museums.toml"    # Who may see what (renderfarm/trust/grants.h); without it, all museums everything.
-///   audit = "/var/log/cyclorama-farm/audit.jsonl"   # Without it, no audit log.
-///   insecure = false                 # true: ports beyond this machine need no TLS.
+///   museums_file = "museums.toml"    # Who may see what (renderfarm/trust/grants.h); without it, all museums
+///   everything. audit = "/var/log/cyclorama-farm/audit.jsonl"   # Without it, no audit log. insecure = false # true:
+///   ports beyond this machine need no TLS.
 ///   [[scene]]                        # The first is the default.
 ///   name = "grotto"
 ///   path = "/srv/scenes/grotto"
@@ -27,6 +27,8 @@ namespace cyclorama {
 ///   digests = ""                     # A file that spares a head that starts again reading them all; "": none.
 ///   limit_mbit_per_s = 0             # To all nodes together; 0: none.
 ///   files = 64                       # On their way at once.
+///   [updates]                        # Left out: museums get none from here.
+///   folder = "/srv/updates"          # update_shelf.h
 ///   [tls]                            # Without it the ports must be of this machine alone.
 ///   authority = "tls/authority.crt"  # Files are sought in farm.toml's folder.
 ///   certificate = "tls/certificate.crt"

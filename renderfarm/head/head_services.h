@@ -1,20 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The head's two gRPC services. They live on gRPC's threads and only post events to the loop.
+/// The head's gRPC services. They live on gRPC's threads and only post events to the loop, or hand out files.
 #pragma once
+
+#include <fmt/format.h>
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "common/base/text.h"
+#include "common/wire/channel.h"
 #include "common/wire/farm.grpc.pb.h"
 #include "common/wire/identity.h"
 #include "common/wire/nodes.grpc.pb.h"
+#include "common/wire/updates.grpc.pb.h"
 #include "renderfarm/head/event_queue.h"
 #include "renderfarm/head/file_server.h"
 #include "renderfarm/head/peer_stream.h"
+#include "renderfarm/head/update_shelf.h"
 
 namespace cyclorama {
 
@@ -147,6 +154,42 @@ class FarmService final : public wire::Farm::CallbackService,
 
   Events& events_;
   std::atomic<std::uint64_t> last_id_ = 0;
+};
+
+/// What museums keep themselves up to date with. `may` is asked on gRPC's threads.
+class UpdatesService final : public wire::Updates::CallbackService {
+ public:
+  UpdatesService(UpdateShelf shelf, FileServer& files, std::function<bool(const Identity&)> may)
+      : shelf_(std::move(shelf)), files_(files), may_(std::move(may)) {}
+
+ private:
+  [[nodiscard]] Status admit(const grpc::CallbackServerContext& context) const {
+    const Identity who = identity_of(context);
+    if (may_(who)) return Done{};
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("the farm gives '{}' no updates; its operator may change that in museums.toml",
+                             printable(who.name)));
+  }
+  grpc::ServerUnaryReactor* Offer(grpc::CallbackServerContext* context, const wire::OfferUpdateRequest* request,
+                                  wire::UpdateOffer* reply) override {
+    grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+    const Status admitted = admit(*context);
+    auto offer = admitted ? shelf_.offer(request->image()) : Result<wire::UpdateOffer>(admitted.error());
+    if (offer) *reply = *std::move(offer);
+    reactor->Finish(offer ? grpc::Status::OK : to_grpc(offer.error()));
+    return reactor;
+  }
+  grpc::ServerWriteReactor<wire::FileChunk>* Fetch(grpc::CallbackServerContext* context,
+                                                   const wire::FetchUpdateRequest* request) override {
+    const Status admitted = admit(*context);
+    return files_.send(
+        context, admitted ? shelf_.open(request->image(), request->sha256()) : Result<StampedFile>(admitted.error()),
+        request->offset());
+  }
+
+  const UpdateShelf shelf_;
+  FileServer& files_;
+  const std::function<bool(const Identity&)> may_;
 };
 
 }  // namespace cyclorama

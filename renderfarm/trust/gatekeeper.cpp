@@ -57,6 +57,14 @@ Result<bool> Gatekeeper::read_grants() {
   TRY_ASSIGN(const std::string text, *std::move(changed));
   TRY_ASSIGN(grants_, Grants::parse(text, options_.museums.string()));
   bytes_.clear();
+  std::set<std::string, std::less<>> updated;
+  for (const auto& [name, grant] : grants_->all()) {
+    if (grant.updates) updated.insert(name);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    updated_ = std::move(updated);
+  }
   notice_(fmt::format("'{}' was read: {} museums", options_.museums.string(), grants_->size()));
   record({.event = "grants read", .reason = fmt::format("{} museums", grants_->size())});
   return true;
@@ -97,6 +105,11 @@ std::optional<std::string> Gatekeeper::refusal(const Identity& who, Role wanted)
 bool Gatekeeper::is_revoked(const Identity& who) const {
   const std::lock_guard lock(mutex_);
   return revocations_.contains(who.serial);
+}
+
+bool Gatekeeper::may_update(const Identity& who) const {
+  const std::lock_guard lock(mutex_);
+  return who.role == Role::kNobody || !updated_ || updated_->contains(who.name);
 }
 
 Grant Gatekeeper::grant_of(const Identity& who) const {

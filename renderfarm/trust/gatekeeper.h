@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ struct TrustOptions {
 /// look at the files; 2. a file that cannot be read or is wrong changes nothing: what the last good one said stays, and
 /// the log says so once; 3. each visit and each node has one line in the audit log when it comes, and one when it goes.
 ///
-/// refusal() and is_revoked() are thread-safe; everything else is thread-bound.
+/// refusal(), is_revoked() and may_update() are thread-safe; everything else is thread-bound.
 class Gatekeeper {
  public:
   using Notice = std::function<void(const std::string& sentence)>;
@@ -62,6 +63,9 @@ class Gatekeeper {
 
   /// Thread-safe.
   [[nodiscard]] bool is_revoked(const Identity& who) const;
+
+  /// Whether it may fetch versions of its image: without a grant not. Thread-safe.
+  [[nodiscard]] bool may_update(const Identity& who) const;
 
   /// What the museum may do. Without a grant it sees no scene. Nobody's is everything.
   [[nodiscard]] Grant grant_of(const Identity& who) const;
@@ -118,8 +122,9 @@ class Gatekeeper {
 
   mutable std::mutex mutex_;  ///< Guards the following.
   Revocations revocations_;
-  std::map<std::string, TimePoint> refused_at_;  ///< By who and why.
-  std::optional<std::string> audit_failure_;     ///< Not told yet.
+  std::optional<std::set<std::string, std::less<>>> updated_;  ///< Museums' names; nothing: all.
+  std::map<std::string, TimePoint> refused_at_;                ///< By who and why.
+  std::optional<std::string> audit_failure_;                   ///< Not told yet.
 };
 
 }  // namespace cyclorama

@@ -31,6 +31,7 @@ Grant read_grant(ConfigTable& table) {
     grant.watermark = parse_watermark(table.text("watermark"));
     if (grant.watermark == 0) table.refuse("watermark", "is no key; write 16 hexadecimal digits, not all 0");
   }
+  grant.updates = table.flag("updates", true);
   if (grant.museum.empty()) table.refuse("name", "is empty; write the name in the museum's certificate");
   if (grant.scenes.empty()) table.refuse("scenes", "is empty; write [\"*\"] for all, or leave the museum out");
   if (grant.scenes.size() > 1 && std::ranges::count(grant.scenes, "*") > 0) {

@@ -19,6 +19,7 @@ struct Grant {
   int visits = 64;                       ///< At once.
   double bytes_per_second = 0.0;         ///< Of all its visits together; 0: not limited.
   std::uint64_t watermark = 0;           ///< Key of the mark in its pictures; 0: none.
+  bool updates = true;                   ///< May fetch versions of its image.
 
   [[nodiscard]] bool allows(std::string_view scene) const;
   bool operator==(const Grant&) const = default;
@@ -32,6 +33,7 @@ struct Grant {
 ///   weight = 2.0                     # Left out: 1. From 0.01 to 100.
 ///   visits = 4                       # Left out: 4. At once.
 ///   megabytes_per_s = 20             # Left out: not limited. From 0.1.
+///   updates = false                  # Left out: true. Whether it gets versions of its image from here.
 ///   watermark = "9e1f2bad2af9ea4e"   # Left out: none. 16 hexadecimal digits, not all 0.
 ///
 /// A museum that is not in it may do nothing. A value; thread-bound.

@@ -7,7 +7,7 @@
 #include "kiosk/operator/calibration_desk.h"
 #include "kiosk/operator/redaction.h"
 #include "kiosk/operator/sessions.h"
-#include "kiosk/operator/update_status.h"
+#include "kiosk/update/update_status.h"
 
 /// What browsers, the updater and peers may send; and a secret that comes out of no text, wherever it stands.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -174,7 +175,103 @@ def check_wishes(computer, folder):
     bad += expect("and leaves word for cyclorama-var", (computer.state / "factory-reset").exists())
     bad += expect("another wish is refused", wish("poweroff") == 1 and called.read_text() == "", called.read_text())
     bad += expect("a wish is granted once", list(wishes.iterdir()) == [])
-    bad += expect("an update without a stick says so", computer.run("update", "") == 0 and "no stick" in computer.report("update"), computer.report("update"))
+    stick.unlink()
+    bad += expect("without a stick the farm is asked", wish("update") == 0 and "cyclorama-update-from-farm@now.service" in called.read_text(), called.read_text())
+    return bad
+
+
+def check_farm_updates(computer, folder):
+    """What cyclorama-fetch-update says becomes the page's word, and at night a restart; the program itself is another test's."""
+    bad = 0
+    updates, called = folder / "updates", folder / "called"
+    (folder / "os-release").write_text("IMAGE_ID=cyclorama-museum\nIMAGE_VERSION=1\n")
+
+    def look(when, result, sysupdate="exit 1"):
+        called.write_text("")
+        shutil.rmtree(updates, ignore_errors=True)
+        (updates / "offer").mkdir(parents=True)
+        (updates / "offer/SHA256SUMS").write_text("")
+        said = f"printf '%s\\n' '{result}' >{updates}/result" if result else "true"
+        computer.stub("systemctl", f'echo "$@" >>{called}; if [ "$1" = start ]; then {said}; fi')
+        computer.run("update-from-farm", when, CYCLORAMA_UPDATES=str(updates))
+        return computer.report("update")
+    (computer.state / "update.json").unlink(missing_ok=True)
+    said = look("night", "later it is not the time for updates")
+    bad += expect("by day nothing is said", said == "" and "cyclorama-fetch-update@night.service" in called.read_text(), said + called.read_text())
+    said = look("now", "nothing nothing newer than 1")
+    bad += expect("nothing newer is told", '"current"' in said and "nothing newer than 1" in said, said)
+    said = look("now", "failed the disk has \"room\"\\ for 3 MB")
+    bad += expect("why not is told", '"failed"' in said and "the disk has room for 3 MB" in said, said)
+    said = look("night", "")
+    bad += expect("a program that ends without a word is told", '"failed"' in said and "did not end well" in said, said)
+    said = look("night", "ready 2 has come from the farm")
+    bad += expect("what came is checked as a stick's, and removed", "does not bear our signature" in said and not (updates / "offer").exists(), said)
+    ready = '{"state": "ready", "version": "1", "available": "2", "at": "", "sentence": "2 is there"}'
+    for when, result, starts in (("now", "nothing x", False), ("night", "later x", False), ("night", "nothing x", True), ("night", "nothing x", False)):
+        (computer.state / "update.json").write_text(ready)
+        said = look(when, result)
+        bad += expect(f"{when}, {result.split()[0]}: {'starts again, once' if starts else 'starts nothing'}", ("reboot" in called.read_text()) == starts and '"ready"' in said, called.read_text() + said)
+    (computer.state / "update.json").write_text(ready)
+    (folder / "os-release").write_text("IMAGE_ID=cyclorama-museum\nIMAGE_VERSION=2\n")
+    computer.run("update", "--went-back", CYCLORAMA_ESP=str(folder / "no-esp"))
+    bad += expect("a version that runs is no longer ready", '"current"' in computer.report("update") and '"version": "2"' in computer.report("update"), computer.report("update"))
+    (computer.state / "update.json").write_text('{"state": "rolled-back", "version": "1", "available": "2", "at": "", "sentence": "2 did not start well; 1 runs again"}')
+    bad += expect("a version that went back stays told", "rolled-back" in look("night", "nothing 2 was here already"), computer.report("update"))
+    return bad
+
+
+def free_port():
+    with socket.socket(socket.AF_INET6) as probe:
+        probe.bind(("::1", 0))
+        return probe.getsockname()[1]
+
+
+def check_fetch_program(build, folder):
+    """A farm that hands a version out, and the museum's program that fetches it, with certificates: what it says, and what lies there."""
+    bad = 0
+    here = folder / "fetch"
+    shelf = here / "shelf/cyclorama-museum"
+    shelf.mkdir(parents=True)
+    for name in ("cyclorama-museum_2.efi", "cyclorama-museum_2_0b.root.raw", "cyclorama-museum_2_0c.verity.raw"):
+        (shelf / name).write_bytes(name.encode() * 1000)
+    sums = subprocess.run("sha256sum cyclorama-*", shell=True, cwd=shelf, check=True, capture_output=True).stdout
+    (shelf / "SHA256SUMS").write_bytes(sums)
+    subprocess.run(["openssl", "dgst", "-sha256", "-sign", str(folder / "ours"), "-out", "SHA256SUMS.sig", "SHA256SUMS"], cwd=shelf, check=True)
+    authority = [f"{build}/bin/cyclorama-authority", "--folder", str(here / "authority")]
+    subprocess.run([*authority, "init"], check=True, stdout=subprocess.DEVNULL)
+    for role, *more in (("head", "farm", "--address", "::1"), ("museum", "hall-3")):
+        (here / role).mkdir()
+        subprocess.run([*authority, "--output", f"{here}/{role}.tar", role, *more], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(["tar", "-xf", f"{here}/{role}.tar", "-C", str(here / role)], check=True)
+    port = free_port()
+    tls = 'authority = "{0}/authority.crt"\ncertificate = "{0}/certificate.crt"\nkey = "{0}/key.pem"\n'
+    (here / "farm.toml").write_text(f'museums = "[::1]:{port}"\nnodes = "[::1]:{free_port()}"\n[[scene]]\nname = "a"\npath = "/srv/a"\n'
+                                    f'[updates]\nfolder = "{here}/shelf"\n[tls]\n' + tls.format("head"))
+    (here / "site.toml").write_text(f'[farm]\nheads = ["[::1]:{port}"]\nmuseum = "hall-3"\n' + tls.format("museum") + '[hours]\nopen = ["Mon-Sun 00:00-24:00"]\n')
+    (here / "os-release").write_text('NAME=Debian\nIMAGE_ID="cyclorama-museum"\nIMAGE_VERSION=1\n')
+    (here / "at").mkdir()
+
+    def fetch(when):
+        done = subprocess.run([f"{build}/bin/cyclorama-fetch-update", "--config", here / "site.toml", "--release", here / "os-release", "--key", folder / "update.pub",
+                               "--state", here, "--folder", here / "at", "--when", when], capture_output=True, text=True)
+        return (here / "at/result").read_text() if done.returncode == 0 else done.stderr
+    farm = subprocess.Popen([f"{build}/bin/cyclorama-farm", "--config", here / "farm.toml"], stderr=subprocess.PIPE, text=True)
+    try:
+        farm.stderr.readline()
+        said = fetch("night")
+        bad += expect("an open museum fetches nothing", said.startswith("later ") and not (here / "at/offer").exists(), said)
+        said = fetch("now")
+        bad += expect("a version comes whole from the farm", said.startswith("ready 2 ") and all((here / "at/offer" / file.name).read_bytes() == file.read_bytes() for file in shelf.iterdir()), said)
+        (here / "update.json").write_text('{"state": "rolled-back", "version": "1", "available": "2"}')
+        said = fetch("now")
+        bad += expect("one that went back is not fetched again", said.startswith("nothing 2 "), said)
+        (here / "update.json").unlink()
+        (shelf / "SHA256SUMS").write_bytes((b"1" if sums.startswith(b"0") else b"0") + sums[1:])
+        said = fetch("now")
+        bad += expect("one that is not signed so is refused", said.startswith("failed ") and "signature" in said, said)
+    finally:
+        farm.kill()
+        farm.wait()
     return bad
 
 
@@ -249,7 +346,7 @@ def main(source, build):
         folder = pathlib.Path(name)
         computer = Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder)
         bad = check_settings(computer, folder) + check_update(computer, folder) + check_wishes(computer, folder)
-        bad += check_health(computer, folder)
+        bad += check_farm_updates(computer, folder) + check_fetch_program(pathlib.Path(build).resolve(), folder) + check_health(computer, folder)
         bad += check_farm_host(Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder / "host", "farm-host"), folder)
     print("scripts: ok" if bad == 0 else f"scripts: {bad} failed")
     return 1 if bad else 0

@@ -18,6 +18,7 @@ MAY_INCLUDE = {
     "common/opening": ["common/base", "common/config", "common/opening"],
     "common/process": ["common/base", "common/process"],
     "common/room": ["common/base", "common/config", "common/geometry", "common/room"],
+    "common/update": ["common/base", "common/update"],
     "common/wand": ["common/base", "common/config", "common/geometry", "common/wand"],
     "common/wire": ["common/base", "common/geometry", "common/image", "common/wire"],
     "common": ["common"],

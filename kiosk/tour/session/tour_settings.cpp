@@ -83,7 +83,7 @@ std::optional<TlsFiles> read_tls(ConfigTable& farm, const std::filesystem::path&
 Result<TourSettings> read_from(Config config, const std::filesystem::path& folder) {
   TourSettings settings;
   ConfigTable root = config.root();
-  for (const char* const others : {"display", "hours"}) static_cast<void>(root.has(others));  // The display reads them.
+  for (const char* const others : {"display", "hours", "update"}) static_cast<void>(root.has(others));  // Others read them.
   ConfigTable farm = root.table("farm");
   settings.heads = farm.texts("heads", settings.heads);
   if (settings.heads.empty()) farm.refuse("heads", "is empty; name the farm's head, such as [\"[::1]:7401\"]");

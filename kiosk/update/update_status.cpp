@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kiosk/operator/update_status.h"
+#include "kiosk/update/update_status.h"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/update_command.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "common/base/clock.h"
+#include "common/base/file.h"
+#include "kiosk/update/update_status.h"
+
+namespace cyclorama {
+namespace {
+
+namespace fs = std::filesystem;
+using State = UpdateStatus::State;
+
+constexpr std::size_t kLargestStatus = 64 * 1024;
+constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
+
+}  // namespace
+
+void UpdateCommand::add_to(CLI::App* app) {
+  CLI::App& command = *app->add_subcommand(
+      "update", "Look for a newer version now, on a stick named CYCLORAMA or at the farm, and say what came of it");
+  command.add_option("--wishes", wishes, "Where the museum image looks for what is wished")->capture_default_str();
+  command.add_option("--museum", museum, "The museum's state folder")->capture_default_str();
+  command.add_option("--wait", wait_s, "Seconds to wait for the answer; it goes on without")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+}
+
+Status UpdateCommand::run(const StopSignal& stop) const {
+  std::error_code failed;
+  if (!fs::is_directory(wishes, failed)) {
+    return Error(ErrorCode::kNotFound,
+                 fmt::format("'{}' is not there: this computer's software is not kept by the museum image, or its "
+                             "operator page does not run; install the newer packages instead",
+                             wishes));
+  }
+  const fs::path wish = fs::path(wishes) / "update", report = fs::path(museum) / kUpdateStatusFile;
+  TRY(write_file_atomically(wish, std::string_view("\n")));
+  const SteadyClock clock;
+  const TimePoint deadline = clock.now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(wait_s));
+  // Taken up when the wish is gone; over when the updater says anything but that it is at work.
+  bool is_over = false;
+  UpdateStatus status;
+  while (!is_over && clock.now() < deadline && !stop.wait_until(clock.now() + kBetweenLooks)) {
+    const auto text = read_text_file(report, kLargestStatus);
+    const auto parsed = text ? parse_update_status(*text) : Result<UpdateStatus>(text.error());
+    if (!parsed || fs::exists(wish, failed)) continue;
+    status = *parsed;
+    is_over = status.state != State::kChecking && status.state != State::kLoading;
+  }
+  if (!is_over) return Error(ErrorCode::kTimedOut, "no answer yet; 'cyclorama doctor' tells it when it has come");
+  const std::string sentence = fmt::format("{} runs: {}", status.version, status.sentence);
+  if (status.state == State::kFailed) return Error(ErrorCode::kUnavailable, sentence);
+  std::printf("%s\n", sentence.c_str());
+  return Done{};
+}
+
+}  // namespace cyclorama

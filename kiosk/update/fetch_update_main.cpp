@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cyclorama-fetch-update: looks at the farm for a newer version of this computer's image.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "common/base/address.h"
+#include "common/base/file.h"
+#include "common/process/log.h"
+#include "common/process/program.h"
+#include "common/update/update_manifest.h"
+#include "kiosk/tour/session/tour_settings.h"
+#include "kiosk/update/fetch_update.h"
+#include "kiosk/update/update_settings.h"
+#include "kiosk/update/update_status.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr const char* kNight = "night";
+constexpr const char* kNow = "now";
+constexpr std::size_t kLargestText = 64 * 1024;
+
+struct Options {
+  std::string config = "/etc/cyclorama/site.toml";
+  std::string release = "/etc/os-release";
+  std::string key = "/usr/share/cyclorama/update.pub";
+  std::string state = "/var/lib/cyclorama";
+  std::string folder = "/var/lib/cyclorama-update";
+  std::string when = kNight;
+};
+
+void add_options(CLI::App& app, Options* options) {
+  app.add_option("--config", options->config, "The museum's site.toml: [farm], [hours], [update]")
+      ->capture_default_str();
+  app.add_option("--release", options->release, "Where IMAGE_ID and IMAGE_VERSION stand")->capture_default_str();
+  app.add_option("--key", options->key, "The public half of the key that signs versions")->capture_default_str();
+  app.add_option("--state", options->state, "Where update.json is: what came of the version before")
+      ->capture_default_str();
+  app.add_option("--folder", options->folder, "Versions come together in its folder 'offer'; 'result' says what came")
+      ->capture_default_str();
+  app.add_option("--when", options->when, "night: only within [update] hours, while the museum is closed; now: at once")
+      ->check(CLI::IsMember({kNight, kNow}))
+      ->capture_default_str();
+}
+
+/// KEY=VALUE of an os-release, without quotes.
+std::string value_of(const std::string& text, const std::string& key) {
+  const std::string begin = "\n" + key + "=";
+  const std::string lines = "\n" + text;
+  const std::size_t at = lines.find(begin);
+  if (at == std::string::npos) return "";
+  std::string value = lines.substr(at + begin.size(), lines.find('\n', at + 1) - at - begin.size());
+  std::erase(value, '"');
+  return value;
+}
+
+/// A version that is on the disk already, or was.
+std::string not_again(const Options& options) {
+  const auto text = read_text_file(std::filesystem::path(options.state) / kUpdateStatusFile, kLargestText);
+  const auto status = text ? parse_update_status(*text) : Result<UpdateStatus>(text.error());
+  const bool counts =
+      status && (status->state == UpdateStatus::State::kReady || status->state == UpdateStatus::State::kRolledBack);
+  return counts ? status->available : "";
+}
+
+/// The first word is for the script that goes on: nothing, ready, later or failed.
+Status tell(const Options& options, const std::string& word, const std::string& sentence) {
+  log(word == "failed" ? LogLevel::kWarning : LogLevel::kInfo, sentence);
+  return write_file_atomically(std::filesystem::path(options.folder) / "result",
+                               std::string_view(fmt::format("{} {}\n", word, sentence)));
+}
+
+Result<FetchOutcome> look(const Options& options, const TourSettings& tour, const std::function<bool()>& go_on) {
+  TRY_ASSIGN(const std::string release, read_text_file(options.release, kLargestText));
+  FetchOrder order{.image = value_of(release, "IMAGE_ID"), .version = value_of(release, "IMAGE_VERSION")};
+  if (!is_image_name(order.image) || !is_image_version(order.version)) {
+    return Error(ErrorCode::kInvalidArgument, fmt::format("'{}' names no image of ours", options.release));
+  }
+  order.not_again = not_again(options);
+  order.key = options.key;
+  order.folder = std::filesystem::path(options.folder) / "offer";
+  if (options.when == kNow) order.retries = 2;  // Somebody waits.
+  TRY_ASSIGN(UpdateClient farm, UpdateClient::make(tour.heads, tour.tls));
+  return fetch_update(order, &farm, go_on);
+}
+
+Status run(const Options& options, const StopSignal& stop) {
+  TRY_ASSIGN(const UpdateSettings settings, read_update_settings(options.config));
+  TRY_ASSIGN(const TourSettings tour, read_tour_settings(options.config));
+  const bool is_alone =
+      !tour.tls && std::ranges::all_of(tour.heads, [](const std::string& head) { return is_loopback(head); });
+  if (!settings.from_farm || is_alone) {
+    return tell(options, "nothing",
+                is_alone ? "no farm is named in site.toml" : "site.toml says that updates come by stick");
+  }
+  const auto go_on = [&] {
+    return !stop.requested() && (options.when == kNow || settings.is_night(std::chrono::system_clock::now()));
+  };
+  if (!go_on()) return tell(options, "later", "it is not the time for updates");
+  const auto outcome = look(options, tour, go_on);
+  if (!outcome) return tell(options, "failed", outcome.error().message());
+  switch (outcome->kind) {
+    case FetchOutcome::Kind::kNothing:
+      return tell(options, "nothing", outcome->sentence);
+    case FetchOutcome::Kind::kReady:
+      return tell(options, "ready", outcome->sentence);
+    case FetchOutcome::Kind::kLater:
+      break;
+  }
+  return tell(options, "later", outcome->sentence);
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  cyclorama::Program program("cyclorama-fetch-update",
+                             "Fetches a newer version of this museum's image from the farm, if there is one: signed, "
+                             "whole, and resumed where it was cut. It installs nothing.");
+  cyclorama::Options options;
+  cyclorama::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/update/update_settings.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "common/base/text.h"
+#include "common/config/config.h"
+
+namespace cyclorama {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kUsualNight = "02:00-05:00";
+/// 2026-01-01: a clock that stands before was never set, and OpeningHours is open then.
+constexpr WallTime kEarliest{1767225600s};
+
+Result<UpdateSettings> settings_of(Config config) {
+  UpdateSettings settings;
+  ConfigTable root = config.root();
+  for (const char* const others : {"display", "farm", "picture", "walk"}) static_cast<void>(root.has(others));
+  settings.has_opening_hours = root.has("hours");
+  std::string zone;
+  settings.opening = read_opening_hours(&root, &zone);
+  ConfigTable update = root.table("update");
+  settings.from_farm = update.flag("from_farm", true);
+  const std::string hours = update.text("hours", kUsualNight);
+  auto night = OpeningHours::parse({"Mon-Sun " + hours}, zone);
+  if (night) {
+    settings.night = *std::move(night);
+  } else {
+    update.refuse("hours",
+                  fmt::format("is '{}'; write two times of day, such as \"{}\"", printable(hours), kUsualNight));
+  }
+  TRY(config.finish());
+  return settings;
+}
+
+}  // namespace
+
+bool UpdateSettings::is_night(WallTime now) const {
+  return now >= kEarliest && night.is_open(now) && !(has_opening_hours && opening.is_open(now));
+}
+
+Result<UpdateSettings> read_update_settings(const std::filesystem::path& site) {
+  TRY_ASSIGN(Config config, Config::read(site));
+  return settings_of(std::move(config));
+}
+
+Result<UpdateSettings> parse_update_settings(std::string_view text, const std::string& name) {
+  TRY_ASSIGN(Config config, Config::parse(text, name));
+  return settings_of(std::move(config));
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a real head to a folder, over gRPC on [::1].
+#include "kiosk/update/fetch_update.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/file.h"
+#include "common/wire/channel.h"
+#include "common/wire/updates.grpc.pb.h"
+#include "renderfarm/head/head.h"
+#include "tests/doubles/test_authority.h"
+
+namespace cyclorama {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using Kind = FetchOutcome::Kind;
+
+constexpr const char* kImage = "cyclorama-museum";
+constexpr const char* kKernel = "cyclorama-museum_2.0.efi";
+constexpr const char* kRoot = "cyclorama-museum_2.0_0b.root.raw";
+constexpr const char* kHashes = "cyclorama-museum_2.0_0c.verity.raw";
+constexpr std::size_t kRootBytes = 3'000'000;  // Some pieces.
+
+/// A farm's folder of updates, signed, and a museum's computer that asks for them.
+class Farm {
+ public:
+  Farm() {
+    std::string folder = (fs::temp_directory_path() / "updates-XXXXXX").string();
+    EXPECT_NE(::mkdtemp(folder.data()), nullptr);
+    place_ = folder;
+    fs::create_directories(shelf());
+    for (const char* const key : {"ours", "theirs"}) {
+      openssl(std::string("genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out ") + key);
+    }
+    openssl("pkey -in ours -pubout -out key.pub");
+    write(kKernel, "kernel");
+    write(kHashes, "hashes");
+    std::string root(kRootBytes, 'r');
+    root[kRootBytes / 2] = 's';
+    write(kRoot, root);
+    sign("ours");
+  }
+  ~Farm() {
+    if (head_) head_->stop();
+    fs::remove_all(place_);
+  }
+  Farm(const Farm&) = delete;
+  Farm& operator=(const Farm&) = delete;
+
+  [[nodiscard]] fs::path place() const { return place_; }
+  [[nodiscard]] fs::path shelf() const { return place_ / "shelf" / kImage; }
+  [[nodiscard]] fs::path offer() const { return place_ / "museum" / "offer"; }
+  void write(const std::string& name, const std::string& text) const {
+    EXPECT_TRUE(write_file_atomically(shelf() / name, std::string_view(text)));
+  }
+  void openssl(const std::string& words) const { output_of("cd '" + place_.string() + "' && openssl " + words); }
+  void sign(const std::string& key) const {
+    output_of("cd '" + shelf().string() + "' && sha256sum *.efi *.raw >SHA256SUMS");
+    openssl("dgst -sha256 -sign " + key + " -out '" + shelf().string() + "/SHA256SUMS.sig' '" + shelf().string() +
+            "/SHA256SUMS'");
+  }
+  void start(TrustOptions trust = {}) {
+    HeadOptions options;
+    options.scenes.push_back({.name = "grotto", .path = "/srv/grotto"});
+    options.museums = options.nodes = "[::1]:0";
+    options.updates = place_ / "shelf";
+    options.trust = std::move(trust);
+    auto head = Head::start(std::move(options), [](const std::string&, const NoticeAbout&) {});
+    CHECK(head);
+    head_ = *std::move(head);
+  }
+  [[nodiscard]] std::uint64_t sent_bytes() const { return head_->sent_file_bytes(); }
+
+  [[nodiscard]] FetchOrder order() const {
+    return {.image = kImage,
+            .version = "1.9",
+            .key = place_ / "key.pub",
+            .folder = offer(),
+            .limits = {.keep_free_bytes = 0},
+            .retry_after = std::chrono::milliseconds(20),
+            .retries = 0};
+  }
+  [[nodiscard]] Result<FetchOutcome> fetch(
+      const FetchOrder& order, const std::optional<TlsFiles>& tls = std::nullopt,
+      const std::function<bool()>& go_on = [] { return true; }) const {
+    auto client = UpdateClient::make({"[::1]:" + std::to_string(head_->museum_port())}, tls);
+    CHECK(client);
+    return fetch_update(order, &*client, go_on);
+  }
+
+ private:
+  fs::path place_;
+  std::unique_ptr<Head> head_;
+};
+
+std::string text_of(const fs::path& path) {
+  const auto text = read_text_file(path, 1 << 24);
+  return text ? *text : "";
+}
+
+TEST(FetchUpdate, brings_a_newer_version_whole_and_asks_for_nothing_twice) {
+  Farm farm;
+  farm.start();
+  const auto outcome = farm.fetch(farm.order());
+  ASSERT_TRUE(outcome) << outcome.error().message();
+  EXPECT_EQ(outcome->kind, Kind::kReady);
+  EXPECT_EQ(outcome->version, "2.0");
+  for (const char* const name : {kKernel, kRoot, kHashes, "SHA256SUMS", "SHA256SUMS.sig"}) {
+    EXPECT_EQ(text_of(farm.offer() / name), text_of(farm.shelf() / name)) << name;
+  }
+  const std::uint64_t sent = farm.sent_bytes();
+  EXPECT_EQ(farm.fetch(farm.order())->kind, Kind::kReady);
+  EXPECT_EQ(farm.sent_bytes(), sent);
+}
+
+TEST(FetchUpdate, goes_on_where_it_was_cut) {
+  Farm farm;
+  farm.start();
+  int pieces = 0;
+  const auto cut = farm.fetch(farm.order(), std::nullopt, [&] { return ++pieces < 4; });
+  ASSERT_TRUE(cut) << cut.error().message();
+  EXPECT_EQ(cut->kind, Kind::kLater);
+  const std::uint64_t there = fs::file_size(farm.offer() / (std::string(kRoot) + ".part"));
+  EXPECT_GT(there, 0u);
+  EXPECT_LT(there, kRootBytes);
+  pieces = 0;
+  const auto outcome = farm.fetch(farm.order(), std::nullopt, [&] { return ++pieces > 0; });
+  ASSERT_TRUE(outcome) << outcome.error().message();
+  EXPECT_EQ(outcome->kind, Kind::kReady);
+  EXPECT_EQ(text_of(farm.offer() / kRoot), text_of(farm.shelf() / kRoot));
+  constexpr std::uint64_t kPiece = 512 * 1024;
+  EXPECT_EQ(static_cast<std::uint64_t>(pieces), (kRootBytes - there + kPiece - 1) / kPiece + 1)
+      << "the rest, and the hashes";
+}
+
+TEST(FetchUpdate, forgets_what_had_come_of_another_version) {
+  Farm farm;
+  farm.start();
+  int pieces = 0;
+  ASSERT_EQ(farm.fetch(farm.order(), std::nullopt, [&] { return ++pieces < 4; })->kind, Kind::kLater);
+  for (const char* const name : {kKernel, kRoot, kHashes}) {
+    fs::rename(farm.shelf() / name, farm.shelf() / ("cyclorama-museum_2.1" + std::string(name).substr(20)));
+  }
+  farm.sign("ours");
+  EXPECT_EQ(farm.fetch(farm.order())->version, "2.1");
+  EXPECT_FALSE(fs::exists(farm.offer() / (std::string(kRoot) + ".part")));
+}
+
+TEST(FetchUpdate, fetches_anew_what_was_damaged_on_this_disk) {
+  Farm farm;
+  farm.start();
+  int pieces = 0;
+  ASSERT_EQ(farm.fetch(farm.order(), std::nullopt, [&] { return ++pieces < 4; })->kind, Kind::kLater);
+  const fs::path part = farm.offer() / (std::string(kRoot) + ".part");
+  const auto there = fs::file_size(part);
+  EXPECT_TRUE(write_file_atomically(part, std::string_view(std::string(there, 'x'))));
+  const auto damaged = farm.fetch(farm.order());
+  ASSERT_FALSE(damaged);
+  EXPECT_EQ(damaged.error().code(), ErrorCode::kBadData);
+  EXPECT_FALSE(fs::exists(part));
+  EXPECT_EQ(farm.fetch(farm.order())->kind, Kind::kReady);
+}
+
+TEST(FetchUpdate, has_nothing_to_do_for_an_old_version_or_one_that_failed_here) {
+  Farm farm;
+  farm.start();
+  FetchOrder order = farm.order();
+  order.version = "2.0";
+  EXPECT_EQ(farm.fetch(order)->kind, Kind::kNothing);
+  order.version = "3";
+  EXPECT_EQ(farm.fetch(order)->kind, Kind::kNothing) << "nobody goes back";
+  order = farm.order();
+  order.not_again = "2.0";
+  EXPECT_THAT(farm.fetch(order)->sentence, HasSubstr("2.0 was here already"));
+  order = farm.order();
+  order.image = "cyclorama-farm-host";
+  EXPECT_THAT(farm.fetch(order)->sentence, HasSubstr("no version of 'cyclorama-farm-host'"));
+  EXPECT_FALSE(fs::exists(farm.offer()));
+  EXPECT_EQ(farm.sent_bytes(), 0u);
+}
+
+TEST(FetchUpdate, refuses_what_another_signed) {
+  Farm farm;
+  farm.sign("theirs");
+  farm.start();
+  const auto outcome = farm.fetch(farm.order());
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code(), ErrorCode::kBadData);
+  EXPECT_THAT(outcome.error().message(), HasSubstr("signature"));
+  EXPECT_EQ(farm.sent_bytes(), 0u);
+}
+
+TEST(FetchUpdate, refuses_a_file_that_is_not_the_signed_one) {
+  Farm farm;
+  farm.write(kRoot, std::string(kRootBytes, 'q'));
+  farm.start();
+  const auto outcome = farm.fetch(farm.order());
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code(), ErrorCode::kBadData);
+  EXPECT_THAT(outcome.error().message(), HasSubstr(kRoot));
+  EXPECT_FALSE(fs::exists(farm.offer() / kRoot));
+  EXPECT_FALSE(fs::exists(farm.offer() / (std::string(kRoot) + ".part")));
+}
+
+TEST(FetchUpdate, refuses_more_than_it_may_be_and_more_than_the_disk_has_room_for) {
+  Farm farm;
+  farm.start();
+  FetchOrder order = farm.order();
+  order.limits.largest_bytes = kRootBytes - 1;
+  EXPECT_EQ(farm.fetch(order).error().code(), ErrorCode::kInvalidArgument);
+  order = farm.order();
+  order.limits.most_bytes = kRootBytes + 11;
+  EXPECT_EQ(farm.fetch(order).error().code(), ErrorCode::kInvalidArgument);
+  order = farm.order();
+  order.limits.keep_free_bytes = std::uint64_t{1} << 60;
+  const auto full = farm.fetch(order);
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error().code(), ErrorCode::kSystem);
+  EXPECT_THAT(full.error().message(), HasSubstr("room for"));
+  EXPECT_EQ(farm.sent_bytes(), 0u);
+}
+
+TEST(FetchUpdate, is_for_museums_that_are_granted_it) {
+  TestAuthority authority;
+  Farm farm;
+  const fs::path museums = farm.place() / "museums.toml";
+  EXPECT_TRUE(
+      write_file_atomically(museums, std::string_view("[[museum]]\nname = \"hall-3\"\nscenes = [\"*\"]\n[[museum]]\n"
+                                                      "name = \"hall-4\"\nscenes = [\"*\"]\nupdates = false\n")));
+  farm.start({.tls = authority.head(), .museums = museums});
+  EXPECT_EQ(farm.fetch(farm.order(), authority.museum("hall-3"))->kind, Kind::kReady);
+  for (const char* const other : {"hall-4", "hall-5"}) {
+    const auto refused = farm.fetch(farm.order(), authority.museum(other));
+    ASSERT_FALSE(refused) << other;
+    EXPECT_EQ(refused.error().code(), ErrorCode::kInvalidArgument);
+    EXPECT_THAT(refused.error().message(), HasSubstr("museums.toml"));
+  }
+  EXPECT_FALSE(farm.fetch(farm.order())) << "without a certificate";
+}
+
+/// A head that says what the test wants.
+class LyingHead final : public wire::Updates::Service {
+ public:
+  explicit LyingHead(wire::UpdateOffer offer) : offer_(std::move(offer)) {}
+  grpc::Status Offer(grpc::ServerContext*, const wire::OfferUpdateRequest*, wire::UpdateOffer* reply) override {
+    *reply = offer_;
+    return grpc::Status::OK;
+  }
+  grpc::Status Fetch(grpc::ServerContext*, const wire::FetchUpdateRequest* request,
+                     grpc::ServerWriter<wire::FileChunk>* writer) override {
+    wire::FileChunk chunk;
+    chunk.set_offset(request->offset() + shift);
+    chunk.set_data(data);
+    writer->Write(chunk);
+    return grpc::Status::OK;
+  }
+
+  std::string data = "more than six bytes";
+  std::uint64_t shift = 0;
+
+ private:
+  const wire::UpdateOffer offer_;
+};
+
+TEST(FetchUpdate, believes_no_lengths_and_no_order) {
+  const Farm farm;
+  wire::UpdateOffer offer;
+  offer.set_sums(text_of(farm.shelf() / "SHA256SUMS"));
+  offer.set_signature(text_of(farm.shelf() / "SHA256SUMS.sig"));
+  for (const std::uint64_t bytes : {std::uint64_t{6}, std::uint64_t{kRootBytes}, std::uint64_t{6}})
+    offer.add_bytes(bytes);
+  LyingHead head(offer);
+  auto server = WireServer::start("[::1]:0", {&head});
+  ASSERT_TRUE(server);
+  auto client = UpdateClient::make({"[::1]:" + std::to_string((*server)->port())}, std::nullopt);
+  ASSERT_TRUE(client);
+  const auto said = [&] {
+    const auto outcome = fetch_update(farm.order(), &*client, [] { return true; });
+    return outcome ? std::string("taken") : outcome.error().message();
+  };
+  EXPECT_THAT(said(), HasSubstr("sends more of"));
+  head.shift = 1;
+  EXPECT_THAT(said(), HasSubstr("out of order"));
+  head.shift = 0;
+  head.data = "";
+  EXPECT_THAT(said(), HasSubstr("ends after 0 of 6 bytes"));
+  head.data = "kornel";
+  EXPECT_THAT(said(), HasSubstr("is not the file"));
+}
+
+TEST(FetchUpdate, says_that_the_farm_is_away) {
+  const Farm farm;
+  auto client = UpdateClient::make({"[::1]:1"}, std::nullopt);
+  ASSERT_TRUE(client);
+  const auto outcome = fetch_update(farm.order(), &*client, [] { return true; });
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().code(), ErrorCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace cyclorama

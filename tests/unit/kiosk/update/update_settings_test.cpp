@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/update/update_settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace cyclorama {
+namespace {
+
+using testing::HasSubstr;
+
+/// On 24 November 2026, a Tuesday, in Zurich (an hour ahead of UTC).
+WallTime at(int hour, int minute = 0) {
+  return absl::ToChronoTime(absl::FromCivil(absl::CivilMinute(2026, 11, 24, hour, minute), absl::FixedTimeZone(3600)));
+}
+constexpr const char* kZurich = "[hours]\nopen = [\"Mon-Sun 10:00-03:00\"]\ntime_zone = \"Europe/Zurich\"\n";
+
+UpdateSettings settings(const std::string& text) {
+  auto read = parse_update_settings(text, "site.toml");
+  EXPECT_TRUE(read) << read.error().message();
+  return *std::move(read);
+}
+
+TEST(UpdateSettings, wait_for_the_night_and_for_the_last_visitor) {
+  const UpdateSettings usual = settings(kZurich);
+  EXPECT_TRUE(usual.from_farm);
+  EXPECT_FALSE(usual.is_night(at(1, 59)));
+  EXPECT_FALSE(usual.is_night(at(2, 30))) << "the museum is open until three";
+  EXPECT_TRUE(usual.is_night(at(3)));
+  EXPECT_TRUE(usual.is_night(at(4, 59)));
+  EXPECT_FALSE(usual.is_night(at(5)));
+}
+
+TEST(UpdateSettings, are_the_museums_to_choose) {
+  const UpdateSettings chosen =
+      settings(std::string("[update]\nfrom_farm = false\nhours = \"23:00-09:00\"\n") + kZurich);
+  EXPECT_FALSE(chosen.from_farm);
+  EXPECT_FALSE(chosen.is_night(at(23, 30))) << "open";
+  EXPECT_TRUE(chosen.is_night(at(8, 59)));
+}
+
+TEST(UpdateSettings, of_a_museum_that_is_always_open_count_by_the_night_alone) {
+  const UpdateSettings always = settings("[update]\nhours = \"00:00-24:00\"\n");
+  EXPECT_TRUE(always.is_night(at(12)));
+}
+
+TEST(UpdateSettings, do_nothing_by_a_clock_that_was_never_set) {
+  EXPECT_FALSE(settings("[update]\nhours = \"00:00-24:00\"\n").is_night(WallTime{}));
+}
+
+TEST(UpdateSettings, name_what_is_wrong) {
+  for (const char* const wrong :
+       {"hours = \"2-5\"", "hours = \"\"", "hours = \"closed\"", "from_farms = true", "hours = 3"}) {
+    const auto read = parse_update_settings(std::string("[update]\n") + wrong + "\n", "site.toml");
+    if (std::string(wrong) == "hours = \"closed\"") {
+      EXPECT_TRUE(read) << "never";
+      continue;
+    }
+    ASSERT_FALSE(read) << wrong;
+    EXPECT_THAT(read.error().message(), HasSubstr("site.toml:2"));
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -91,6 +91,7 @@ class Appliance(Machine):
             raise RuntimeError((self.folder / "qemu.log").read_text()[-2000:])
         self.connect()
         self.shell = None
+        self.heard = b""
         self.seen = 0  # Of the console: what an earlier start said.
 
     def seconds(self):

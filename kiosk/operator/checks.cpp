@@ -205,6 +205,13 @@ class List {
 
   void disk() {
     const MachineFacts& machine = findings_.machine;
+    if (!machine.only_in_memory.empty()) {
+      return add(
+          "disk", "Disk", Level::kFault,
+          fmt::format("What this computer is told, it forgets when it is switched off: {}.", machine.only_in_memory),
+          "Hold the space bar while it starts, choose 'forget all settings', and plug in the stick with the "
+          "settings. If it says so again, the disk is worn out and must be replaced.");
+    }
     if (machine.is_read_only.value_or(false)) {
       return add("disk", "Disk", Level::kFault, "It cannot be written any more.",
                  "Start this computer again. If that is so again, the disk is worn out and must be replaced.");
@@ -232,7 +239,12 @@ class List {
     const double hot = findings_.machine.critical_c.value_or(kHot_c + 5.0) - 5.0;
     const double warm = findings_.machine.critical_c ? *findings_.machine.critical_c - kBelowCritical_c : kWarm_c;
     const Level level = *warmest >= hot ? Level::kFault : *warmest >= warm ? Level::kWarning : Level::kOk;
-    add("temperature", "Temperature", level, fmt::format("The warmest part has {:.0f} °C.", *warmest),
+    std::string sentence = fmt::format("The warmest part has {:.0f} °C.", *warmest);
+    if (findings_.machine.slowed_by_heat > 0) {
+      sentence += fmt::format(" Heat has slowed the processor down {} times since the start.",
+                              findings_.machine.slowed_by_heat);
+    }
+    add("temperature", "Temperature", level, sentence,
         "Clean the computer's vents, and let air to it; it slows down or switches itself off when it is too warm.");
   }
 

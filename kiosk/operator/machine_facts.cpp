@@ -60,6 +60,22 @@ void read_temperature(const fs::path& root, MachineFacts* ret) {
   }
 }
 
+/// What the image's script says that mounts /var: "encrypted", "plain", "in memory: the disk cannot be read".
+void read_var(const fs::path& root, MachineFacts* ret) {
+  constexpr std::string_view kInMemory = "in memory: ";
+  const auto said = line_of(root / "run/cyclorama/var");
+  if (!said || !said->starts_with(kInMemory)) return;
+  const std::string_view why = std::string_view(*said).substr(kInMemory.size());
+  ret->only_in_memory = printable(why.substr(0, why.find('\n')), 200);
+}
+
+/// Of all its parts together, as the first core tells it.
+void read_throttling(const fs::path& root, MachineFacts* ret) {
+  const auto text = line_of(root / "sys/devices/system/cpu/cpu0/thermal_throttle/package_throttle_count");
+  const auto count = text ? parse_integer(std::string_view(*text).substr(0, text->find('\n'))) : std::nullopt;
+  if (count && *count > 0) ret->slowed_by_heat = static_cast<std::uint64_t>(*count);
+}
+
 void read_clock(const fs::path& root, MachineFacts* ret) {
   std::error_code failed;
   if (fs::exists(root / "run/systemd/timesync/synchronized", failed)) {
@@ -101,7 +117,9 @@ MachineFacts read_machine_facts(const fs::path& state, const fs::path& root) {
     facts.disk_bytes = std::uint64_t{disk.f_blocks} * disk.f_frsize;
     facts.is_read_only = (disk.f_flag & ST_RDONLY) != 0;
   }
+  read_var(root, &facts);
   read_temperature(root, &facts);
+  read_throttling(root, &facts);
   read_clock(root, &facts);
   read_memory(root, &facts);
   return facts;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace cyclorama {
 
@@ -17,6 +18,8 @@ struct MachineFacts {
   std::optional<double> critical_c{};  ///< Where that zone switches the computer off.
   std::optional<bool> is_clock_set{};  ///< By a time server, since the start.
   std::optional<double> memory_free_share{};
+  std::string only_in_memory{};      ///< Why the image keeps its state in memory alone; empty: it does not.
+  std::uint64_t slowed_by_heat = 0;  ///< Times since the start, of the processor.
 };
 
 /// `state` lies on the disk that is looked at; `root` is "/" but in tests. Reads a few small files.

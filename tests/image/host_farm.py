@@ -12,8 +12,8 @@ MUSEUM = "hall-3"
 
 
 class HostFarm:
-    def __init__(self, programs, folder, addresses=(HOST_FROM_WITHIN, "::1")):
-        """Its head's certificate is for these addresses."""
+    def __init__(self, programs, folder, addresses=(HOST_FROM_WITHIN, "::1"), more=""):
+        """Its head's certificate is for these addresses; `more` stands in its farm.toml before the tables."""
         self.programs = pathlib.Path(programs).resolve()
         self.folder = pathlib.Path(folder)
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -26,7 +26,7 @@ class HostFarm:
             (self.folder / role).mkdir(exist_ok=True)
             subprocess.run(["tar", "-xf", self.folder / f"{role}.tar", "-C", self.folder / role], check=True)
         (self.folder / "farm.toml").write_text(
-            f'museums = "[::1]:{MUSEUMS}"\nnodes = "[::1]:{NODES}"\n[[scene]]\nname = "grotto"\npath = "{self.folder}/scene"\n' + self._tls("head"))
+            f'museums = "[::1]:{MUSEUMS}"\nnodes = "[::1]:{NODES}"\n{more}[[scene]]\nname = "grotto"\npath = "{self.folder}/scene"\n' + self._tls("head"))
         (self.folder / "node.toml").write_text(f'heads = ["[::1]:{NODES}"]\nname = "node"\nthreads = 1\n' + self._tls("node"))
 
     def _run(self, program, *arguments):

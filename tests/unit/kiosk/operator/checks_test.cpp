@@ -47,7 +47,7 @@ Findings well() {
   for (const char* const head : {"lit: left", "lit: right"}) set_gauge(&findings.processes[1], head, 1.0);
   set_gauge(&findings.processes[1], "awake", 1.0);
   set_gauge(&findings.processes[2], "frames_per_second", 30.0);
-  findings.machine = {50'000'000'000, 100'000'000'000, false, 55.0, 100.0, true, 0.5};
+  findings.machine = {50'000'000'000, 100'000'000'000, false, 55.0, 100.0, true, 0.5, {}, 0};
   findings.is_museum = true;
   findings.provisioning.emplace();
   findings.provisioning->verdict = Verdict::kInstalled;
@@ -132,6 +132,7 @@ INSTANTIATE_TEST_SUITE_P(
         Trouble{"disk", Level::kFault, [](Findings* f) { f->machine.disk_free_bytes = 1'000; }},
         Trouble{"disk", Level::kFault, [](Findings* f) { f->machine.is_read_only = true; }},
         Trouble{"memory", Level::kWarning, [](Findings* f) { f->machine.memory_free_share = 0.01; }},
+        Trouble{"disk", Level::kFault, [](Findings* f) { f->machine.only_in_memory = "the TPM is gone"; }},
         Trouble{"temperature", Level::kWarning, [](Findings* f) { f->machine.warmest_c = 91.0; }},
         Trouble{"temperature", Level::kFault, [](Findings* f) { f->machine.warmest_c = 99.0; }},
         Trouble{"update", Level::kWarning, [](Findings* f) { f->update->state = UpdateStatus::State::kFailed; }},
@@ -168,11 +169,17 @@ TEST(MachineFacts, are_read_from_the_kernel_s_files) {
   write("sys/class/thermal/thermal_zone1/trip_point_1_temp", "105000\n");
   write("proc/meminfo", "MemTotal:  1000 kB\nMemFree: 10 kB\nMemAvailable:  250 kB\n");
   write("run/systemd/timesync/synchronized", "");
+  write("run/cyclorama/var", "in memory: the disk cannot be read\n");
+  write("sys/devices/system/cpu/cpu0/thermal_throttle/package_throttle_count", "12\n");
   const MachineFacts facts = read_machine_facts(root, root);
   EXPECT_EQ(facts.warmest_c, 63.5);
   EXPECT_EQ(facts.critical_c, 105.0);
   EXPECT_EQ(facts.memory_free_share, 0.25);
   EXPECT_EQ(facts.is_clock_set, true);
+  EXPECT_EQ(facts.only_in_memory, "the disk cannot be read");
+  EXPECT_EQ(facts.slowed_by_heat, 12u);
+  write("run/cyclorama/var", "encrypted\n");
+  EXPECT_EQ(read_machine_facts(root, root).only_in_memory, "");
   EXPECT_GT(*facts.disk_bytes, *facts.disk_free_bytes);
   std::filesystem::remove_all(root);
   EXPECT_FALSE(read_machine_facts(root, root).warmest_c) << "nothing is known of nothing";

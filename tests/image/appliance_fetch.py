@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An update from the farm, on the Debug image: a head on the host's side hands out the version under OUT/next (appliance_update.py), the
+museum's computer is told to look, fetches it over IPv6 and TLS, writes it beside the running one, and starts into it."""
+import re
+import time
+
+from appliance import Appliance
+from appliance_boot import computer
+from appliance_farm import stick_of_farm
+from appliance_update import START_S, version
+from host_farm import HostFarm
+
+FETCHED_S = 3600
+IMAGE = "cyclorama-museum-debug"
+
+
+def run(options, folder):
+    figures = {"failed": []}
+    update = options.out / "next" / IMAGE / "update"
+    (folder / "shelf").mkdir()
+    (folder / "shelf" / IMAGE).symlink_to(update.resolve())
+    wanted = re.search(r"_([\d.]+)\.efi", next(update.glob("*.efi")).name)[1]
+    farm = HostFarm(options.programs, folder / "farm", more=f'updates.folder = "{folder}/shelf"\n')
+    farm.start()
+    machine = Appliance(computer(options, folder), network="ipv4=on,ipv6=on", processors=1)
+    try:
+        machine.wait_for_shell(START_S)
+        old = version(machine)
+        if not machine.plug_stick(stick_of_farm(folder, farm), "farm"):
+            figures["failed"].append("the stick was not looked at")
+        began = time.monotonic()
+        status, said = machine.run(f"cyclorama update --wait {FETCHED_S}", FETCHED_S + 60)
+        figures["fetched_and_written_s"] = round(time.monotonic() - began)
+        print(said, flush=True)
+        if status != 0 or f"{wanted} is there" not in said:
+            figures["failed"].append(f"cyclorama update: {status}, {said}; " + machine.run("journalctl -b -o cat --no-pager -u 'cyclorama-*update*' | tail -n 30")[1])
+        _, left = machine.run("ls /var/lib/cyclorama-update")
+        if "offer" in left:
+            figures["failed"].append(f"what was fetched is still there: {left}")
+        machine.restart(START_S)
+        figures["version"], figures["before"] = version(machine), old
+        if figures["version"] != wanted:
+            figures["failed"].append(f"{figures['version']} runs, and not {wanted}")
+        print(figures, flush=True)
+    finally:
+        machine.power_off()
+        farm.stop()
+    return figures

@@ -232,6 +232,7 @@ Status HealingLoop::write_state(bool with_correction) {
     for (ShowFile::Projector& projector : correction.projectors) {
       projector.learned.reset();
       projector.light.reset();
+      projector.unplaced.clear();
     }
     TRY(write_show(folder_ / kCorrectionFile, correction));
   }

@@ -23,7 +23,8 @@ UP = {"off, p50, px": "p50_px", "off, p95, px": "p95_px", "7 px healed after, s"
 
 def panels(points):
     for knob, (title, label, across) in ACROSS.items():
-        line = sorted((p for p in points if p["knob"] == knob), key=across)
+        # Where nothing fits there is no place on a logarithm.
+        line = sorted((p for p in points if p["knob"] == knob and across(p) > 0), key=across)
         if len(line) > 1:  # One point is no curve.
             yield Panel(title, label, "px, s, cores", {name: [(across(p), max(p[key], 1e-3)) for p in line] for name, key in UP.items()})
 

@@ -40,18 +40,23 @@ Status UpdateCommand::run(const StopSignal& stop) const {
                              wishes));
   }
   const fs::path wish = fs::path(wishes) / "update", report = fs::path(museum) / kUpdateStatusFile;
+  const auto said = [&report]() -> Result<UpdateStatus> {
+    TRY_ASSIGN(const std::string text, read_text_file(report, kLargestStatus));
+    return parse_update_status(text);
+  };
+  const auto before = said();
   TRY(write_file_atomically(wish, std::string_view("\n")));
   const SteadyClock clock;
   const TimePoint deadline = clock.now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(wait_s));
-  // Taken up when the wish is gone; over when the updater says anything but that it is at work.
+  // Taken up when the wish is gone; over when the updater has said anything but that it is at work.
   bool is_over = false;
   UpdateStatus status;
   while (!is_over && clock.now() < deadline && !stop.wait_until(clock.now() + kBetweenLooks)) {
-    const auto text = read_text_file(report, kLargestStatus);
-    const auto parsed = text ? parse_update_status(*text) : Result<UpdateStatus>(text.error());
+    const auto parsed = said();
     if (!parsed || fs::exists(wish, failed)) continue;
     status = *parsed;
-    is_over = status.state != State::kChecking && status.state != State::kLoading;
+    is_over =
+        (!before || status.at != before->at) && status.state != State::kChecking && status.state != State::kLoading;
   }
   if (!is_over) return Error(ErrorCode::kTimedOut, "no answer yet; 'cyclorama doctor' tells it when it has come");
   const std::string sentence = fmt::format("{} runs: {}", status.version, status.sentence);

@@ -53,7 +53,7 @@ class FarmHostChecker {
     auto config = Config::read(check_.in("farm.toml"));
     if (!config) return check_.problem(config.error().message());
     ConfigTable root = config->root();
-    check_file(root.text("museums_file", ""), "farm.toml museums_file");
+    check_file(root.text("museums_file", ""), "farm.toml museums_file", kGroup);  // Watermarks' keys.
     if (root.has("tls")) {
       ConfigTable tls = root.table("tls");
       check_.check_certificates(tls_of(tls), Role::kHead, "farm.toml [tls]", kGroup, "head NAME");

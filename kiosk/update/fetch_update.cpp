@@ -30,12 +30,13 @@ class Fetch {
     auto offer = farm_.offer(order_.image);
     while (!offer && may_pass(offer.error()) && wait()) offer = farm_.offer(order_.image);
     if (!offer && offer.error().code() == ErrorCode::kNotFound) return nothing(offer.error().message());
+    if (!offer && is_cut_) return FetchOutcome{FetchOutcome::Kind::kLater, version_, "the farm did not answer in time"};
     if (!offer) return std::move(offer).error();
     TRY(check_signature(offer->sums(), offer->signature(), order_.key));
     TRY_ASSIGN(const UpdateManifest manifest, parse_update_manifest(offer->sums(), order_.image));
     version_ = manifest.version;
     if (!is_newer(version_, order_.version)) return nothing(fmt::format("nothing newer than {}", order_.version));
-    if (version_ == order_.not_again)
+    if (!order_.not_again.empty() && !is_newer(version_, order_.not_again))
       return nothing(fmt::format("{} was here already, and nothing is newer", version_));
     if (offer->bytes_size() != static_cast<int>(manifest.files.size())) {
       return Error(ErrorCode::kBadData, "the farm does not say how large its files are");

@@ -30,6 +30,7 @@ struct Options {
   std::string state = "/var/lib/cyclorama";
   std::string folder = "/var/lib/cyclorama-update";
   std::string when = kNight;
+  bool only_is_night = false;
 };
 
 void add_options(CLI::App& app, Options* options) {
@@ -44,6 +45,8 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--when", options->when, "night: only within [update] hours, while the museum is closed; now: at once")
       ->check(CLI::IsMember({kNight, kNow}))
       ->capture_default_str();
+  app.add_flag("--is-night", options->only_is_night,
+               "Fetches nothing; succeeds within [update] hours, while the museum is closed");
 }
 
 /// KEY=VALUE of an os-release, without quotes.
@@ -57,8 +60,13 @@ std::string value_of(const std::string& text, const std::string& key) {
   return value;
 }
 
-/// A version that is on the disk already, or was.
+/// The newest version that is on the disk already, or was, or came to nothing.
 std::string not_again(const Options& options) {
+  const std::filesystem::path seen = std::filesystem::path(options.state) / "update-seen";
+  if (const auto line = read_text_file(seen, kLargestText)) {
+    const std::string version = line->substr(0, line->find('\n'));
+    if (is_image_version(version)) return version;
+  }
   const auto text = read_text_file(std::filesystem::path(options.state) / kUpdateStatusFile, kLargestText);
   const auto status = text ? parse_update_status(*text) : Result<UpdateStatus>(text.error());
   const bool counts =
@@ -89,6 +97,12 @@ Result<FetchOutcome> look(const Options& options, const TourSettings& tour, cons
 
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const UpdateSettings settings, read_update_settings(options.config));
+  const auto is_night = [&] { return settings.is_night(std::chrono::system_clock::now()); };
+  if (options.only_is_night) {
+    return is_night() ? Status(Done{}) : Error(ErrorCode::kUnavailable, "it is not the time for updates");
+  }
+  const auto go_on = [&] { return !stop.requested() && (options.when == kNow || is_night()); };
+  if (!go_on()) return tell(options, "later", "it is not the time for updates");
   TRY_ASSIGN(const TourSettings tour, read_tour_settings(options.config));
   const bool is_alone =
       !tour.tls && std::ranges::all_of(tour.heads, [](const std::string& head) { return is_loopback(head); });
@@ -96,10 +110,6 @@ Status run(const Options& options, const StopSignal& stop) {
     return tell(options, "nothing",
                 is_alone ? "no farm is named in site.toml" : "site.toml says that updates come by stick");
   }
-  const auto go_on = [&] {
-    return !stop.requested() && (options.when == kNow || settings.is_night(std::chrono::system_clock::now()));
-  };
-  if (!go_on()) return tell(options, "later", "it is not the time for updates");
   const auto outcome = look(options, tour, go_on);
   if (!outcome) return tell(options, "failed", outcome.error().message());
   switch (outcome->kind) {

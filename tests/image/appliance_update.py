@@ -29,7 +29,7 @@ def signed(folder, keys):
     names = sorted(path.name for path in folder.iterdir() if not path.name.startswith("SHA256SUMS"))
     sums = subprocess.run(["sha256sum", *names], cwd=folder, check=True, capture_output=True).stdout
     (folder / "SHA256SUMS").write_bytes(sums)
-    subprocess.run(["openssl", "dgst", "-sha256", "-sign", str(keys / "update.key"), "-out", "SHA256SUMS.sig", "SHA256SUMS"], cwd=folder, check=True)
+    subprocess.run(["openssl", "dgst", "-sha256", "-sign", str((keys / "update.key").resolve()), "-out", "SHA256SUMS.sig", "SHA256SUMS"], cwd=folder, check=True)
 
 
 def stick_of(update, file):

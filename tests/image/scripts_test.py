@@ -36,10 +36,10 @@ class Computer:
         # Restarting services is not for a test.
         stubs = folder / "stubs"
         stubs.mkdir()
-        for name in ("systemctl", "chown"):
+        for name in ("systemctl", "chown", "cyclorama-fetch-update"):
             (stubs / name).write_text("#!/bin/sh\nexit 0\n")
             (stubs / name).chmod(0o755)
-        self.environment = {"PATH": f"{stubs}:{build}/bin:{os.environ['PATH']}", "CYCLORAMA_STATE": str(self.state), "CYCLORAMA_DEFAULTS": str(self.defaults), "CYCLORAMA_PROGRAMS": f"{build}/bin", "CYCLORAMA_ESPS": str(folder / "esp"),
+        self.environment = {"PATH": f"{stubs}:{build}/bin:{os.environ['PATH']}", "CYCLORAMA_STATE": str(self.state), "CYCLORAMA_DEFAULTS": str(self.defaults), "CYCLORAMA_PROGRAMS": f"{build}/bin", "CYCLORAMA_ESPS": str(folder / "esp"), "CYCLORAMA_RUN": str(folder / "run"),
                             "CYCLORAMA_UPDATE_KEY": str(folder / "update.pub"), "CYCLORAMA_OS_RELEASE": str(folder / "os-release")}
 
     def run(self, script, *arguments, **environment):
@@ -135,6 +135,12 @@ def check_update(computer, folder):
     sign(update, folder / "theirs")
     bad += refused("an update signed by another", "signature")
     sign(update, folder / "ours")
+    (update / "cyclorama-museum_9.efi").write_bytes(b"another's")
+    bad += refused("a file beside those that are signed", "cyclorama-museum_9.efi lies there")
+    sign(update, folder / "ours")
+    bad += refused("an update of two versions", "more than one version")
+    (update / "cyclorama-museum_9.efi").unlink()
+    sign(update, folder / "ours")
     (update / "cyclorama-museum_2.efi").write_bytes(b"kernal")
     bad += refused("an update that is damaged", "damaged")
     # As the boot loader counts its tries.
@@ -207,10 +213,13 @@ def check_farm_updates(computer, folder):
     said = look("night", "ready 2 has come from the farm")
     bad += expect("what came is checked as a stick's, and removed", "does not bear our signature" in said and not (updates / "offer").exists(), said)
     ready = '{"state": "ready", "version": "1", "available": "2", "at": "", "sentence": "2 is there"}'
-    for when, result, starts in (("now", "nothing x", False), ("night", "later x", False), ("night", "nothing x", True), ("night", "nothing x", False)):
+    for when, result, starts in (("now", "nothing x", False), ("night", "later x", False), ("day", "nothing x", False), ("day", "", False), ("night", "nothing x", True), ("night", "nothing x", False)):
+        # The night may end, and the museum open, while the farm is asked and all is written.
+        computer.stub("cyclorama-fetch-update", "exit 1" if when == "day" else "exit 0")
+        when = "night" if when == "day" else when
         (computer.state / "update.json").write_text(ready)
         said = look(when, result)
-        bad += expect(f"{when}, {result.split()[0]}: {'starts again, once' if starts else 'starts nothing'}", ("reboot" in called.read_text()) == starts and '"ready"' in said, called.read_text() + said)
+        bad += expect(f"{when}, {result or 'no word'}: {'starts again, once' if starts else 'starts nothing'}", ("reboot" in called.read_text()) == starts and '"ready"' in said, called.read_text() + said)
     (computer.state / "update.json").write_text(ready)
     (folder / "os-release").write_text("IMAGE_ID=cyclorama-museum\nIMAGE_VERSION=2\n")
     computer.run("update", "--went-back", CYCLORAMA_ESP=str(folder / "no-esp"))

@@ -156,14 +156,11 @@ Status HealingLoop::step() {
   }
   if (std::exchange(now.wants_realignment, false)) {
     now.calibrator.realign();
-    if (now.recorder) TRY(now.recorder->add_realignment());
+    if (now.recorder) end_record_unless(now.recorder->add_realignment());
   }
   const ShowReport report = now.calibrator.step(moment);
   if (now.recorder) {
-    if (const Status kept = now.recorder->add(moment, report); !kept) {
-      if (options_.on_line) options_.on_line("recording ends: " + kept.error().message());
-      now.recorder.reset();
-    }
+    end_record_unless(now.recorder->add(moment, report));
   }
   now.health.take(report, moment.now);
   if (options_.on_line) {
@@ -224,14 +221,22 @@ void HealingLoop::keep(const ShowReport& report) {
   now.unkept = why;
 }
 
+/// The wall is kept in its place without a record.
+void HealingLoop::end_record_unless(const Status& kept) {
+  if (kept) return;
+  if (options_.on_line) options_.on_line("recording ends: " + kept.error().message());
+  watching_->recorder.reset();
+}
+
 Status HealingLoop::write_state(bool with_correction) {
-  const ShowFile& show = watching_->show;
+  // Read from colours.json at each start; and a version before this one knows no such member.
+  ShowFile show = watching_->show;
+  for (ShowFile::Projector& projector : show.projectors) projector.light.reset();
   if (with_correction) {
     ShowFile correction = show;
     correction.cameras.clear();
     for (ShowFile::Projector& projector : correction.projectors) {
       projector.learned.reset();
-      projector.light.reset();
       projector.unplaced.clear();
     }
     TRY(write_show(folder_ / kCorrectionFile, correction));
@@ -260,7 +265,7 @@ Result<std::string> HealingLoop::undo() {
   if (!last) return Error(ErrorCode::kNotFound, "no correction stands that could be undone");
   // As a record of it is read: the last bits of a rotation are others there.
   TRY(now.calibrator.put_back(last->projector, {last->before.rotation(), last->before.translation()}));
-  if (now.recorder) TRY(now.recorder->add_put_back(last->projector, last->before));
+  if (now.recorder) end_record_unless(now.recorder->add_put_back(last->projector, last->before));
   const LoggedCorrection undone{utc_now(),      "undone",    last->projector, last->moved_px,
                                 last->sigma_px, last->after, last->before};
   log_corrections(folder_, std::span(&undone, 1));

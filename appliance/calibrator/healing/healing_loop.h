@@ -81,6 +81,7 @@ class HealingLoop {
   Status begin();
   Status step();
   void keep(const ShowReport& report);
+  void end_record_unless(const Status& kept);
   Status write_state(bool with_correction);
   void take_over();
   void say(const std::string& sentence, bool is_well);

@@ -151,11 +151,21 @@ Result<ShowFile> keep_places(const std::filesystem::path& folder, const Installa
   ShowFile show;
   show.calibration = calibration.date;
   for (const PlacedCamera& camera : cameras) {
-    if (camera.trouble.empty()) show.cameras.push_back({camera.name, camera.lens, camera.T_room_camera});
+    if (camera.trouble.empty()) {
+      show.cameras.push_back({camera.name, camera.lens, camera.T_room_camera});
+      continue;
+    }
+    // Somebody stood before it: the place that it had is better than none.
+    if (!known || known->calibration != calibration.date) continue;
+    const auto before = std::ranges::find(known->cameras, camera.name, &ShowFile::Camera::name);
+    if (before != known->cameras.end() && is_same(before->lens, camera.lens)) show.cameras.push_back(*before);
   }
   TRY_ASSIGN(show.projectors, projectors_of(folder, calibration, installation, known ? &*known : nullptr));
   // Seen from elsewhere, something else is left over.
-  for (ShowFile::Projector& projector : show.projectors) projector.learned.reset();
+  for (ShowFile::Projector& projector : show.projectors) {
+    projector.learned.reset();
+    projector.light.reset();
+  }
   TRY(write_show(folder / kWatchFile, show));
   return show;
 }

@@ -37,7 +37,7 @@ class Fetch {
     version_ = manifest.version;
     if (!is_newer(version_, order_.version)) return nothing(fmt::format("nothing newer than {}", order_.version));
     if (!order_.not_again.empty() && !is_newer(version_, order_.not_again))
-      return nothing(fmt::format("{} was here already, and nothing is newer", version_));
+      return nothing(fmt::format("{} or a newer version was here already", version_));
     if (offer->bytes_size() != static_cast<int>(manifest.files.size())) {
       return Error(ErrorCode::kBadData, "the farm does not say how large its files are");
     }

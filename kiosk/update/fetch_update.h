@@ -22,7 +22,7 @@ struct UpdateLimits {
 struct FetchOrder {
   std::string image;               ///< "cyclorama-museum".
   std::string version;             ///< That runs.
-  std::string not_again{};         ///< A version that is here already, or did not start well here; empty: none.
+  std::string not_again{};         ///< Newest that was here already, or did not start well; nothing older is fetched.
   std::filesystem::path key{};     ///< The public half of the key that signs versions.
   std::filesystem::path folder{};  ///< Where they come together.
   UpdateLimits limits{};

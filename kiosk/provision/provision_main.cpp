@@ -2,10 +2,13 @@
 /// cyclorama-provision: a museum's settings, from a stick into use.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "common/base/file.h"
 #include "common/process/log.h"
@@ -19,6 +22,18 @@ constexpr const char* kMuseum = "museum";
 constexpr const char* kFarmHost = "farm-host";
 /// Scenes come with them: as long a file as FAT holds.
 constexpr FolderLimits kFarmHostLimits{200, (std::size_t{4} << 30) - 1, std::size_t{16} << 30};
+
+constexpr std::uintmax_t kKeptFree = std::uintmax_t{256} << 20;
+
+/// No more than the disk has room for, beside what runs.
+FolderLimits farm_host_limits(const std::filesystem::path& state) {
+  FolderLimits limits = kFarmHostLimits;
+  std::error_code unknown;
+  const std::filesystem::space_info space = std::filesystem::space(state, unknown);
+  if (!unknown && space.available > kKeptFree)
+    limits.most_bytes = std::min<std::uintmax_t>(limits.most_bytes, space.available - kKeptFree);
+  return limits;
+}
 
 struct Options {
   std::string state = "/var/lib/cyclorama";
@@ -96,7 +111,7 @@ Status run(const Options& options, const CLI::App& app) {
   order.from = options.from;
   order.check.programs = options.programs;
   order.check.of = options.owner();
-  if (order.check.of == SettingsOf::kFarmHost) order.limits = kFarmHostLimits;
+  if (order.check.of == SettingsOf::kFarmHost) order.limits = farm_host_limits(options.state);
   order.only_check = app.got_subcommand("check");
   order.at = at;
   auto report = provision(order, &store);

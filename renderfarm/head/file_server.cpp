@@ -39,6 +39,7 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
     const std::lock_guard handed_over(hand_over_);
   }
 
+  [[nodiscard]] const Identity& who() const { return who_; }
   [[nodiscard]] bool is_at_end() const { return offset_ == file_.stamp.bytes; }
   [[nodiscard]] bool is_cancelled() const { return context_->IsCancelled(); }
   void end(const grpc::Status& status) { Finish(status); }
@@ -139,7 +140,11 @@ grpc::ServerWriteReactor<wire::FileChunk>* FileServer::send(grpc::CallbackServer
   }
   const std::lock_guard lock(mutex_);
   if (stopping_) return new Refusal(kStops);
-  if (streams_.size() >= options_.streams) {
+  const auto is_museum = [](const Identity& who) { return who.role == Role::kMuseum; };
+  const bool is_for_museum = is_museum(identity_of(*context));
+  const auto of_museums = std::ranges::count_if(streams_, [&](const Stream* one) { return is_museum(one->who()); });
+  if (streams_.size() >= options_.streams ||
+      (is_for_museum && static_cast<std::size_t>(of_museums) >= (options_.streams + 1) / 2)) {
     return new Refusal(
         to_grpc(Error(ErrorCode::kBusy, fmt::format("{} files are on their way already; ask again", streams_.size()))));
   }

@@ -28,7 +28,8 @@ class FileServer {
  public:
   struct Options {
     double bytes_per_second = 0.0;  ///< To all together; 0: no limit.
-    std::size_t streams = 64;       ///< Files on their way; more are told to come back.
+    /// Files on their way; more are told to come back. Museums have half of them, so that nodes need not wait.
+    std::size_t streams = 64;
   };
   /// The library is borrowed.
   FileServer(const SceneLibrary& library, Options options);

@@ -21,8 +21,8 @@ class HostFarm:
         self._run("cyclorama-grotto", "--triangles", TRIANGLES, "--out", self.folder / "scene", "--force")
         self._authority("init")
         of_head = [word for address in addresses for word in ("--address", address)]
-        for role, *more in (("head", "farm", *of_head), ("node", "node"), ("museum", MUSEUM)):
-            self._authority("--output", self.folder / f"{role}.tar", role, *more)
+        for role, *words in (("head", "farm", *of_head), ("node", "node"), ("museum", MUSEUM)):
+            self._authority("--output", self.folder / f"{role}.tar", role, *words)
             (self.folder / role).mkdir(exist_ok=True)
             subprocess.run(["tar", "-xf", self.folder / f"{role}.tar", "-C", self.folder / role], check=True)
         (self.folder / "farm.toml").write_text(

@@ -28,6 +28,8 @@ def run(options, folder):
         old = version(machine)
         if not machine.plug_stick(stick_of_farm(folder, farm), "farm"):
             figures["failed"].append("the stick was not looked at")
+        # Whose page is restarted with new settings.
+        machine.run("for i in $(seq 300); do [ -d /run/cyclorama-wishes ] && break; sleep 1; done; sleep 5", 400)
         began = time.monotonic()
         status, said = machine.run(f"cyclorama update --wait {FETCHED_S}", FETCHED_S + 60)
         figures["fetched_and_written_s"] = round(time.monotonic() - began)

@@ -25,6 +25,7 @@ def run(options, folder):
     machine = Appliance(computer(options, folder), network="ipv4=on,ipv6=on", processors=1)
     try:
         machine.wait_for_shell(START_S)
+        machine.run("systemctl is-system-running --wait", START_S)  # A first start reports on settings of its own.
         old = version(machine)
         if not machine.plug_stick(stick_of_farm(folder, farm), "farm"):
             figures["failed"].append("the stick was not looked at")

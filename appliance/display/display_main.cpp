@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <thread>
 
 #include "appliance/display/attract_picture.h"
@@ -25,6 +26,9 @@ struct Options {
   std::string output = "headless";
   std::vector<std::string> heads;
   bool is_check = false;
+  std::optional<int> width_px;
+  std::optional<int> height_px;
+  std::optional<double> refresh_hz;
   DisplayOptions display;
 };
 
@@ -41,15 +45,13 @@ void add_options(CLI::App* app, Options* options) {
                   "Publish what each head shows as head-NAME.picture in this folder");
   app->add_flag("--check", options->is_check,
                 "Read the settings and all files that they name, and end: 0 if it would start");
-  app->add_option("--width", display.width_px, "Width in pixels of the picture to ask for")
-      ->check(CLI::Range(16, 16384))
-      ->capture_default_str();
-  app->add_option("--height", display.height_px, "Its height; 0 for square pixels")
-      ->check(CLI::Range(0, 16384))
-      ->capture_default_str();
-  app->add_option("--refresh-hz", display.refresh_hz, "Refreshes per second")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->capture_default_str();
+  app->add_option("--width", options->width_px,
+                  "Width in pixels of the picture to ask for. In the place of site.toml's")
+      ->check(CLI::Range(16, 16384));
+  app->add_option("--height", options->height_px, "Its height; 0 for square pixels. In the place of site.toml's")
+      ->check(CLI::Range(0, 16384));
+  app->add_option("--refresh-hz", options->refresh_hz, "Refreshes per second. In the place of site.toml's")
+      ->check(CLI::Range(0.1, 1000.0));
   app->add_option("--output", options->output,
                   "Where to draw: drm (the projectors), headless (EGL, else OSMesa), egl or osmesa")
       ->check(CLI::IsMember({"drm", "headless", "egl", "osmesa"}))
@@ -105,13 +107,17 @@ Status run_display(Options options, const StopSignal& stop) {
     TRY_ASSIGN(OutputChoice::Head parsed, parse_head(head));
     output.heads.push_back(std::move(parsed));
   }
+  DisplaySettings settings;
   if (!options.config.empty()) {
-    TRY_ASSIGN(const DisplaySettings settings, read_display_settings(options.config));
-    options.display.attract_picture = settings.attract_picture;
-    options.display.attract_times = settings.attract_times;
-    options.display.hours = settings.hours;
-    if (options.display.calibration.empty()) options.display.calibration = settings.calibration;
+    TRY_ASSIGN(settings, read_display_settings(options.config));
   }
+  options.display.attract_picture = settings.attract_picture;
+  options.display.attract_times = settings.attract_times;
+  options.display.hours = settings.hours;
+  options.display.width_px = options.width_px.value_or(settings.picture_width_px);
+  options.display.height_px = options.height_px.value_or(settings.picture_height_px);
+  options.display.refresh_hz = options.refresh_hz.value_or(settings.refresh_hz);
+  if (options.display.calibration.empty()) options.display.calibration = settings.calibration;
   if (options.is_check) return check(options.display);
   const SteadyClock clock;
   const std::string tour = options.display.tour;

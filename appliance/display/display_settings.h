@@ -7,6 +7,9 @@
 ///   attract_after_s = 20              # A picture may be wrong for so long before it fades to the attract picture,
 ///   attract_fade_s = 2                # within this time.
 ///   calibration = "calibration"       # A calibration's folder, sought likewise; absent: as installed.
+///   picture_width_px = 1024           # Of the picture that the farm is asked for; all projectors together show it.
+///   picture_height_px = 0             # 0: as high as square pixels make it.
+///   refresh_hz = 30                   # Of the projectors.
 ///   [hours]                           # As opening_hours.h says; the heads are dark outside of them.
 #pragma once
 
@@ -24,6 +27,9 @@ struct DisplaySettings {
   std::filesystem::path attract_picture;  ///< Empty: none of the museum's own.
   AttractTimes attract_times;
   std::filesystem::path calibration;  ///< Empty: none.
+  int picture_width_px = 1024;        ///< 16 to 16384.
+  int picture_height_px = 0;          ///< 0: as high as square pixels make it.
+  double refresh_hz = 30.0;           ///< 0.1 to 1000.
   OpeningHours hours;
 };
 

@@ -22,6 +22,9 @@ heads = ["[::1]:7401"]
 attract_picture = "attract.jpg"
 attract_after_s = 3
 attract_fade_s = 0.5
+picture_width_px = 4800
+picture_height_px = 1080
+refresh_hz = 59.94
 [walk]
 guide_after_s = 45
 [hours]
@@ -32,6 +35,9 @@ open = ["Mon closed"]
   EXPECT_EQ(settings->attract_picture, "attract.jpg");
   EXPECT_EQ(settings->attract_times.after, std::chrono::seconds(3));
   EXPECT_EQ(settings->attract_times.fade, std::chrono::milliseconds(500));
+  EXPECT_EQ(settings->picture_width_px, 4800);
+  EXPECT_EQ(settings->picture_height_px, 1080);
+  EXPECT_EQ(settings->refresh_hz, 59.94);
   EXPECT_FALSE(settings->hours.is_open(WallTime(std::chrono::hours(24 * 365 * 57))));
 }
 
@@ -40,6 +46,8 @@ TEST(DisplaySettings, have_defaults) {
   ASSERT_TRUE(settings);
   EXPECT_TRUE(settings->attract_picture.empty());
   EXPECT_EQ(settings->attract_times.after, AttractTimes{}.after);
+  EXPECT_EQ(settings->picture_width_px, 1024);
+  EXPECT_EQ(settings->picture_height_px, 0);
   EXPECT_TRUE(settings->hours.is_open(WallTime(std::chrono::hours(24 * 365 * 57))));
 }
 
@@ -51,6 +59,9 @@ TEST(DisplaySettings, refuse_what_they_do_not_know_by_line) {
   EXPECT_THAT(refused("[display]\nattract_after_ms = 3\n"), HasSubstr("site.toml:2"));
   EXPECT_THAT(refused("[display]\nattract_after_s = -1\n"), HasSubstr("between"));
   EXPECT_THAT(refused("[display]\nattract_fade_s = 0\n"), HasSubstr("between"));
+  EXPECT_THAT(refused("[display]\npicture_width_px = 15\n"), HasSubstr("site.toml:2"));
+  EXPECT_THAT(refused("[display]\npicture_width_px = 1e9\n"), HasSubstr("site.toml:2"));
+  EXPECT_THAT(refused("[display]\nrefresh_hz = 0\n"), HasSubstr("between"));
   EXPECT_THAT(refused("[display]\nattract_picture = 7\n"), HasSubstr("site.toml:2"));
   EXPECT_THAT(refused("[displays]\n"), HasSubstr("display"));
   EXPECT_THAT(refused("[hours]\nopen = [\"always\"]\n"), HasSubstr("site.toml:2: hours.open"));

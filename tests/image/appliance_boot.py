@@ -2,6 +2,7 @@
 """From the power button to a picture on every head."""
 import pathlib
 import re
+import subprocess
 import time
 
 from appliance import HEADS, Appliance, Disk, difference, flashable, reference_pictures, save_png, wait_until
@@ -68,6 +69,18 @@ def stages(text):
     return {name: seconds(value) for name, value in found.items()}
 
 
+def emulated_slower(machine):
+    """How many times longer the emulated computer takes for the same steps of its shell than this machine's."""
+    steps = 200000
+    count = f"i=0; while [ $i -lt {steps} ]; do i=$((i+1)); done"
+    began = time.monotonic()
+    subprocess.run(["dash", "-c", count], check=True)
+    here = time.monotonic() - began
+    began = time.monotonic()
+    machine.run(f"dash -c '{count}'", 600)
+    return round((time.monotonic() - began) / here, 1)
+
+
 def bare_start(image, folder):
     """Seconds from power on until a Debian with nothing but kernel and systemd asks for a login."""
     machine = Appliance(Disk(folder, image), heads=1)
@@ -104,6 +117,7 @@ def run(options, folder):
                 account["stages"] = stages(machine.run("systemd-analyze --no-pager", 60)[1])
                 begins = machine.run("systemctl show -P ExecMainStartTimestampMonotonic cyclorama-display")[1]
                 account["display_begins_s"] = round(int(begins) / 1e6, 1)  # After the kernel; what follows is graphics, here emulated.
+                account["emulated_slower"] = emulated_slower(machine)
                 account["var"] = machine.run("cat /run/cyclorama/var")[1]
             figures["starts"].append(account)
             print(account, flush=True)

@@ -107,6 +107,16 @@ def check_settings(computer, folder):
     (computer.state / "staging/site.toml").write_text("half a fi")
     computer.run("find-settings")
     bad += expect("a cut while settings are taken loses none", computer.site() == GOOD)
+    (given / "wall.obj").unlink()
+    stick, newer = folder / "stick", GOOD + "# newer\n"
+    shutil.copytree(given, stick)
+    (stick / "site.toml").write_text(newer)
+    subprocess.run(["cyclorama-provision", "--state", str(computer.state), "install", str(stick), "--programs", ""], env=computer.environment, capture_output=True, check=True)
+    computer.start_with(given)
+    bad += expect("what a stick brought since stays", computer.site() == newer, computer.report())
+    (given / "site.toml").write_text(GOOD + "# newest\n")
+    computer.start_with(given)
+    bad += expect("other credentials are taken", computer.site() == GOOD + "# newest\n", computer.report())
     return bad
 
 

@@ -174,7 +174,8 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (app.got_subcommand("realign")) return options.realign.run();
   if (app.got_subcommand("update")) return options.update.run(stop);
   const bool is_doctor = app.got_subcommand("doctor");
-  if (is_doctor && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
+  const bool is_usual = is_doctor || app.got_subcommand("status");
+  if (is_usual && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
   if (app.got_subcommand("calibrate-camera")) return options.calibrate_camera.run(app);
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));

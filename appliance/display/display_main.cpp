@@ -18,6 +18,7 @@ namespace {
 
 // A shader that an emulated, busy processor compiles takes the better part of a minute.
 constexpr auto kLongestStartStep = std::chrono::minutes(3);
+constexpr double kProjectors_hz = 60.0;  // Most are made for it; one that is not takes the nearest it has.
 constexpr auto kTurn = std::chrono::milliseconds(100);  // How soon a stop is noticed.
 
 struct Options {
@@ -116,7 +117,8 @@ Status run_display(Options options, const StopSignal& stop) {
   options.display.hours = settings.hours;
   options.display.width_px = options.width_px.value_or(settings.picture_width_px);
   options.display.height_px = options.height_px.value_or(settings.picture_height_px);
-  options.display.refresh_hz = options.refresh_hz.value_or(settings.refresh_hz);
+  if (output.kind == OutputChoice::Kind::kDrm) options.display.refresh_hz = kProjectors_hz;
+  options.display.refresh_hz = options.refresh_hz.value_or(settings.refresh_hz.value_or(options.display.refresh_hz));
   if (options.display.calibration.empty()) options.display.calibration = settings.calibration;
   if (options.is_check) return check(options.display);
   const SteadyClock clock;

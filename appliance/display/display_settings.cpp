@@ -22,7 +22,7 @@ Result<DisplaySettings> read_from(Config config, const std::filesystem::path& fo
   if (!calibration.empty()) settings.calibration = folder / calibration;
   settings.picture_width_px = display.integer("picture_width_px", {16, 16384}, settings.picture_width_px);
   settings.picture_height_px = display.integer("picture_height_px", {0, 16384}, settings.picture_height_px);
-  settings.refresh_hz = display.number("refresh_hz", {0.1, 1000.0}, settings.refresh_hz);
+  if (display.has("refresh_hz")) settings.refresh_hz = display.number("refresh_hz", {0.1, 1000.0});
   AttractTimes& times = settings.attract_times;
   times.after = seconds(display.number("attract_after_s", {0.5, 86400.0}, to_seconds(times.after)));
   times.fade = seconds(display.number("attract_fade_s", {0.01, 60.0}, to_seconds(times.fade)));

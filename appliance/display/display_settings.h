@@ -9,11 +9,12 @@
 ///   calibration = "calibration"       # A calibration's folder, sought likewise; absent: as installed.
 ///   picture_width_px = 1024           # Of the picture that the farm is asked for; all projectors together show it.
 ///   picture_height_px = 0             # 0: as high as square pixels make it.
-///   refresh_hz = 30                   # Of the projectors.
+///   refresh_hz = 50                   # Of the projectors; absent: 60, and 30 without projectors.
 ///   [hours]                           # As opening_hours.h says; the heads are dark outside of them.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -29,7 +30,7 @@ struct DisplaySettings {
   std::filesystem::path calibration;  ///< Empty: none.
   int picture_width_px = 1024;        ///< 16 to 16384.
   int picture_height_px = 0;          ///< 0: as high as square pixels make it.
-  double refresh_hz = 30.0;           ///< 0.1 to 1000.
+  std::optional<double> refresh_hz;   ///< 0.1 to 1000. None: as the output likes it.
   OpeningHours hours;
 };
 

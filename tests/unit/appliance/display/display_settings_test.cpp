@@ -48,6 +48,7 @@ TEST(DisplaySettings, have_defaults) {
   EXPECT_EQ(settings->attract_times.after, AttractTimes{}.after);
   EXPECT_EQ(settings->picture_width_px, 1024);
   EXPECT_EQ(settings->picture_height_px, 0);
+  EXPECT_FALSE(settings->refresh_hz);
   EXPECT_TRUE(settings->hours.is_open(WallTime(std::chrono::hours(24 * 365 * 57))));
 }
 

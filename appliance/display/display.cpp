@@ -11,6 +11,7 @@
 #include "appliance/display/attract_picture.h"
 #include "appliance/display/calibrated_heads.h"
 #include "common/base/text.h"
+#include "common/opening/wall_clock.h"
 #include "common/wire/convert.h"
 
 namespace cyclorama {
@@ -276,7 +277,9 @@ void Display::serve(TimePoint deadline) {
 /// What should be follows from the time alone: whenever the process started, and whatever the clock did. A wall is
 /// measured when the museum is closed.
 void Display::keep_hours() {
-  is_awake_ = patterns_.is_open() || options_.hours.is_open(options_.system_clock());
+  is_awake_ =
+      patterns_.is_open() ||
+      options_.hours.is_open(wall_time(std::chrono::time_point_cast<WallTime::duration>(options_.system_clock())));
   inspection_.set_gauge("awake", is_awake_ ? 1.0 : 0.0);
 }
 

@@ -37,8 +37,7 @@ class OpeningHours {
 
   /// From what time it is, and from nothing else. Hours count by the clock on the wall: where it jumps ahead over an
   /// hour that they name, that hour is the jump; where an hour comes twice, they begin with the first and end with the
-  /// second. True while the clock stands before 2026: it was not set yet, and a museum whose clock is broken is not
-  /// dark.
+  /// second. True while the clock stands before 2026 (wall_clock.h): a museum whose clock is broken is not dark.
   [[nodiscard]] bool is_open(WallTime now) const;
 
  private:

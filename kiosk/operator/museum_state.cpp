@@ -8,6 +8,7 @@
 #include "common/base/text.h"
 #include "common/config/config.h"
 #include "common/opening/opening_hours.h"
+#include "common/opening/wall_clock.h"
 
 namespace cyclorama {
 namespace {
@@ -24,7 +25,7 @@ Schedule schedule_of(const MuseumState& museum, std::chrono::system_clock::time_
   }
   for (const std::string& line : config->root().table("hours").texts("open", std::vector<std::string>{}))
     schedule.lines.push_back(printable(line, 100));
-  schedule.is_open = hours->is_open(now);
+  schedule.is_open = hours->is_open(wall_time(now));
   return schedule;
 }
 

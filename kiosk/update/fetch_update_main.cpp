@@ -8,6 +8,7 @@
 
 #include "common/base/address.h"
 #include "common/base/file.h"
+#include "common/opening/wall_clock.h"
 #include "common/process/log.h"
 #include "common/process/program.h"
 #include "common/update/update_manifest.h"
@@ -97,7 +98,7 @@ Result<FetchOutcome> look(const Options& options, const TourSettings& tour, cons
 
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const UpdateSettings settings, read_update_settings(options.config));
-  const auto is_night = [&] { return settings.is_night(std::chrono::system_clock::now()); };
+  const auto is_night = [&] { return settings.is_night(wall_time(std::chrono::system_clock::now())); };
   if (options.only_is_night) {
     return is_night() ? Status(Done{}) : Error(ErrorCode::kUnavailable, "it is not the time for updates");
   }

@@ -8,6 +8,7 @@
 #include "common/base/clock.h"
 #include "common/base/file.h"
 #include "common/opening/opening_hours.h"
+#include "common/opening/wall_clock.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
 #include "common/process/program.h"
@@ -127,7 +128,7 @@ Status keep_hours(const Options& options, const std::vector<NamedProjector>& pro
   while (!stop.requested()) {
     const TimePoint again_at = clock.now() + kLookEvery;
     for (Kept& kept : all) {
-      look_after(hours.is_open(std::chrono::system_clock::now()), &kept);
+      look_after(hours.is_open(wall_time(std::chrono::system_clock::now())), &kept);
       notify.keep_alive(clock.now());
       if (stop.requested()) break;
     }

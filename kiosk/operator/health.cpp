@@ -33,11 +33,15 @@ bool sleeps(const Observation& display) {
   return display.status->healthy() && gauge_of(*display.status, "awake").value_or(1.0) == 0.0;
 }
 
-void judge_display(const Observation& display, const HealthLook& look, std::vector<std::string>* missing) {
-  if (sleeps(display)) return;
+bool is_dark(const Observation& display, const std::string& head) {
+  return gauge_of(*display.status, std::string(kLit) + head).value_or(0.0) == 0.0;
+}
+
+void judge_display(const Observation& display, const HealthLook& look, const std::set<std::string>& may_be_dark,
+                   std::vector<std::string>* missing) {
   for (const std::string& head : heads_of(display)) {
     const std::string who = fmt::format("{}: head '{}'", display.endpoint.name, printable(head));
-    if (gauge_of(*display.status, std::string(kLit) + head).value_or(0.0) == 0.0) {
+    if (is_dark(display, head) && !sleeps(display) && !may_be_dark.contains(head)) {
       missing->push_back(fmt::format("{} is dark. {}", who, printable(display.sentence, kLongestSentence)));
       continue;
     }
@@ -45,7 +49,7 @@ void judge_display(const Observation& display, const HealthLook& look, std::vect
     if (picture == look.is_blank.end()) {
       missing->push_back(fmt::format("{} has given no picture yet", who));
     } else if (picture->second) {
-      missing->push_back(fmt::format("{} is lit, but its picture is blank", who));
+      missing->push_back(fmt::format("{} has a picture, but it is blank", who));
     }
   }
 }
@@ -67,7 +71,7 @@ std::vector<std::string> still_missing(const HealthLook& look, const HealthRules
     }
     if (!is_display(process)) continue;
     heads += heads_of(process).size();
-    judge_display(process, look, &missing);
+    judge_display(process, look, rules.may_be_dark, &missing);
   }
   for (const std::string& name : rules.well) {
     const bool known = std::any_of(look.processes.begin(), look.processes.end(),
@@ -99,7 +103,7 @@ HealthLook look_at(const std::vector<ProcessLink>& links) {
   for (const ProcessLink& link : links) {
     look.processes.push_back(observe(link, {}));
     const Observation& process = look.processes.back();
-    if (process.away || !is_display(process) || sleeps(process)) continue;
+    if (process.away || !is_display(process)) continue;
     for (const std::string& head : heads_of(process)) {
       const std::string name = std::string(kHeadPicture) + head;
       const auto answer = link.picture(name);  // One that nobody asked for is made once somebody has.
@@ -109,6 +113,17 @@ HealthLook look_at(const std::vector<ProcessLink>& links) {
     }
   }
   return look;
+}
+
+std::set<std::string> dark_heads(const HealthLook& look) {
+  std::set<std::string> dark;
+  for (const Observation& process : look.processes) {
+    if (!process.asked || process.away || !is_display(process)) continue;
+    for (const std::string& head : heads_of(process)) {
+      if (is_dark(process, head)) dark.insert(head);
+    }
+  }
+  return dark;
 }
 
 std::string health_json(const HealthCount& count, double seconds) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct HealthRules {
   std::vector<std::string> well;  ///< Processes that must say of themselves that they are well, besides answering.
   int heads = 1;                  ///< So many heads at least, of all displays together.
   int looks = 3;                  ///< So many looks in a row must find nothing.
+  /// Heads that were dark when the computer was started again: their projectors may still be off. What they would show
+  /// is looked at all the same.
+  std::set<std::string> may_be_dark;
 };
 
 /// What is looked at: the processes, and the heads' pictures that could be had, by process and name.
@@ -29,8 +33,9 @@ struct HealthLook {
 };
 
 /// One sentence for each thing that is not yet as it must be; none when all is. Pure.
-///   1. Every process answers.   2. Those in `well` are.   3. No display has lost its output; each of its heads is lit
-///   and shows a picture, unless it sleeps because the museum is closed.
+///   1. Every process answers.   2. Those in `well` are.   3. No display has lost its output; each of its heads has a
+///   picture, and is lit, unless the display sleeps because the museum is closed: then it draws for heads that are
+///   dark.
 [[nodiscard]] std::vector<std::string> still_missing(const HealthLook& look, const HealthRules& rules);
 
 /// Counts looks in a row. A process that was started again since the look before begins the count anew: one that dies
@@ -52,6 +57,9 @@ class HealthCount {
 
 /// Asks every process, then every display for its heads' pictures. Blocks as ProcessLink's calls.
 [[nodiscard]] HealthLook look_at(const std::vector<ProcessLink>& links);
+
+/// The heads of all displays that are dark now, asleep or without a projector.
+[[nodiscard]] std::set<std::string> dark_heads(const HealthLook& look);
 
 /// {"well", "seconds", "version", "missing": [sentence]}, for the operator page.
 [[nodiscard]] std::string health_json(const HealthCount& count, double seconds);

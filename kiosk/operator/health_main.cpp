@@ -2,7 +2,9 @@
 /// cyclorama-health: asked once after every start, before the boot loader is told that this version works.
 #include <fmt/format.h>
 
+#include <fstream>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,8 @@ struct Options {
   std::vector<std::string> watches;
   std::optional<std::string> endpoints;
   std::optional<std::string> report;
+  std::optional<std::string> dark_before;
+  std::optional<std::string> note_dark;
   double deadline_s = 180.0;
   HealthRules rules;
 };
@@ -39,12 +43,31 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--deadline", options->deadline_s, "Seconds after which it is given up")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();
+  app.add_option("--dark-before", options->dark_before,
+                 "Heads that --note-dark wrote to this file need not be lit; without the file all must be");
+  app.add_option("--note-dark", options->note_dark, "Only write to this file which heads are dark now, one a line");
   app.add_option("--report", options->report, "Write the verdict to this file, for the operator page");
 }
 
-Status run(const Options& options, const StopSignal& stop) {
+Status note_dark(const std::vector<ProcessLink>& links, const std::string& path) {
+  std::string lines;
+  for (const std::string& head : dark_heads(look_at(links))) lines += head + "\n";
+  return write_file_atomically(path, lines);
+}
+
+/// What cannot be read excuses nobody.
+std::set<std::string> read_dark(const std::string& path) {
+  std::set<std::string> dark;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) dark.insert(line);
+  return dark;
+}
+
+Status run(Options options, const StopSignal& stop) {
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(const std::vector<ProcessLink> links, make_links(endpoints));
+  if (options.note_dark) return note_dark(links, *options.note_dark);
+  if (options.dark_before) options.rules.may_be_dark = read_dark(*options.dark_before);
   const SteadyClock clock;
   const TimePoint begin = clock.now();
   const TimePoint deadline =

@@ -48,7 +48,7 @@ TEST(Health, misses_a_head_that_is_dark_blank_or_without_a_picture) {
   Museum museum;
   museum.display.inspection.set_gauge("lit: left", 0.0);
   museum.display.inspection.set_picture("projector/right", std::make_shared<RgbImage>(64, 32));
-  EXPECT_THAT(museum.missing(), ElementsAre(HasSubstr("head 'left' is dark"), HasSubstr("picture is blank")));
+  EXPECT_THAT(museum.missing(), ElementsAre(HasSubstr("head 'left' is dark"), HasSubstr("it is blank")));
   museum.display.inspection.set_gauge("lit: third", 1.0);
   EXPECT_THAT(museum.missing(), Contains(HasSubstr("head 'third' has given no picture")));
 }
@@ -64,8 +64,23 @@ TEST(Health, lets_a_display_sleep_when_the_museum_is_closed_but_not_when_it_is_b
   museum.display.inspection.set_gauge("awake", 0.0);
   for (const char* const lit : {"lit: left", "lit: right"}) museum.display.inspection.set_gauge(lit, 0.0);
   EXPECT_THAT(museum.missing(), IsEmpty());
+  museum.display.inspection.set_picture("projector/left", std::make_shared<RgbImage>(64, 32));
+  EXPECT_THAT(museum.missing(), ElementsAre(HasSubstr("'left' has a picture, but it is blank")));
   museum.display.inspection.set_state("Shows nothing: no card.", false);
   EXPECT_THAT(museum.missing(), Contains(HasSubstr("no card")));
+}
+
+TEST(Health, lets_heads_be_dark_that_were_before_the_restart_when_there_is_a_picture_for_them) {
+  Museum museum;
+  museum.display.inspection.set_gauge("lit: left", 0.0);
+  EXPECT_THAT(dark_heads(look_at(museum.links)), ElementsAre("left"));
+  museum.rules.may_be_dark = {"left"};
+  EXPECT_THAT(museum.missing(), IsEmpty());
+  museum.display.inspection.set_gauge("lit: right", 0.0);
+  EXPECT_THAT(museum.missing(), ElementsAre(HasSubstr("head 'right' is dark")));
+  museum.display.inspection.set_gauge("lit: right", 1.0);
+  museum.display.inspection.set_picture("projector/left", std::make_shared<RgbImage>(64, 32));
+  EXPECT_THAT(museum.missing(), ElementsAre(HasSubstr("'left' has a picture, but it is blank")));
 }
 
 TEST(Health, misses_who_must_be_well_or_is_away_or_unknown) {
@@ -75,7 +90,7 @@ TEST(Health, misses_who_must_be_well_or_is_away_or_unknown) {
               ElementsAre(HasSubstr("tour is not well: The farm is away"), HasSubstr("--watch tracker=")));
   auto gone = make_links({{"tracker", "[::1]:1"}});
   ASSERT_TRUE(gone);
-  EXPECT_THAT(still_missing(look_at(*gone), {{}, 0, 1}), ElementsAre(HasSubstr("tracker is away")));
+  EXPECT_THAT(still_missing(look_at(*gone), {{}, 0, 1, {}}), ElementsAre(HasSubstr("tracker is away")));
 }
 
 TEST(Health, counts_anew_when_a_process_died_between_two_looks) {

@@ -19,13 +19,15 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # Packages need the programs, not the
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
-set(CPACK_COMPONENTS_ALL farm node museum provision tools)
+set(CPACK_COMPONENTS_ALL command farm node museum provision tools)
 set(CPACK_PACKAGE_CONTACT "Cyclorama developers <nobody@example.org>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_DEBUGINFO_PACKAGE ON)  # Programs are stripped; their symbols go into packages of their own.
 set(CPACK_DEBIAN_PACKAGE_SECTION misc)
+set(CPACK_DEBIAN_COMMAND_DESCRIPTION "how a museum or a render host is: the command line
+What the operator page tells and does: status, doctor, calibrate, update.")
 set(CPACK_DEBIAN_FARM_DESCRIPTION "render farm for projected panoramas: the head
 Museums and nodes dial it. It splits each picture among the nodes so that all of them
 end at the same moment, and passes on what they render.")
@@ -73,6 +75,7 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${extra})
   set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 endforeach()
-set(CPACK_DEBIAN_FARM_PACKAGE_DEPENDS "systemd, openssl")              # For cyclorama-authority.
-set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, cyclorama-provision, libgl1-mesa-dri, tzdata")  # Opened at run time: EGL's drivers, time zones.
+set(CPACK_DEBIAN_FARM_PACKAGE_DEPENDS "systemd, openssl, cyclorama-command")  # openssl: for cyclorama-authority.
+set(CPACK_DEBIAN_NODE_PACKAGE_DEPENDS "systemd, cyclorama-command")
+set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, cyclorama-command, cyclorama-provision, libgl1-mesa-dri, tzdata")  # Opened at run time: EGL's drivers, time zones.
 include(CPack)

@@ -177,7 +177,11 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   const bool is_usual = is_doctor || app.got_subcommand("status");
   if (is_usual && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
   if (app.got_subcommand("calibrate-camera")) return options.calibrate_camera.run(app);
-  TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
+  std::vector<Endpoint> endpoints;
+  // A node answers nobody; what is left to look at is its host.
+  if (!is_usual || !options.watches.empty() || options.endpoints) {
+    TRY_ASSIGN(endpoints, gather_endpoints(options.watches, options.endpoints));
+  }
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));
   if (is_doctor) return options.doctor.run(links, &options.exit_code);
   if (app.got_subcommand("status")) return show_status(options, links);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <system_error>
 
 #include "common/base/file.h"
 #include "kiosk/operator/museum_state.h"
@@ -12,7 +13,16 @@
 
 namespace cyclorama {
 
-std::vector<std::string> usual_watches() { return {"tour=[::1]:7403", "display=[::1]:7404", "tracker=[::1]:7405"}; }
+std::vector<std::string> usual_watches(const std::filesystem::path& root) {
+  std::error_code failed;
+  const bool has_head = std::filesystem::exists(root / "run/cyclorama-farm/inspect.sock", failed);
+  const bool has_node = std::filesystem::exists(root / "usr/bin/cyclorama-node", failed);
+  const bool is_museum = std::filesystem::exists(root / "usr/bin/cyclorama-tour", failed);
+  if (!is_museum && (has_head || has_node))
+    return has_head ? std::vector<std::string>{"head=unix:/run/cyclorama-farm/inspect.sock"}
+                    : std::vector<std::string>{};
+  return {"tour=[::1]:7403", "display=[::1]:7404", "tracker=[::1]:7405"};
+}
 
 CLI::App* DoctorCommand::add_to(CLI::App* app) {
   CLI::App* const doctor = app->add_subcommand(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,8 +12,9 @@
 
 namespace cyclorama {
 
-/// The processes of a museum on this computer, as its units start them.
-[[nodiscard]] std::vector<std::string> usual_watches();
+/// The processes of this computer that can be asked, as their units start them: a museum's, or a render host's head. A
+/// node answers nobody: then none. `root`: of the file system.
+[[nodiscard]] std::vector<std::string> usual_watches(const std::filesystem::path& root = "/");
 
 /// cyclorama doctor: the list that the operator page shows, with remedies.
 struct DoctorCommand {

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/doctor_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace cyclorama {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+TEST(UsualWatches, are_those_of_what_this_computer_is) {
+  const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / "usual_watches";
+  std::filesystem::remove_all(root);
+  std::filesystem::create_directories(root / "usr/bin");
+  std::filesystem::create_directories(root / "run/cyclorama-farm");
+  EXPECT_THAT(usual_watches(root), SizeIs(3));
+  std::ofstream(root / "usr/bin/cyclorama-node").flush();
+  EXPECT_THAT(usual_watches(root), IsEmpty());
+  std::ofstream(root / "run/cyclorama-farm/inspect.sock").flush();
+  EXPECT_THAT(usual_watches(root), ElementsAre("head=unix:/run/cyclorama-farm/inspect.sock"));
+  std::ofstream(root / "usr/bin/cyclorama-tour").flush();
+  EXPECT_THAT(usual_watches(root), SizeIs(3));
+  std::filesystem::remove_all(root);
+}
+
+}  // namespace
+}  // namespace cyclorama

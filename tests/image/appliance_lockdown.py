@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a visitor's hands, a strange device, a strange program and a failing part can do to a Debug image: nothing that the wall shows.
+Keys, USB devices, a module that nobody signed, ways out of the computer, a crash, /var that can only be read, a TPM that is gone, and the
+boot menu's way to forget everything."""
+import pathlib
+import re
+import subprocess
+import time
+
+from appliance import Appliance
+from appliance_boot import attract_pictures, computer, image_of, is_as, wait_for_pictures
+from appliance_day import look
+from disk_image import stick
+
+START_S = 900
+KEYS = ("ctrl alt delete", "ctrl alt f2", "alt f2", "alt sysrq b", "alt sysrq c", "alt sysrq e")
+STRANGERS = ("usb-net", "usb-ccid")
+# A module that is there for computers without a watchdog, and that nobody needs here.
+MODULE = "softdog"
+WATCHDOG = ("-device", "i6300esb", "-action", "watchdog=reset")
+
+
+def press(machine, keys):
+    machine.ask("send-key", keys=[{"type": "qcode", "data": key} for key in keys.split()])
+
+
+def check_keys(machine, reference, figures):
+    """As fast as anybody can: seven times within two seconds is what systemd counts."""
+    began = machine.run("cat /proc/sys/kernel/random/boot_id; systemctl show -P MainPID cyclorama-display")[1]
+    for keys in KEYS:
+        for _ in range(8):
+            press(machine, keys)
+            time.sleep(0.15)
+    time.sleep(20)
+    after = machine.run("cat /proc/sys/kernel/random/boot_id; systemctl show -P MainPID cyclorama-display")[1]
+    jobs = machine.run("systemctl list-jobs --no-legend")[1]
+    figures["keys"] = len(KEYS)
+    if began != after or "No jobs" not in jobs and jobs:
+        figures["failed"].append(f"keys did something: {began!r}, then {after!r}; jobs: {jobs}")
+    if not is_as(machine.picture(0), reference[0]):
+        figures["failed"].append("keys changed the picture")
+
+
+def check_usb(machine, figures):
+    interfaces = "for i in /sys/bus/usb/devices/*:*; do echo $(cat $i/bInterfaceClass $i/authorized) $(basename $(readlink $i/driver || echo none)); done"
+    before = machine.run(interfaces)[1].splitlines()
+    for number, device in enumerate(STRANGERS):
+        machine.ask("device_add", driver=device, id=f"stranger{number}", bus="usb.0")
+    time.sleep(20)
+    came = machine.run(interfaces)[1].splitlines()
+    for line in before:
+        came.remove(line)
+    figures["strange_usb_interfaces"] = came
+    for number, _ in enumerate(STRANGERS):
+        machine.ask("device_del", id=f"stranger{number}")
+    if len(came) < len(STRANGERS) or any(line.split()[1:] != ["0", "none"] for line in came):
+        figures["failed"].append(f"strange USB devices are used, or did not come: {came}")
+
+
+def check_modules(machine, options, folder, figures):
+    """The kernel takes what Debian signed, and not the same without its signature."""
+    _, where = machine.run(f"modinfo -n {MODULE}")
+    root = folder / "root"
+    subprocess.run(["fsck.erofs", f"--extract={root}", str(next(image_of(options, True).parent.glob("update/*.root.raw")))], check=True, capture_output=True)
+    signed = subprocess.run(["xz", "-dc", str(root / where.lstrip("/"))], check=True, capture_output=True).stdout
+    (folder / "signed.ko").write_bytes(signed)
+    end = signed.rindex(b"~Module signature appended~\n")
+    (folder / "unsigned.ko").write_bytes(signed[:end - 512])
+    stick(folder / "modules.img", 40, {name: folder / name for name in ("signed.ko", "unsigned.ko")})
+    machine.attach_stick(folder / "modules.img", "modules")
+    machine.run("for i in $(seq 60); do [ -e /dev/disk/by-label/CYCLORAMA ] && break; sleep 1; done; mkdir -p /run/modules; mount -o ro /dev/disk/by-label/CYCLORAMA /run/modules", 120)
+    figures["module"] = {name: machine.run(f"insmod /run/modules/{name}.ko; s=$?; rmmod {MODULE} 2>/dev/null; exit $s") for name in ("unsigned", "signed")}
+    machine.run("umount /run/modules")
+    machine.ask("device_del", id="modules")
+    figures["lockdown"] = machine.run("cat /sys/kernel/security/lockdown")[1]
+    if figures["module"]["unsigned"][0] == 0 or figures["module"]["signed"][0] != 0 or "[integrity]" not in figures["lockdown"]:
+        figures["failed"].append(f"modules: {figures['module']}; lockdown: {figures['lockdown']}")
+
+
+def check_out(machine, figures):
+    """Who is refused at once by the filter, and who comes through: to a port of the host at which nobody listens, that is a refusal of the other side's, told apart by the filter's own count."""
+    tries = {"root, a web server": ("root", 80), "root, a farm": ("root", 7401), "the display, a farm": ("cyclorama-display", 7401), "the tour, a farm": ("cyclorama-tour", 17401),
+             "the tour, a mail server": ("cyclorama-tour", 25), "the projectors' keeper, a projector": ("cyclorama-projectors", 4352)}
+    figures["out"] = {}
+    for what, (user, port) in tries.items():
+        command = f"timeout 20 setpriv --reuid={user} --clear-groups bash -c 'exec 3<>/dev/tcp/10.0.2.2/{port}' 2>&1 | head -n 1"
+        figures["out"][what] = machine.run(command)[1].rpartition(": ")[2]
+    for what, (user, port) in tries.items():
+        is_let_out = user in ("cyclorama-tour", "cyclorama-projectors") and port >= 1024
+        # The filter says "prohibited", which a program hears as no route; the host's own refusal is another word.
+        if ("No route" in figures["out"][what] or "Permission" in figures["out"][what]) == is_let_out:
+            figures["failed"].append(f"out: {what}: {figures['out'][what]}")
+
+
+def check_watchdog(machine, figures):
+    figures["watchdog"] = machine.run("cat /sys/class/watchdog/watchdog0/identity /sys/class/watchdog/watchdog0/state; systemctl show -P RuntimeWatchdogUSec")[1].split("\n")
+    if "active" not in figures["watchdog"]:
+        figures["failed"].append(f"nobody feeds the watchdog: {figures['watchdog']}")
+
+
+def check_crash(machine, figures):
+    """One that dies is back, and what it died of is kept."""
+    machine.run("systemctl kill -s SEGV cyclorama-tour")
+    back = "for i in $(seq 90); do [ \"$(systemctl is-active cyclorama-tour)\" = active ] && [ \"$(systemctl show -P NRestarts cyclorama-tour)\" -ge 1 ] && break; sleep 1; done; systemctl is-active cyclorama-tour"
+    active = machine.run(back, 300)[1]
+    kept = machine.run("for i in $(seq 60); do coredumpctl list --no-legend --no-pager 2>/dev/null | grep -q present && break; sleep 1; done; coredumpctl list --no-legend --no-pager", 200)[1]
+    figures["crash"] = {"tour": active, "kept": kept}
+    if active != "active" or "cyclorama-tour" not in kept or "present" not in kept:
+        figures["failed"].append(f"a crash: {figures['crash']}")
+
+
+def check_read_only(machine, reference, figures):
+    """A disk that begins to fail: ext4 itself then lets nothing be written."""
+    machine.run("for error in /sys/fs/ext4/*/trigger_fs_error; do echo tested >$error; done")
+    time.sleep(20)
+    told = machine.run("touch /var/lib/x; cyclorama doctor 2>&1", 120)[1]
+    failed = machine.run("systemctl --failed --no-legend --plain | cut -d' ' -f1")[1].split()
+    figures["read_only"] = {"told": [line for line in told.splitlines() if "written" in line], "failed_units": failed, "picture": is_as(machine.picture(0), reference[0])}
+    if "Read-only" not in told or not figures["read_only"]["told"] or not figures["read_only"]["picture"]:
+        figures["failed"].append(f"a disk that fails: {figures['read_only']}; {told[:600]}")
+
+
+def check_menu_reset(machine, reference, figures):
+    """The boot menu's other entry, chosen for the next start as its keys would."""
+    _, listed = machine.run("bootctl list --json=short --no-pager", 60)
+    entries = re.findall(r'"id" ?: ?"([^"]+)"', listed)
+    resets = [entry for entry in entries if re.search(r"@\d|reset|forget", entry) and "auto" not in entry]
+    figures["entries"] = entries
+    if not resets:
+        figures["failed"].append(f"the boot menu has no way to forget everything: {listed}")
+        return
+    machine.run(f"bootctl set-oneshot '{resets[-1]}'")
+    machine.restart(START_S)
+    left = machine.run("ls /var/lib/cyclorama/was-here; cat /run/cyclorama/var; cat /proc/cmdline")[1]
+    figures["after_menu_reset"] = left
+    if "No such file" not in left or "encrypted" not in left:
+        figures["failed"].append(f"the boot menu's reset: {left}")
+    if len(wait_for_pictures(machine, reference)) < 1:
+        figures["failed"].append("no picture after the boot menu's reset")
+
+
+def without_tpm(disk, reference, figures):
+    """Its key is gone with it: the show goes on, and says why nothing is kept."""
+    machine = Appliance(disk, tpm=False)
+    try:
+        machine.wait_for_shell(START_S)
+        figures["var"] = machine.run("cat /run/cyclorama/var")[1]
+        figures["first_picture_s"] = wait_for_pictures(machine, reference)
+        if "in memory" not in figures["var"] or not figures["first_picture_s"]:
+            figures["failed"].append(f"without the TPM: {figures}")
+    finally:
+        machine.power_off()
+
+
+def run(options, folder):
+    figures = {"failed": []}
+    reference = attract_pictures(options, folder)
+    disk = computer(options, folder)
+    machine = Appliance(disk, network="ipv4=on,ipv6=on", extra=WATCHDOG)
+    try:
+        machine.wait_for_shell(START_S)
+        wait_for_pictures(machine, reference)
+        machine.run("systemctl is-system-running --wait", START_S)
+        look("keys", figures, check_keys, machine, reference)
+        look("usb", figures, check_usb, machine)
+        look("modules", figures, check_modules, machine, options, folder)
+        look("out", figures, check_out, machine)
+        look("watchdog", figures, check_watchdog, machine)
+        look("crash", figures, check_crash, machine)
+        machine.run("touch /var/lib/cyclorama/was-here; sync")
+        look("read_only", figures, check_read_only, machine, reference)
+        look("menu_reset", figures, check_menu_reset, machine, reference)
+    finally:
+        machine.power_off()
+    look("without_tpm", figures, without_tpm, disk, reference)
+    return figures

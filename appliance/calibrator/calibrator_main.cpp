@@ -18,6 +18,7 @@
 #include "appliance/calibrator/scan/remote_pattern_screen.h"
 #include "appliance/calibrator/scan/simulated_devices.h"
 #include "appliance/calibrator/service/calibrator_service.h"
+#include "appliance/calibrator/settings/calibrator_settings.h"
 #include "common/base/file.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
@@ -36,28 +37,37 @@ constexpr double kFirstExposure_s = 1.0 / 60.0;
 /// About how wide heads' pictures are when they are compared with what cameras see.
 constexpr double kWatchedWidth_px = 960.0;
 
+/// What the command line says; each overrides the file.
 struct Options {
+  std::string config;
   std::string installation;
   std::string simulated;
   std::string folder = "/var/lib/cyclorama/calibration";
-  std::string listen = "[::1]:7410";
-  std::string camera = "v4l2:";
-  std::string turnplate = "manual";
+  std::optional<std::string> listen;
+  std::optional<std::string> camera;
+  std::optional<std::string> turnplate;
   std::vector<std::string> displays;
-  std::string lens;
-  double field_of_view_deg = 70.0;
-  double pitch_deg = 0.0;
-  double settle_ms = 100.0;
-  double longest_exposure_ms = 250.0;
+  std::optional<std::string> lens;
+  std::optional<double> field_of_view_deg;
+  std::optional<double> pitch_deg;
+  std::optional<double> settle_ms;
+  std::optional<double> longest_exposure_ms;
   std::vector<std::string> watch;
-  double watch_exposure_ms = 1e3 / 30.0;
-  double watch_hz = 4.0;
-  double latency_ms = 30.0;
+  std::optional<double> watch_exposure_ms;
+  std::optional<double> watch_hz;
+  std::optional<double> latency_ms;
   std::string record;
   std::string replay;
+  bool is_check = false;
 };
 
-void add_options(CLI::App& app, Options* ret) {
+CLI::Range within(const Range& range) { return {range.least, range.most}; }
+
+void add_file_options(CLI::App& app, Options* ret) {
+  app.add_option("--config", ret->config,
+                 "Settings (calibrator.toml), which the options below override; without it calibrator.toml beside "
+                 "installation.toml, where there is one")
+      ->type_name("FILE");
   app.add_option("--installation", ret->installation, "What stands in the room (installation.toml)")->type_name("FILE");
   app.add_option(
          "--simulated", ret->simulated,
@@ -68,18 +78,24 @@ void add_options(CLI::App& app, Options* ret) {
   app.add_option("--folder", ret->folder, "Where calibration.json and those of before are kept")
       ->type_name("FOLDER")
       ->capture_default_str();
-  app.add_option("--listen", ret->listen, "Where to be told to calibrate, and to show live state to the operator")
-      ->type_name("HOST:PORT")
-      ->capture_default_str();
-  app.add_option("--camera", ret->camera, "On the turn-plate: v4l2:PORT[?OPTIONS], libcamera:ID[?OPTIONS]")
-      ->type_name("CAMERA")
-      ->capture_default_str();
-  app.add_option("--turnplate", ret->turnplate, "serial:DEVICE[?OPTIONS], or manual: asks somebody to turn it")
-      ->type_name("PLATE")
-      ->capture_default_str();
+  app.add_flag("--check", ret->is_check,
+               "Read the settings and all files that they name, and end: 0 if it would start");
+}
+
+void add_scan_options(CLI::App& app, Options* ret) {
+  using Ranges = CalibratorRanges;
+  app.add_option("--listen", ret->listen,
+                 "Where to be told to calibrate, and to show live state to the operator; [::1]:7410")
+      ->type_name("HOST:PORT");
+  app.add_option("--camera", ret->camera,
+                 "On the turn-plate: v4l2:PORT[?OPTIONS], libcamera:ID[?OPTIONS]; the first that there is")
+      ->type_name("CAMERA");
+  app.add_option("--turnplate", ret->turnplate,
+                 "serial:DEVICE[?OPTIONS], or manual (default): asks somebody to turn it")
+      ->type_name("PLATE");
   app.add_option("--display", ret->displays,
                  "A display that shows the patterns; repeat it where there are several, with the names of their "
-                 "projectors")
+                 "projectors; [::1]:7404")
       ->type_name("[NAMES=]HOST:PORT")
       ->allow_extra_args(false);
   app.add_option("--lens", ret->lens,
@@ -87,32 +103,31 @@ void add_options(CLI::App& app, Options* ret) {
                  "is of it")
       ->type_name("FILE");
   app.add_option("--field-of-view-deg", ret->field_of_view_deg,
-                 "Of the width of the camera's picture, where its lens is not known")
-      ->check(CLI::Range(5.0, 150.0))
-      ->capture_default_str();
-  app.add_option("--pitch-deg", ret->pitch_deg, "How far the camera looks up, about")
-      ->check(CLI::Range(-60.0, 60.0))
-      ->capture_default_str();
-  app.add_option("--settle-ms", ret->settle_ms, "From a projector's signal to its light")
-      ->check(CLI::Range(0.0, 2000.0))
-      ->capture_default_str();
-  app.add_option("--longest-exposure-ms", ret->longest_exposure_ms, "Of the camera")
-      ->check(CLI::Range(1.0, 5000.0))
-      ->capture_default_str();
+                 "Of the width of the camera's picture, where its lens is not known; 70")
+      ->check(within(Ranges::kFieldOfView_deg));
+  app.add_option("--pitch-deg", ret->pitch_deg, "How far the camera looks up, about; 0")
+      ->check(within(Ranges::kPitch_deg));
+  app.add_option("--settle-ms", ret->settle_ms, "From a projector's signal to its light; 100")
+      ->check(within(Ranges::kSettle_ms));
+  app.add_option("--longest-exposure-ms", ret->longest_exposure_ms, "Of the camera; 250")
+      ->check(within(Ranges::kLongestExposure_ms));
+}
+
+void add_watch_options(CLI::App& app, Options* ret) {
+  using Ranges = CalibratorRanges;
   app.add_option("--watch", ret->watch,
                  "A fixed camera that sees the show, to keep projectors in their places by; its lens is FOLDER/cameras/"
-                 "NAME.json. Repeat it for each; with --simulated and --display there is one beside each projector")
+                 "NAME.json, or cameras/NAME.json beside calibrator.toml. Repeat it for each; they replace the file's. "
+                 "With --simulated and --display there is one beside each projector")
       ->type_name("NAME=CAMERA")
       ->allow_extra_args(false);
-  app.add_option("--watch-exposure-ms", ret->watch_exposure_ms, "Of the fixed cameras: whole refreshes of projectors")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->capture_default_str();
-  app.add_option("--watch-hz", ret->watch_hz, "How often what they see is compared with what is shown")
-      ->check(CLI::Range(0.05, 10.0))
-      ->capture_default_str();
-  app.add_option("--latency-ms", ret->latency_ms, "From a refresh of the display to the projector's light")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
+  app.add_option("--watch-exposure-ms", ret->watch_exposure_ms,
+                 "Of the fixed cameras: whole refreshes of projectors; 33.3")
+      ->check(within(Ranges::kWatchExposure_ms));
+  app.add_option("--watch-hz", ret->watch_hz, "How often what they see is compared with what is shown; 4")
+      ->check(within(Ranges::kWatch_hz));
+  app.add_option("--latency-ms", ret->latency_ms, "From a refresh of the display to the projector's light; 30")
+      ->check(within(Ranges::kLatency_ms));
   app.add_option("--record", ret->record,
                  "Keep what is shown and seen in FOLDER/TIME for --replay; FOLDER grows to 8 GiB")
       ->type_name("FOLDER");
@@ -124,37 +139,93 @@ void add_options(CLI::App& app, Options* ret) {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kReadByEye_rad = 0.3 * kDegree;  // Off a scale of whole degrees.
 
-Result<ScanSettings> settings_for(const Options& options, const ScanCamera& camera) {
-  ScanSettings settings;
-  TRY_ASSIGN(const std::optional<MeasuredLens> known,
-             known_lens(options.lens, options.folder, camera.id(), camera.width_px(), camera.height_px()));
-  settings.camera =
-      known ? *known : data_sheet_lens(camera.width_px(), camera.height_px(), options.field_of_view_deg * kDegree);
-  settings.pitch_rad = options.pitch_deg * kDegree;
-  settings.view.exposure.longest = ExposureTime(1e-3 * options.longest_exposure_ms);
+constexpr double kMillisecond = 1e-3;
+constexpr const char* kOwnDisplay = "[::1]:7404";
+
+/// Empty: there is none.
+std::filesystem::path config_of(const Options& options) {
+  if (!options.config.empty() || options.installation.empty()) return options.config;
+  const auto beside = std::filesystem::path(options.installation).parent_path() / "calibrator.toml";
+  std::error_code ignored;
+  return std::filesystem::exists(beside, ignored) ? beside : std::filesystem::path();
+}
+
+Result<CalibratorSettings> settings_of(const Options& options) {
+  CalibratorSettings settings;
+  if (const auto config = config_of(options); !config.empty()) {
+    TRY_ASSIGN(settings, CalibratorSettings::read(config));
+  }
+  if (options.listen) settings.listen = *options.listen;
+  if (options.camera) settings.camera = *options.camera;
+  if (options.turnplate) settings.turnplate = *options.turnplate;
+  if (!options.displays.empty()) settings.displays.clear();
+  for (const std::string& text : options.displays) {
+    TRY_ASSIGN(PatternDisplay display, parse_pattern_display(text));
+    settings.displays.push_back(std::move(display));
+  }
+  // A room that is simulated whole has no display.
+  if (settings.displays.empty() && options.simulated.empty()) settings.displays.push_back({kOwnDisplay});
+  if (options.lens) settings.lens = *options.lens;
+  if (options.field_of_view_deg) settings.field_of_view_rad = kDegree * *options.field_of_view_deg;
+  if (options.pitch_deg) settings.pitch_rad = kDegree * *options.pitch_deg;
+  if (options.settle_ms) settings.settle_s = kMillisecond * *options.settle_ms;
+  if (options.longest_exposure_ms) settings.longest_exposure_s = kMillisecond * *options.longest_exposure_ms;
+  if (!options.watch.empty()) settings.watch.clear();
+  for (const std::string& text : options.watch) {
+    TRY_ASSIGN(CameraPlug plug, parse_camera_plug(text));
+    settings.watch.push_back(std::move(plug));
+  }
+  if (options.watch_exposure_ms) settings.watch_exposure_s = kMillisecond * *options.watch_exposure_ms;
+  if (options.watch_hz) settings.watch_hz = *options.watch_hz;
+  if (options.latency_ms) settings.latency_s = kMillisecond * *options.latency_ms;
   return settings;
 }
 
+/// Where the lenses of fixed cameras are sought.
+std::vector<std::filesystem::path> lens_folders(const Options& options, const CalibratorSettings& settings) {
+  std::vector<std::filesystem::path> folders{std::filesystem::path(options.folder) / "cameras"};
+  if (!settings.lenses.empty()) folders.push_back(settings.lenses);
+  return folders;
+}
+
+/// --check: what would keep it from starting, or from calibrating for reasons that files tell.
+Status check(const Options& options, const CalibratorSettings& settings) {
+  TRY(settings.check_lenses());
+  if (options.installation.empty()) return Done{};
+  TRY_ASSIGN(const Installation installation, read_installation(options.installation));
+  for (const InstalledProjector& projector : installation.projectors) {
+    TRY(display_of(projector.name, settings.displays));
+  }
+  return Done{};
+}
+
+Result<ScanSettings> scan_settings(const CalibratorSettings& settings, const std::filesystem::path& folder,
+                                   const ScanCamera& camera) {
+  ScanSettings scan;
+  TRY_ASSIGN(const std::optional<MeasuredLens> known,
+             known_lens(settings.lens, folder, camera.id(), camera.width_px(), camera.height_px()));
+  scan.camera = known ? *known : data_sheet_lens(camera.width_px(), camera.height_px(), settings.field_of_view_rad);
+  scan.pitch_rad = settings.pitch_rad;
+  scan.view.exposure.longest = ExposureTime(settings.longest_exposure_s);
+  return scan;
+}
+
+std::chrono::milliseconds settle_of(const CalibratorSettings& settings) {
+  return std::chrono::milliseconds(static_cast<int>(1e3 * settings.settle_s + 0.5));
+}
+
 /// The museum outlives all devices: the opener holds it.
-DeviceOpener simulated_opener(const Options& options, std::shared_ptr<SimulatedMuseum> museum) {
-  return [options, museum]() -> Result<CalibrationDevices> {
+DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::filesystem::path& folder,
+                              std::shared_ptr<SimulatedMuseum> museum) {
+  return [settings, folder, museum]() -> Result<CalibrationDevices> {
     CalibrationDevices devices;
     devices.plate = std::make_unique<SimulatedTurnplate>(museum.get());
     devices.camera = std::make_unique<SimulatedScanCamera>(museum.get(), PhotographColour::kGrey);
     devices.colour_camera = std::make_unique<SimulatedScanCamera>(museum.get(), PhotographColour::kColour);
     devices.screen = std::make_unique<SimulatedPatternScreen>(museum.get());
-    TRY_ASSIGN(devices.settings, settings_for(options, *devices.camera));
+    TRY_ASSIGN(devices.settings, scan_settings(settings, folder, *devices.camera));
     return devices;
   };
-}
-
-Result<std::vector<PatternDisplay>> displays_of(const Options& options) {
-  std::vector<PatternDisplay> displays;
-  for (const std::string& text : options.displays) {
-    TRY_ASSIGN(PatternDisplay display, parse_pattern_display(text));
-    displays.push_back(std::move(display));
-  }
-  return displays;
 }
 
 /// A calibrator in a terminal asks there, a service asks whoever told it to calibrate.
@@ -163,66 +234,58 @@ std::unique_ptr<TurnplateOperator> operator_at(TurnplateDesk* desk) {
   return std::make_unique<DeskOperator>(desk);
 }
 
-Result<DeviceOpener> real_opener(const Options& options, const Installation& installation, TurnplateDesk* desk,
-                                 const Clock& clock) {
-  TRY_ASSIGN(const std::vector<PatternDisplay> displays, displays_of(options));
-  if (displays.empty()) {
-    return Error(ErrorCode::kInvalidArgument, "no display is named that shows the patterns; give --display HOST:PORT");
-  }
-  return DeviceOpener(
-      [options, displays, projectors = installation.projectors, desk, &clock]() -> Result<CalibrationDevices> {
-        const FrameScanCamera::Opener open_camera = [spec = options.camera, &clock](double exposure_s) {
-          // Pictures are compared. libcamera's cameras hold their gain with a fixed exposure.
-          const std::string_view held = spec.starts_with("v4l2:") ? "&gain=held" : "";
-          // Where a picture takes less time than its exposure, cameras cut the exposure.
-          const double rate_hz = std::min(30.0, 0.9 / exposure_s);
-          return make_camera(with_defaults(spec, fmt::format("{}&frames_per_second={:.4g}&colour=yes&exposure_ms={}{}",
-                                                             kCalibrationSize, rate_hz, 1e3 * exposure_s, held)),
-                             clock);
-        };
-        CalibrationDevices devices;
-        TRY_ASSIGN(devices.plate, make_turnplate(options.turnplate, operator_at(desk)));
-        TRY_ASSIGN(devices.camera, FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
-        const auto settle = std::chrono::milliseconds(static_cast<int>(options.settle_ms));
-        TRY_ASSIGN(devices.screen, RemotePatternScreen::open(projectors, displays, settle));
-        TRY_ASSIGN(devices.settings, settings_for(options, *devices.camera));
-        if (options.turnplate == "manual") devices.settings.plate_sigma_rad = kReadByEye_rad;
-        return devices;
-      });
+DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesystem::path& folder,
+                         const Installation& installation, TurnplateDesk* desk, const Clock& clock) {
+  return [settings, folder, projectors = installation.projectors, desk, &clock]() -> Result<CalibrationDevices> {
+    const FrameScanCamera::Opener open_camera = [spec = settings.camera, &clock](double exposure_s) {
+      // Pictures are compared. libcamera's cameras hold their gain with a fixed exposure.
+      const std::string_view held = spec.starts_with("v4l2:") ? "&gain=held" : "";
+      // Where a picture takes less time than its exposure, cameras cut the exposure.
+      const double rate_hz = std::min(30.0, 0.9 / exposure_s);
+      return make_camera(with_defaults(spec, fmt::format("{}&frames_per_second={:.4g}&colour=yes&exposure_ms={}{}",
+                                                         kCalibrationSize, rate_hz, 1e3 * exposure_s, held)),
+                         clock);
+    };
+    CalibrationDevices devices;
+    TRY_ASSIGN(devices.plate, make_turnplate(settings.turnplate, operator_at(desk)));
+    TRY_ASSIGN(devices.camera, FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
+    TRY_ASSIGN(devices.screen, RemotePatternScreen::open(projectors, settings.displays, settle_of(settings)));
+    TRY_ASSIGN(devices.settings, scan_settings(settings, folder, *devices.camera));
+    if (settings.turnplate == "manual") devices.settings.plate_sigma_rad = kReadByEye_rad;
+    return devices;
+  };
 }
 
+Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
+
 /// Null: nothing watches.
-Result<std::unique_ptr<ShowRooms>> rooms_of(const Options& options, const Installation& installation,
-                                            const Clock& clock) {
-  const bool is_simulated = !options.simulated.empty() && !options.displays.empty();
-  if (!is_simulated && options.watch.empty()) return std::unique_ptr<ShowRooms>();
-  if (!options.simulated.empty() && !options.watch.empty()) {
+Result<std::unique_ptr<ShowRooms>> rooms_of(const Options& options, const CalibratorSettings& settings,
+                                            const Installation& installation, const Clock& clock) {
+  const bool is_simulated = !options.simulated.empty() && !settings.displays.empty();
+  if (!is_simulated && settings.watch.empty()) return std::unique_ptr<ShowRooms>();
+  if (!options.simulated.empty() && !settings.watch.empty()) {
     return Error(ErrorCode::kInvalidArgument, "a simulated museum has cameras of its own; leave out --watch");
   }
   ShowDisplays shows;
   shows.projectors = installation.projectors;
-  TRY_ASSIGN(shows.displays, displays_of(options));
+  shows.displays = settings.displays;
   const auto widest = std::ranges::max(installation.projectors, {}, [](const auto& p) { return p.lens.width_px; });
   shows.factor = std::max(1, static_cast<int>(std::lround(widest.lens.width_px / kWatchedWidth_px)));
-  shows.settle = std::chrono::milliseconds(static_cast<int>(options.settle_ms));
+  shows.settle = settle_of(settings);
   if (is_simulated) {
     TRY_ASSIGN(SimulatedStage stage, SimulatedStage::open(options.simulated, {}));
     return simulated_rooms(std::move(shows), std::move(stage), clock);
   }
-  shows.latency = std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(options.latency_ms));
-  std::vector<CameraPlug> plugs;
-  for (const std::string& text : options.watch) {
-    TRY_ASSIGN(CameraPlug plug, parse_camera_plug(text));
-    plugs.push_back(std::move(plug));
-  }
-  const std::filesystem::path lenses = std::filesystem::path(options.folder) / "cameras";
-  return museum_rooms(std::move(shows), plugs, lenses, 1e-3 * options.watch_exposure_ms, clock);
+  shows.latency = seconds(settings.latency_s);
+  return museum_rooms(std::move(shows), settings.watch, lens_folders(options, settings), settings.watch_exposure_s,
+                      clock);
 }
 
-HealingLoop::Options loop_options(const Options& options, CalibratorService* calibrator) {
+HealingLoop::Options loop_options(const Options& options, const CalibratorSettings& settings,
+                                  CalibratorService* calibrator) {
   HealingLoop::Options wanted;
-  wanted.period = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / options.watch_hz));
-  wanted.exposure.longest = ExposureTime(1e-3 * options.longest_exposure_ms);
+  wanted.period = seconds(1.0 / settings.watch_hz);
+  wanted.exposure.longest = ExposureTime(settings.longest_exposure_s);
   wanted.record = options.record;
   wanted.installation_file = options.simulated.empty() ? options.installation : options.simulated;
   wanted.on_line = [](const std::string& line) { log(LogLevel::kNotice, line); };
@@ -241,6 +304,8 @@ Status run_again(const std::filesystem::path& folder) {
 
 Status run(const Options& options, const StopSignal& stop) {
   if (!options.replay.empty()) return run_again(options.replay);
+  TRY_ASSIGN(const CalibratorSettings settings, settings_of(options));
+  if (options.is_check) return check(options, settings);
   const SteadyClock clock;
   Installation installation;
   DeviceOpener opener;
@@ -248,26 +313,26 @@ Status run(const Options& options, const StopSignal& stop) {
   if (!options.simulated.empty()) {
     TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::open(options.simulated));
     installation = museum.installation();
-    opener = simulated_opener(options, std::make_shared<SimulatedMuseum>(std::move(museum)));
+    opener = simulated_opener(settings, options.folder, std::make_shared<SimulatedMuseum>(std::move(museum)));
   } else if (!options.installation.empty()) {
     TRY_ASSIGN(installation, read_installation(options.installation));
-    TRY_ASSIGN(opener, real_opener(options, installation, &desk, clock));
+    opener = real_opener(settings, options.folder, installation, &desk, clock);
   } else {
     return Error(ErrorCode::kInvalidArgument, "no room is named; give --installation FILE, or --simulated FILE");
   }
   InspectionService inspection("calibrator");
   CalibratorService calibrator(installation, options.folder, std::move(opener), clock, &inspection);
   calibrator.ask_at(&desk);
-  TRY_ASSIGN(std::unique_ptr<ShowRooms> rooms, rooms_of(options, installation, clock));
+  TRY_ASSIGN(std::unique_ptr<ShowRooms> rooms, rooms_of(options, settings, installation, clock));
   std::unique_ptr<HealingLoop> loop;
   if (rooms != nullptr) {
     loop = std::make_unique<HealingLoop>(std::move(installation), options.folder, std::move(rooms), clock, &inspection,
-                                         loop_options(options, &calibrator));
+                                         loop_options(options, settings, &calibrator));
     calibrator.hold_with([&loop]() -> std::shared_ptr<void> { return loop->hold(); });
   }
   HealingService healing(loop.get());
   TRY_ASSIGN(const std::unique_ptr<WireServer> server,
-             WireServer::start(options.listen, {&calibrator, &inspection, &healing}));
+             WireServer::start(settings.listen, {&calibrator, &inspection, &healing}));
   Notify notify;
   notify.ready();
   log(LogLevel::kNotice, fmt::format("waits to be told to calibrate, at port {}", server->port()));
@@ -297,6 +362,8 @@ int main(int argc, char** argv) {
                              "Measures the wall with a camera on a turn-plate when it is told to, writes "
                              "calibration.json, and keeps projectors in their places while the show goes on.");
   cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
+  cyclorama::add_file_options(program.options(), &options);
+  cyclorama::add_scan_options(program.options(), &options);
+  cyclorama::add_watch_options(program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
 }

@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "appliance/calibrator/lens/camera_file.h"
-#include "appliance/tracker/camera_settings.h"
 #include "common/base/check.h"
 #include "common/config/config.h"
 #include "common/wand/folded_card.h"
+#include "drivers/camera/camera_settings.h"
 
 namespace cyclorama {
 namespace {

@@ -2,6 +2,9 @@
 #include "drivers/turnplate/make_turnplate.h"
 
 #include <fmt/format.h>
+
+#include <optional>
+
 #include "common/base/text.h"
 #include "drivers/turnplate/manual/manual_turnplate.h"
 #include "drivers/turnplate/serial/serial_turnplate.h"
@@ -49,15 +52,11 @@ bool take(std::string_view key, std::string_view value, SerialTurnplateOptions* 
   return true;
 }
 
-}  // namespace
-
-Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec,
-                                                  std::unique_ptr<TurnplateOperator> operated_by) {
+/// Nothing: a manual one.
+Result<std::optional<SerialTurnplateOptions>> parse(std::string_view spec) {
   std::string_view rest = spec;
   const std::string_view kind = cut(&rest, ':');
-  if (kind == "manual" && rest.empty()) {
-    return std::unique_ptr<Turnplate>(std::make_unique<ManualTurnplate>(std::move(operated_by)));
-  }
+  if (kind == "manual" && rest.empty()) return std::optional<SerialTurnplateOptions>();
   if (kind != "serial") return refuse(spec, "no such kind of turn-plate; the kinds are serial:DEVICE and manual");
   SerialTurnplateOptions options;
   options.device = std::string(cut(&rest, '?'));
@@ -71,7 +70,21 @@ Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec,
                                       printable(key)));
     }
   }
-  return SerialTurnplate::open(options);
+  return std::optional(std::move(options));
+}
+
+}  // namespace
+
+Status check_turnplate(std::string_view spec) {
+  TRY_ASSIGN(const std::optional<SerialTurnplateOptions> options, parse(spec));
+  return options ? SerialTurnplate::check(*options) : Status(Done{});
+}
+
+Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec,
+                                                  std::unique_ptr<TurnplateOperator> operated_by) {
+  TRY_ASSIGN(const std::optional<SerialTurnplateOptions> options, parse(spec));
+  if (options) return SerialTurnplate::open(*options);
+  return std::unique_ptr<Turnplate>(std::make_unique<ManualTurnplate>(std::move(operated_by)));
 }
 
 }  // namespace cyclorama

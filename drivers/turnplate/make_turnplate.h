@@ -18,4 +18,7 @@ namespace cyclorama {
 Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec,
                                                   std::unique_ptr<TurnplateOperator> operated_by);
 
+/// The line alone; nothing is opened. kInvalidArgument  as above.
+Status check_turnplate(std::string_view spec);
+
 }  // namespace cyclorama

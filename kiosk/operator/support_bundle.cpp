@@ -115,6 +115,9 @@ Result<std::string> support_bundle(const SupportOrder& order, const std::string&
   members["checks.json"] = redaction.cleaned(checks_json);
   members["versions.txt"] = redaction.cleaned(versions());
   add_files(order.museum.settings(), "settings/", redaction, &members, &problems);
+  const fs::path lenses = order.museum.settings() / "cameras";
+  std::error_code ignored;
+  if (fs::is_directory(lenses, ignored)) add_files(lenses, "settings/cameras/", redaction, &members, &problems);
   add_files(order.museum.root, "state/", redaction, &members, &problems);
   add_journal(order, redaction, &members, &problems);
   if (!problems.empty()) members["problems.txt"] = redaction.cleaned(problems);

@@ -36,6 +36,7 @@ class MuseumChecker {
     check_attract_picture();
     check_installation();
     check_wands();
+    check_calibrator();
     check_operator();
     ask_programs();
     return std::move(check_.verdict());
@@ -133,6 +134,33 @@ class MuseumChecker {
     }
   }
 
+  /// The calibrator's to read; here what it names, and lenses that it would not find.
+  void check_calibrator() {
+    std::vector<std::string> lenses;
+    if (check_.has("calibrator.toml")) {
+      auto config = Config::read(check_.in("calibrator.toml"));
+      if (!config) return check_.problem(config.error().message());
+      const std::string lens = config->root().table("camera").text("lens", "");
+      if (!lens.empty()) check_.is_ours(check_.folder() / lens, "calibrator.toml [camera] lens");
+      for (ConfigTable camera : config->root().table("watch").tables("camera")) {
+        const std::string name = camera.text("name", "");
+        lenses.push_back(name + ".json");
+        if (name.empty() || check_.has("cameras/" + lenses.back())) continue;
+        check_.remark(
+            fmt::format("cameras/{0}.json is missing, so camera '{0}' of calibrator.toml watches nothing until its "
+                        "lens is known: let 'cyclorama calibrate-camera' measure it, and copy what that writes",
+                        printable(name)));
+      }
+    }
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(check_.in("cameras"), ignored)) {
+      const std::string file = entry.path().filename().string();
+      if (std::find(lenses.begin(), lenses.end(), file) != lenses.end()) continue;
+      check_.remark(fmt::format("cameras/{} is there, but calibrator.toml has no [[watch.camera]] of that name",
+                                printable(file)));
+    }
+  }
+
   void check_operator() {
     if (!check_.has(kOperatorFile)) {
       return check_.remark(
@@ -150,6 +178,10 @@ class MuseumChecker {
                 check_.in("installation.toml").string(), "--tour", "[::1]:7403"});
     if (check_.has("tracker.toml")) {
       check_.ask({"cyclorama-tracker", "--check", "--config", check_.in("tracker.toml").string()});
+    }
+    if (check_.has("calibrator.toml")) {
+      check_.ask({"cyclorama-calibrator", "--check", "--config", check_.in("calibrator.toml").string(),
+                  "--installation", check_.in("installation.toml").string()});
     }
   }
 

@@ -37,17 +37,17 @@ struct SettingsVerdict {
 enum class SettingsOf { kMuseum, kFarmHost };
 
 struct SettingsCheck {
-  /// Where cyclorama-display and cyclorama-tracker (cyclorama-farm and cyclorama-node) are, which know their own
-  /// tables; empty: those are not looked at.
+  /// Where cyclorama-display, cyclorama-tracker and cyclorama-calibrator (cyclorama-farm and cyclorama-node) are, which
+  /// know their own tables; empty: those are not looked at.
   std::filesystem::path programs{};
   SettingsOf of = SettingsOf::kMuseum;
 };
 
 /// The readers of the programs themselves look at everything, and nothing stops at the first mistake: site.toml
 /// (required), installation.toml (required) with the meshes, warps and passwords it names, tracker.toml, wands,
-/// operator.toml, the certificates that site.toml names, its attract picture. A render host has farm.toml, node.toml or
-/// both, with certificates, tokens and scenes. What a file names must lie in the folder.
-/// `folder` must hold plain files alone (copy_folder()); its path is left out of the sentences.
+/// calibrator.toml with the lenses of its cameras, operator.toml, the certificates that site.toml names, its attract
+/// picture. A render host has farm.toml, node.toml or both, with certificates, tokens and scenes. What a file names
+/// must lie in the folder. `folder` must hold plain files alone (copy_folder()); its path is left out of the sentences.
 [[nodiscard]] SettingsVerdict check_settings(const std::filesystem::path& folder, const SettingsCheck& how);
 
 }  // namespace cyclorama

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The programs that look after a museum, by their exit codes: cyclorama-provision with the display's and the tracker's own
-checks, cyclorama-health, cyclorama doctor.
+"""The programs that look after a museum, by their exit codes: cyclorama-provision with the display's, the tracker's and
+the calibrator's own checks, cyclorama-health, cyclorama doctor.
 
 Run: care_test.py SOURCE_ROOT BUILD_FOLDER
 """
@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 
 def run(*command):
@@ -56,6 +57,7 @@ def check_provisioning(source, build, folder):
     (stick / "site.toml").write_text('[farm]\nheads = ["[::1]:1"]\nmuseum = "hall-3"\n[display]\nattract_after_s = 5\n')
     shutil.copy(source / "demo/installation.toml", stick)
     (stick / "tracker.toml").write_text('[camera]\nkind = "v4l2"\nport = "usb-0000:00:14.0-2"\n')
+    (stick / "calibrator.toml").write_text('turnplate = "manual"\n[[watch.camera]]\nname = "left"\nkind = "v4l2"\nport = "usb-0000:00:14.0-3"\n')
     (stick / "operator.toml").write_text('pin = "40 17 73"\n')
     provision = [build / "bin/cyclorama-provision", "--state", state]
     changed = folder / "changed"
@@ -66,7 +68,8 @@ def check_provisioning(source, build, folder):
     changed.unlink()
     assert run(*install).returncode == 0 and not changed.exists(), "the same stick starts nothing again"
     for file, text, word in (("site.toml", "[display]\nattract_after = 5\n", "cyclorama-display refuses"),
-                             ("tracker.toml", '[camera]\nkind = "v4l3"\n', "cyclorama-tracker refuses")):
+                             ("tracker.toml", '[camera]\nkind = "v4l3"\n', "cyclorama-tracker refuses"),
+                             ("calibrator.toml", '[watch]\ncompare_Hz = 4\n', "cyclorama-calibrator refuses")):
         before = (stick / file).read_text()
         (stick / file).write_text(text)
         bad = run(*install)
@@ -83,6 +86,31 @@ def check_provisioning(source, build, folder):
     assert run(*provision, "install", folder / "no-stick").returncode == 1
     assert run(*install).returncode == 0
     return state
+
+
+def check_calibrator(source, build, folder, state):
+    """A museum whose fixed camera has no lens yet: it starts, and tells what is missing."""
+    bad_lens = folder / "bad"
+    shutil.copytree(state / "settings", bad_lens)
+    (bad_lens / "cameras").mkdir()
+    (bad_lens / "cameras/left.json").write_text("{}")
+    calibrator = [build / "bin/cyclorama-calibrator", "--folder", folder / "calibration", "--listen", f"unix:{folder}/calibrator.sock"]
+    refused = run(*calibrator, "--check", "--installation", bad_lens / "installation.toml")
+    assert refused.returncode == 1 and "left.json" in refused.stderr and "camera 'left'" in refused.stderr, refused.stderr
+    elsewhere = run(*calibrator, "--check", "--installation", state / "settings/installation.toml", "--display", "none-such=[::1]:7404")
+    assert elsewhere.returncode == 1 and "belongs to 0 displays" in elsewhere.stderr, elsewhere.stderr
+    process = subprocess.Popen([*map(str, calibrator), "--installation", str(state / "settings/installation.toml")], stdin=subprocess.DEVNULL)
+    try:
+        end = time.monotonic() + 60
+        said = ""
+        while "cameras/left.json" not in said and process.poll() is None and time.monotonic() < end:
+            run(build / "bin/cyclorama", "status", "--json", folder / "status.json", "--watch", f"calibrator=unix:{folder}/calibrator.sock")
+            said = (folder / "status.json").read_text()
+            time.sleep(0.2)
+        assert "cameras/left.json" in said, (process.poll(), said)
+    finally:
+        process.terminate()
+    assert process.wait(30) == 0
 
 
 def check_doctor(build, folder, state):
@@ -121,6 +149,7 @@ def main(source, build):
         folder = pathlib.Path(name)
         check_health(build, folder)
         state = check_provisioning(source, build, folder)
+        check_calibrator(source, build, folder, state)
         check_doctor(build, folder, state)
         check_projectors(source, build, folder)
     print("care: ok")

@@ -138,7 +138,7 @@ Result<HealingStart> healing_start(const std::filesystem::path& folder, const In
   }
   if (show.cameras.empty()) {
     return Error(ErrorCode::kNotFound,
-                 start.troubles.empty() ? "no camera watches; name one with --watch" : start.troubles.front());
+                 start.troubles.empty() ? "no camera watches; name one in calibrator.toml, or with --watch" : start.troubles.front());
   }
   TRY_ASSIGN(show.projectors, projectors_of(folder, calibration, installation, known ? &*known : nullptr));
   return start;

@@ -84,14 +84,16 @@ class MuseumRoom final : public ShowRoom {
 class MuseumRooms final : public ShowRooms {
  public:
   MuseumRooms(ShowDisplays displays, std::vector<CameraPlug> plugs, std::vector<WatchingCamera> cameras,
-              double exposure_s, const Clock& clock)
+              std::vector<std::string> troubles, double exposure_s, const Clock& clock)
       : displays_(std::move(displays)),
         plugs_(std::move(plugs)),
         cameras_(std::move(cameras)),
+        troubles_(std::move(troubles)),
         exposure_s_(exposure_s),
         clock_(clock) {}
 
   [[nodiscard]] const std::vector<WatchingCamera>& cameras() const override { return cameras_; }
+  [[nodiscard]] std::vector<std::string> troubles() const override { return troubles_; }
   [[nodiscard]] int picture_factor() const override { return displays_.factor; }
   Result<std::unique_ptr<ShowRoom>> open() override {
     TRY_ASSIGN(auto shown, RemoteShown::open(displays_.projectors, displays_.displays, displays_.factor,
@@ -113,43 +115,61 @@ class MuseumRooms final : public ShowRooms {
   ShowDisplays displays_;
   std::vector<CameraPlug> plugs_;
   std::vector<WatchingCamera> cameras_;
+  std::vector<std::string> troubles_;
   double exposure_s_;
   const Clock& clock_;
 };
 
-}  // namespace
-
-Result<CameraPlug> parse_camera_plug(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  CameraPlug plug;
-  if (equals != std::string::npos) plug = {text.substr(0, equals), text.substr(equals + 1)};
-  const bool is_name = !plug.name.empty() && plug.name.size() <= 60 && plug.name[0] != '.' &&
-                       std::ranges::none_of(plug.name, [](char c) { return c == '/' || c < ' '; });
-  if (is_name && !plug.spec.empty()) return plug;
-  return Error(ErrorCode::kInvalidArgument,
-               fmt::format("'{}' names no camera; write NAME=CAMERA, such as left=v4l2:usb-0000:00:14.0-2", text));
+/// kNotFound  in none of the folders. Others as read_camera().
+Result<CameraFile> lens_of(const std::string& camera, const std::vector<std::filesystem::path>& folders) {
+  for (const std::filesystem::path& folder : folders) {
+    auto file = read_camera(folder / (camera + ".json"));
+    if (file || file.error().code() != ErrorCode::kNotFound) return file;
+  }
+  return Error(ErrorCode::kNotFound, "its lens is not known");
 }
 
-Result<std::unique_ptr<ShowRooms>> museum_rooms(ShowDisplays displays, const std::vector<CameraPlug>& cameras,
-                                                const std::filesystem::path& lenses, double exposure_s,
-                                                const Clock& clock) {
+std::string without_lens(const std::string& camera, const Error& error) {
+  return fmt::format(
+      "camera '{0}' watches nothing: {1}; let 'cyclorama calibrate-camera' measure it, and lay what that writes as "
+      "cameras/{0}.json beside calibrator.toml, or into the calibration's folder",
+      camera, error.message());
+}
+
+BrownParameters brown_parameters(const MeasuredLens& lens) {
+  const auto value = [&](MeasuredLens::Parameter which) { return lens.values[static_cast<std::size_t>(which)]; };
+  return {lens.width_px,
+          lens.height_px,
+          value(MeasuredLens::kFocal),
+          value(MeasuredLens::kFocal),
+          value(MeasuredLens::kCentreU),
+          value(MeasuredLens::kCentreV),
+          value(MeasuredLens::kK1),
+          value(MeasuredLens::kK2),
+          value(MeasuredLens::kP1),
+          value(MeasuredLens::kP2),
+          value(MeasuredLens::kK3)};
+}
+
+}  // namespace
+
+std::unique_ptr<ShowRooms> museum_rooms(ShowDisplays displays, const std::vector<CameraPlug>& cameras,
+                                        const std::vector<std::filesystem::path>& lenses, double exposure_s,
+                                        const Clock& clock) {
+  std::vector<CameraPlug> plugs;
   std::vector<WatchingCamera> watching;
+  std::vector<std::string> troubles;
   for (const CameraPlug& plug : cameras) {
-    auto file = read_camera(lenses / (plug.name + ".json"));
+    const auto file = lens_of(plug.name, lenses);
     if (!file) {
-      return std::move(file).error().while_doing(
-          fmt::format("reading the lens of camera '{}', which cyclorama-calibrate-camera measures", plug.name));
+      troubles.push_back(without_lens(plug.name, file.error()));
+      continue;
     }
-    const MeasuredLens& lens = file->lens;
-    const auto value = [&](MeasuredLens::Parameter which) { return lens.values[static_cast<std::size_t>(which)]; };
-    watching.push_back(
-        {plug.name,
-         {lens.width_px, lens.height_px, value(MeasuredLens::kFocal), value(MeasuredLens::kFocal),
-          value(MeasuredLens::kCentreU), value(MeasuredLens::kCentreV), value(MeasuredLens::kK1),
-          value(MeasuredLens::kK2), value(MeasuredLens::kP1), value(MeasuredLens::kP2), value(MeasuredLens::kK3)}});
+    plugs.push_back(plug);
+    watching.push_back({plug.name, brown_parameters(file->lens)});
   }
-  return std::unique_ptr<ShowRooms>(
-      new MuseumRooms(std::move(displays), cameras, std::move(watching), exposure_s, clock));
+  return std::make_unique<MuseumRooms>(std::move(displays), std::move(plugs), std::move(watching), std::move(troubles),
+                                       exposure_s, clock);
 }
 
 }  // namespace cyclorama

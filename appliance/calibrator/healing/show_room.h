@@ -48,6 +48,8 @@ class ShowRooms {
   virtual ~ShowRooms() = default;
 
   [[nodiscard]] virtual const std::vector<WatchingCamera>& cameras() const = 0;
+  /// Cameras that were named and cannot watch: why, and what to do about it.
+  [[nodiscard]] virtual std::vector<std::string> troubles() const { return {}; }
   /// By what pictures of projectors are smaller each way than they are.
   [[nodiscard]] virtual int picture_factor() const = 0;
   virtual Result<std::unique_ptr<ShowRoom>> open() = 0;

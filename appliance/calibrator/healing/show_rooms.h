@@ -4,6 +4,7 @@
 
 #include "appliance/calibrator/healing/remote_shown.h"
 #include "appliance/calibrator/healing/show_room.h"
+#include "appliance/calibrator/settings/device_lines.h"
 #include "drivers/camera/camera.h"
 #include "drivers/simulated_room/simulated_stage.h"
 
@@ -18,19 +19,11 @@ struct ShowDisplays {
   std::chrono::milliseconds settle{100};
 };
 
-/// "NAME=CAMERA", CAMERA as drivers/camera/make_camera.h has it.
-struct CameraPlug {
-  std::string name;
-  std::string spec;
-};
-/// kInvalidArgument  another form, or a name that is no file's.
-Result<CameraPlug> parse_camera_plug(const std::string& text);
-
-/// Cameras of make_camera(), each with its lens in FOLDER/cameras/NAME.json, as cyclorama-calibrate-camera writes it.
-/// Errors of read_camera(), with the camera's name. Borrows the clock.
-Result<std::unique_ptr<ShowRooms>> museum_rooms(ShowDisplays displays, const std::vector<CameraPlug>& cameras,
-                                                const std::filesystem::path& lenses, double exposure_s,
-                                                const Clock& clock);
+/// Cameras of make_camera(), each with its lens, as cyclorama-calibrate-camera writes it, in the first of `lenses` that
+/// has a file NAME.json. A camera without is in troubles(), and so is one whose file is damaged. Borrows the clock.
+[[nodiscard]] std::unique_ptr<ShowRooms> museum_rooms(ShowDisplays displays, const std::vector<CameraPlug>& cameras,
+                                                      const std::vector<std::filesystem::path>& lenses,
+                                                      double exposure_s, const Clock& clock);
 
 /// The stage's cameras see what the displays say that they show.
 [[nodiscard]] std::unique_ptr<ShowRooms> simulated_rooms(ShowDisplays displays, SimulatedStage stage,

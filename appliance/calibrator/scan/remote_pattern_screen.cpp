@@ -9,7 +9,6 @@
 #include <optional>
 #include <thread>
 
-#include "common/base/address.h"
 #include "common/image/png.h"
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/channel.h"
@@ -126,36 +125,6 @@ class RemotePatternScreen::Stream {
   bool is_late_ = false;
   std::jthread watch_;  // Last: it uses all above.
 };
-
-Result<PatternDisplay> parse_pattern_display(const std::string& text) {
-  PatternDisplay display;
-  const std::size_t equals = text.find('=');
-  display.address = equals == std::string::npos ? text : text.substr(equals + 1);
-  if (equals != std::string::npos) {
-    std::string names = text.substr(0, equals) + ",";
-    for (std::size_t comma; (comma = names.find(',')) != std::string::npos; names.erase(0, comma + 1)) {
-      if (comma == 0) {
-        return Error(ErrorCode::kInvalidArgument,
-                     fmt::format("'{}' names no projector before the '='; write left,middle=HOST:PORT", text));
-      }
-      display.projectors.push_back(names.substr(0, comma));
-    }
-  }
-  if (!display.address.starts_with("unix:")) TRY(parse_address(display.address));
-  return display;
-}
-
-Result<std::size_t> display_of(const std::string& projector, const std::vector<PatternDisplay>& displays) {
-  std::vector<std::size_t> drives;
-  for (std::size_t d = 0; d < displays.size(); ++d) {
-    const auto& names = displays[d].projectors;
-    if (names.empty() || std::find(names.begin(), names.end(), projector) != names.end()) drives.push_back(d);
-  }
-  if (drives.size() == 1) return drives.front();
-  return Error(ErrorCode::kInvalidArgument,
-               fmt::format("projector '{}' belongs to {} displays; name each at one --display NAMES=HOST:PORT",
-                           projector, drives.size()));
-}
 
 RemotePatternScreen::RemotePatternScreen(std::vector<Head> heads, std::vector<std::unique_ptr<Stream>> streams,
                                          std::chrono::milliseconds settle)

@@ -7,21 +7,10 @@
 #include <vector>
 
 #include "appliance/calibrator/scan/scan_devices.h"
+#include "appliance/calibrator/settings/device_lines.h"
 #include "common/room/installation.h"
 
 namespace cyclorama {
-
-/// A display, and which of the installation's projectors it drives.
-struct PatternDisplay {
-  std::string address;                    ///< HOST:PORT, or unix:PATH, of its PatternScreen service.
-  std::vector<std::string> projectors{};  ///< By name; none: all.
-};
-
-/// "HOST:PORT", or "left,middle=HOST:PORT". kInvalidArgument  another form.
-Result<PatternDisplay> parse_pattern_display(const std::string& text);
-
-/// Which of the displays drives a projector. kInvalidArgument  none, or two.
-Result<std::size_t> display_of(const std::string& projector, const std::vector<PatternDisplay>& displays);
 
 /// The heads of displays elsewhere, by the service PatternScreen (common/wire/calibration.proto). Thread-bound.
 class RemotePatternScreen final : public PatternScreen {

@@ -11,7 +11,12 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-Status checked(const SerialTurnplateOptions& o) {
+}  // namespace
+
+SerialTurnplate::SerialTurnplate(SerialPort port, const SerialTurnplateOptions& options)
+    : Turnplate(options.range), port_(std::move(port)), options_(options), id_("serial:" + options.device.string()) {}
+
+Status SerialTurnplate::check(const SerialTurnplateOptions& o) {
   const auto refuse = [](const char* what) { return Error(ErrorCode::kInvalidArgument, what); };
   if (o.axis < 'A' || o.axis > 'Z') return refuse("a turn-plate's axis is one upper-case letter");
   if (!(std::abs(o.units_per_turn) >= 1.0 && std::abs(o.units_per_turn) <= 1e6))
@@ -23,13 +28,8 @@ Status checked(const SerialTurnplateOptions& o) {
   return Done{};
 }
 
-}  // namespace
-
-SerialTurnplate::SerialTurnplate(SerialPort port, const SerialTurnplateOptions& options)
-    : Turnplate(options.range), port_(std::move(port)), options_(options), id_("serial:" + options.device.string()) {}
-
 Result<std::unique_ptr<Turnplate>> SerialTurnplate::open(const SerialTurnplateOptions& options) {
-  TRY(checked(options));
+  TRY(check(options));
   TRY_ASSIGN(SerialPort port, SerialPort::open(options.device, options.baud));
   std::unique_ptr<SerialTurnplate> plate(new SerialTurnplate(std::move(port), options));
   if (auto awake = plate->wake(); !awake)

@@ -29,6 +29,8 @@ class SerialTurnplate final : public Turnplate {
   /// Asks for an answer and moves nothing. Errors as SerialPort::open(), and
   /// kTimedOut  nothing answers.   kBadData  what answers is no controller.   kInvalidArgument  options without sense.
   static Result<std::unique_ptr<Turnplate>> open(const SerialTurnplateOptions& options);
+  /// kInvalidArgument  options without sense.
+  static Status check(const SerialTurnplateOptions& options);
 
   [[nodiscard]] const std::string& id() const override { return id_; }
 

@@ -177,6 +177,14 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"wand_missing",
                [](const MuseumStick& m) { m.write("tracker.toml", "[wand]\nfiles = [\"mine.toml\"]\n"); },
                "'mine.toml'"},
+        Spoilt{"calibrator_cut", [](const MuseumStick& m) { m.write("calibrator.toml", "[camera]\nkind = \"v4"); },
+               "calibrator.toml:2"},
+        Spoilt{"lens_missing",
+               [](const MuseumStick& m) { m.write("calibrator.toml", "[camera]\nlens = \"camera.json\"\n"); },
+               "calibrator.toml [camera] lens names 'camera.json', which is not there"},
+        Spoilt{"lens_elsewhere",
+               [](const MuseumStick& m) { m.write("calibrator.toml", "[camera]\nlens = \"/etc/passwd\"\n"); },
+               "which is not in the folder"},
         Spoilt{"pin_short", [](const MuseumStick& m) { m.write("operator.toml", "pin = \"1234\"\n"); },
                "operator.toml:1"},
         Spoilt{"pin_first_tried", [](const MuseumStick& m) { m.write("operator.toml", "pin = \"123456\"\n"); },
@@ -240,6 +248,22 @@ TEST(Provision, says_what_is_not_as_one_may_have_meant_it) {
               ElementsAre(HasSubstr("not encrypted"), HasSubstr("no camera follows"), HasSubstr("no PIN")));
 }
 
+TEST(Provision, takes_the_calibrator_s_cameras_and_their_lenses) {
+  const MuseumStick museum;
+  museum.write("calibrator.toml",
+               "[[watch.camera]]\nname = \"left\"\nkind = \"v4l2\"\nport = \"usb-1\"\n[[watch.camera]]\nname = "
+               "\"right\"\nkind = \"v4l2\"\nport = \"usb-2\"\n");
+  fs::create_directories(museum.stick() / "cameras");
+  museum.write("cameras/left.json", "{\"of\": \"left\"}");
+  museum.write("cameras/rigth.json", "{}");
+  const ProvisioningReport report = museum.install();
+  EXPECT_EQ(report.verdict, Verdict::kInstalled);
+  EXPECT_THAT(report.remarks,
+              ElementsAre(HasSubstr("cameras/right.json is missing"), HasSubstr("cameras/rigth.json is there, but")));
+  EXPECT_THAT(museum.in_use("calibrator.toml"), HasSubstr("left"));
+  EXPECT_EQ(museum.in_use("cameras/left.json"), "{\"of\": \"left\"}");
+}
+
 TEST(Provision, asks_the_programs_about_their_own_tables) {
   const MuseumStick museum;
   const fs::path programs = museum.root() / "bin";
@@ -251,6 +275,9 @@ TEST(Provision, asks_the_programs_about_their_own_tables) {
   program("cyclorama-display", "#!/bin/sh\n[ \"$1\" = --check ] && grep -q hall-3 \"$3\"\n");
   program("cyclorama-tracker",
           "#!/bin/sh\necho '<4>a warning'\necho \"<3>cyclorama-tracker: $3:2: no such camera\"; exit 1\n");
+  museum.write("calibrator.toml", "turnplate = \"manual\"\n");
+  program("cyclorama-calibrator",
+          "#!/bin/sh\ngrep -q projector \"$5\" && echo \"<3>cyclorama-calibrator: $3:1: no such plate\"; exit 1\n");
   auto store = SettingsStore::open(museum.root());
   ASSERT_TRUE(store);
   const auto report = provision({museum.stick(), {programs}, {}, false, ""}, &*store);

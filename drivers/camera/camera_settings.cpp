@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "appliance/tracker/camera_settings.h"
+#include "drivers/camera/camera_settings.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// calibrator.toml, and the devices that are written in one line.
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "appliance/calibrator/settings/calibrator_settings.h"
+#include "common/base/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  const auto settings = CalibratorSettings::parse(text, "fuzz.toml");
+  if (settings) {
+    CHECK(settings->field_of_view_rad > 0.0 && settings->field_of_view_rad < 3.0);
+    CHECK(settings->watch_hz > 0.0 && settings->watch_exposure_s > 0.0 && settings->longest_exposure_s > 0.0);
+    for (const CameraPlug& camera : settings->watch) {
+      const auto again = parse_camera_plug(camera.name + "=" + camera.spec);
+      CHECK(again && again->name == camera.name && again->spec == camera.spec);
+    }
+  } else {
+    CHECK(settings.error().message().find("fuzz.toml") != std::string::npos);
+  }
+  const auto display = parse_pattern_display(text);
+  CHECK(!display || !display->address.empty());
+  return 0;
+}

@@ -11,9 +11,9 @@
 
 #include "kiosk/operator/page_certificate.h"
 #include "kiosk/operator/page_server.h"
+#include "tests/doubles/fake_calibrator.h"
 #include "tests/doubles/fake_process.h"
 #include "tests/doubles/museum_stick.h"
-#include "tests/doubles/fake_calibrator.h"
 
 namespace cyclorama {
 namespace {
@@ -206,6 +206,9 @@ TEST(MuseumPage, calibrates_tests_the_network_and_passes_wishes_on) {
 TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
   Page page;
   page.stick.write("beamer-password", "open-sesame-9\n");
+  page.stick.write("calibrator.toml", "# open-sesame-9\nturnplate = \"manual\"\n");
+  fs::create_directories(page.stick.stick() / "cameras");
+  page.stick.write("cameras/left.json", "{\"camera\": \"open-sesame-9\"}");
   // Where secrets may have gone by mistake.
   const auto key = read_text_file(museum_certificates().key, 1 << 20);
   ASSERT_TRUE(key);
@@ -221,8 +224,9 @@ TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
   const auto answer = page.client->Get("/support-bundle.zip", page.cookie);
   ASSERT_EQ(answer->status, 200);
   const auto members = unzipped(answer->body);
-  for (const char* const name : {"status.json", "checks.json", "versions.txt", "journal.txt", "settings/site.toml",
-                                 "settings/installation.toml", "state/provisioning.json"}) {
+  for (const char* const name :
+       {"status.json", "checks.json", "versions.txt", "journal.txt", "settings/site.toml", "settings/installation.toml",
+        "settings/calibrator.toml", "settings/cameras/left.json", "state/provisioning.json"}) {
     EXPECT_EQ(members.count(name), 1u) << name;
   }
   EXPECT_THAT(members.at("settings/site.toml"), HasSubstr("key = \"tls/key.pem\"")) << "where it is, is no secret";

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "common/http/http_server.h"
 
@@ -71,10 +72,10 @@ bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<co
     refuse(421, "without a PIN this page answers only to localhost", response);
     return false;
   }
-  const bool is_open_to_all = (request.method == "POST" && request.path == "/login") ||
-                              (!changes && std::any_of(login.begin(), login.end(), [&](const PageFile& file) {
-                                return file.path == request.path;
-                              }));
+  const bool is_open_to_all =
+      (request.method == "POST" && request.path == "/login") || (!changes && request.path == "/door") ||
+      (!changes &&
+       std::any_of(login.begin(), login.end(), [&](const PageFile& file) { return file.path == request.path; }));
   if (is_open_to_all || sessions->is_open(token_in(request))) return true;
   if (request.method == "GET" && request.path == "/") {
     response.set_redirect("/login.html", 303);
@@ -84,8 +85,21 @@ bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<co
   return false;
 }
 
-void serve_login(httplib::Server& server, Sessions* sessions) {
-  server.Post("/login", [sessions](const httplib::Request& request, httplib::Response& response) {
+std::string sentences_of(const std::vector<Check>& checks) {
+  std::string text;
+  for (const Check& check : checks) {
+    text += fmt::format("{}{}: {}", text.empty() ? "" : " ", check.title, check.sentence);
+    if (!check.remedy.empty()) text += " " + check.remedy;
+  }
+  return text;
+}
+
+void serve_login(httplib::Server& server, Sessions* sessions, std::function<std::vector<Check>()> told) {
+  server.Get("/door", [told](const httplib::Request&, httplib::Response& response) {
+    response.set_header("Cache-Control", "no-store");
+    response.set_content(fmt::format("{{\"checks\": {}}}", checks_json(told())), kJsonType);
+  });
+  server.Post("/login", [sessions, told](const httplib::Request& request, httplib::Response& response) {
     const nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
     const auto pin = json.is_object() ? json.find("pin") : json.end();
     if (!json.is_object() || pin == json.end() || !pin->is_string()) {
@@ -94,7 +108,9 @@ void serve_login(httplib::Server& server, Sessions* sessions) {
     const auto token = sessions->open(pin->get_ref<const std::string&>(), request.remote_addr);
     if (!token) {
       if (token.error().code() == ErrorCode::kInvalidArgument) return refuse(403, token.error().message(), response);
-      return answer_error(token.error(), response);
+      if (token.error().code() != ErrorCode::kNotFound) return answer_error(token.error(), response);
+      const std::string why = sentences_of(told());
+      return answer_error(why.empty() ? token.error() : Error(ErrorCode::kNotFound, why), response);
     }
     response.set_header("Set-Cookie", fmt::format("{}{}; Path=/; Secure; HttpOnly; SameSite=Strict", kCookie, *token));
     response.status = 204;
@@ -108,14 +124,15 @@ void serve_login(httplib::Server& server, Sessions* sessions) {
 
 }  // namespace
 
-void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login) {
+void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login,
+           std::function<std::vector<Check>()> told) {
   server.set_pre_routing_handler([sessions, login](const httplib::Request& request, httplib::Response& response) {
     return lets_pass(request, sessions, login, response) ? httplib::Server::HandlerResponse::Unhandled
                                                          : httplib::Server::HandlerResponse::Handled;
   });
   if (sessions == nullptr) return;
   serve_page(server, login);
-  serve_login(server, sessions);
+  serve_login(server, sessions, std::move(told));
 }
 
 }  // namespace cyclorama

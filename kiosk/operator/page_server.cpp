@@ -5,6 +5,7 @@
 
 #include "common/base/address.h"
 #include "common/base/text.h"
+#include "kiosk/operator/door_checks.h"
 #include "kiosk/operator/metrics.h"
 #include "kiosk/operator/page_files.h"
 #include "kiosk/operator/page_gate.h"
@@ -50,7 +51,9 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address
     return Error(ErrorCode::kInvalidArgument, "a PIN may not cross a network in the clear; it needs TLS");
   }
   const auto routes = [&](httplib::Server& server) {
-    guard(server, extras.sessions, login_files());
+    guard(server, extras.sessions, login_files(), [museum = extras.museum]() -> std::vector<Check> {
+      return museum == nullptr ? std::vector<Check>{} : told_at_the_door(museum->support.museum);
+    });
     serve_page(server, page_files());
     serve_state(server, watch);
     serve_steering(server, watch);

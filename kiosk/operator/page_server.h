@@ -5,6 +5,7 @@
 ///   GET  /status                     status_json.h
 ///   GET  /picture/PROCESS/NAME.jpg   the newest picture; NAME may hold '/' (encoded or not). 404: not there (yet)
 ///   GET  /metrics                    metrics.h
+///   GET  /door                       {"checks": []}: why nobody can enter yet; no PIN is asked for (door_checks.h)
 ///   POST /steer                      {"forward", "right", "turn"} as application/json; 204
 ///   and what museum_routes.h lists.
 ///

@@ -32,17 +32,27 @@ std::string FolderCheck::without_folder(std::string text) const {
 void FolderCheck::problem(const std::string& text) { verdict_.problems.push_back(without_folder(text)); }
 void FolderCheck::remark(const std::string& text) { verdict_.remarks.push_back(without_folder(text)); }
 
-bool FolderCheck::is_ours(const fs::path& path, const std::string& where) {
+bool FolderCheck::is_within(const fs::path& path, const std::string& where, const std::string& name) {
   const fs::path within = path.lexically_normal().lexically_relative(folder_);
   if (within.empty() || within.is_absolute() || *within.begin() == "..") {
-    problem(fmt::format("{} names '{}', which is not in the folder; put it beside the settings and name it without a path",
-                        where, printable(path.string(), 200)));
+    problem(fmt::format(
+        "{} names {}, which is not in the folder; put it beside the settings and name it without a path", where, name));
     return false;
   }
   std::error_code ignored;
   if (fs::is_regular_file(fs::symlink_status(path, ignored))) return true;
-  problem(fmt::format("{} names '{}', which is not there; copy it too", where, within.string()));
+  problem(fmt::format("{} names {}, which is not there; copy it too", where, name));
   return false;
+}
+
+bool FolderCheck::is_ours(const fs::path& path, const std::string& where) {
+  const std::string name = path.string();
+  const bool is_content = name.find('\n') != std::string::npos || name.find("-----") != std::string::npos;
+  return is_within(path, where, is_content ? "a file's content" : "'" + printable(name, 200) + "'");
+}
+
+bool FolderCheck::is_ours_unquoted(const fs::path& path, const std::string& where) {
+  return is_within(path, where, "a file");
 }
 
 void FolderCheck::keep_secret(const fs::path& path, const std::string& group) {

@@ -27,8 +27,11 @@ class FolderCheck {
 
   void problem(const std::string& text);
   void remark(const std::string& text);
-  /// That a path from a setting leads to a file of this folder; `where` names the setting.
+  /// That a path from a setting leads to a file of this folder; `where` names the setting. Problems quote the path,
+  /// but for what looks like a file's content.
   bool is_ours(const std::filesystem::path& path, const std::string& where);
+  /// The same for a file that holds a password; nothing is quoted, as people write the password itself there.
+  bool is_ours_unquoted(const std::filesystem::path& path, const std::string& where);
   void keep_secret(const std::filesystem::path& path, const std::string& group);
   /// That they are here, belong together, have not run out and are such a one's, for which `words` of
   /// cyclorama-authority make them. The key is `group`'s alone.
@@ -39,6 +42,7 @@ class FolderCheck {
   void ask(std::vector<std::string> command);
 
  private:
+  bool is_within(const std::filesystem::path& path, const std::string& where, const std::string& name);
   [[nodiscard]] std::string without_folder(std::string text) const;
 
   const std::filesystem::path folder_;

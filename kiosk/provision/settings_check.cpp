@@ -101,7 +101,7 @@ class MuseumChecker {
         if (!projector.warp->mask.empty()) check_.is_ours(projector.warp->mask, where);
       }
       if (!projector.pjlink || projector.pjlink->password_file.empty()) continue;
-      if (check_.is_ours(projector.pjlink->password_file, where))
+      if (check_.is_ours_unquoted(projector.pjlink->password_file, where + " password_file"))
         check_.keep_secret(projector.pjlink->password_file, kProjectorsGroup);
     }
   }

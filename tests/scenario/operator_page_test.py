@@ -119,9 +119,9 @@ class Museum:
         (stick / "site.toml").write_text(f'[farm]\nheads = ["{tour}", "[::1]:1"]\nmuseum = "hall-3"\n'
                                          '[hours]\nopen = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00"]\n')
         shutil.copy(source / "demo/installation.toml", stick)
-        (stick / "operator.toml").write_text(f'pin = "{PIN}"\n')
+        (stick / "operator.toml").write_text(f'pni = "{PIN}"\n')
         self.provision = [build / "bin/cyclorama-provision", "--state", self.state, "install", stick, "--programs", ""]
-        subprocess.run(self.provision, check=True, capture_output=True, timeout=60)
+        assert subprocess.run(self.provision, capture_output=True, timeout=60).returncode == 1
         (self.state / "update.json").write_text('{"state": "current", "version": "0.1.0", "at": "2026-11-22T03:10:00Z"}')
         self.port = free_port()
         self.page = subprocess.Popen([build / "bin/cyclorama-operator", "--listen", f"[::1]:{self.port}", "--museum", self.state,
@@ -131,6 +131,10 @@ class Museum:
         while "listens on" not in (line := self.page.stderr.readline()):
             assert line, "the page did not start"
         self.address = f"https://localhost:{self.port}/"
+
+    def correct_the_stick(self):
+        (self.folder / "stick/operator.toml").write_text(f'pin = "{PIN}"\n')
+        subprocess.run(self.provision, check=True, capture_output=True, timeout=60)
 
     def refuse_a_stick(self):
         site = self.folder / "stick/site.toml"
@@ -154,6 +158,14 @@ def fits(browser, width):
 def enter(browser, museum, pictures, name):
     browser.open(museum.address)
     wait_until(lambda: browser.text("h1") == "The operator's page", 30, "the login page")
+    wait_until(lambda: "operator.toml:1" in browser.text("#told"), 30, "why nobody can enter")
+    assert "plug it in again" in browser.text("#told") and PIN not in browser.text("body"), browser.text("body")
+    assert browser.run("return document.getElementById('pin').offsetParent === null"), "a PIN is asked for, and there is none"
+    fits(browser, browser.run("return innerWidth"))
+    browser.picture(pictures / f"door-{name}.png", whole=False)
+    museum.correct_the_stick()
+    wait_until(lambda: browser.run("return document.getElementById('pin').offsetParent !== null"), 30, "the way in")
+    assert browser.text("#told") == "", browser.text("#told")
     browser.type("#pin", "000000")
     browser.click("button")
     wait_until(lambda: "not the PIN" in browser.text("#note"), 30, "the refusal")

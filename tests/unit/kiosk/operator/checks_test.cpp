@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "common/base/file.h"
+#include "kiosk/operator/door_checks.h"
 #include "kiosk/operator/network_test.h"
 
 namespace cyclorama {
@@ -183,6 +184,35 @@ TEST(MachineFacts, are_read_from_the_kernel_s_files) {
   EXPECT_GT(*facts.disk_bytes, *facts.disk_free_bytes);
   std::filesystem::remove_all(root);
   EXPECT_FALSE(read_machine_facts(root, root).warmest_c) << "nothing is known of nothing";
+}
+
+TEST(DoorChecks, tell_why_nobody_can_enter_and_nothing_else) {
+  Findings findings = well();
+  findings.is_museum = false;
+  findings.provisioning.reset();
+  std::vector<Check> told = door_checks(findings);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_THAT(told[0].sentence, HasSubstr("No stick with settings was ever plugged in"));
+  EXPECT_THAT(told[0].remedy, HasSubstr("site.toml"));
+
+  findings.provisioning.emplace();
+  findings.provisioning->at = "2026-11-22T09:00:00Z";
+  findings.provisioning->problems = {"site.toml:3: farm.head: is not a setting; did you mean 'heads'?"};
+  findings.machine.only_in_memory = "the disk cannot be read";
+  told = door_checks(findings);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_THAT(told[0].sentence, HasSubstr("no settings in use. site.toml:3: farm.head"));
+  EXPECT_FALSE(told[0].sentence.ends_with('\n'));
+  EXPECT_THAT(told[1].sentence, HasSubstr("forgets when it is switched off: the disk cannot be read"));
+  EXPECT_FALSE(told[1].remedy.empty());
+
+  findings = well();
+  findings.provisioning->museum = "hall-3";
+  told = door_checks(findings);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[1].id, "pin");
+  EXPECT_THAT(told[1].remedy, HasSubstr("operator.toml"));
+  for (const Check& check : told) EXPECT_THAT(check.sentence, Not(HasSubstr("hall-3")));
 }
 
 TEST(UpdateStatus, is_read_from_what_the_updater_writes) {

@@ -100,7 +100,7 @@ struct Page {
 TEST(MuseumPage, shows_nothing_before_the_pin) {
   Page page;
   for (const char* const path : {"/status", "/museum", "/metrics", "/page.js", "/care.js", "/picture/tour/x.jpg",
-                                 "/support-bundle.zip", "/calibration.jpg", "/nothing"}) {
+                                 "/support-bundle.zip", "/calibration.jpg", "/door/", "/nothing"}) {
     const auto answer = page.client->Get(path);
     ASSERT_TRUE(answer) << httplib::to_string(answer.error());
     EXPECT_EQ(answer->status, 401) << path;
@@ -111,6 +111,41 @@ TEST(MuseumPage, shows_nothing_before_the_pin) {
   for (const char* const path : {"/steer", "/calibration", "/network-test", "/wish", "/logout"})
     EXPECT_EQ(page.client->Post(path, "{}", "application/json")->status, 401) << path;
   EXPECT_TRUE(page.tour.steered().empty());
+}
+
+TEST(MuseumPage, tells_at_the_door_why_there_is_no_pin_until_there_is_one) {
+  Page page;
+  const auto door = [&] {
+    const auto answer = page.client->Get("/door");
+    CHECK(answer && answer->status == 200);
+    return answer->body;
+  };
+  EXPECT_EQ(Json::parse(door())["checks"].size(), 0u) << "a PIN is in use: strangers are told nothing";
+  EXPECT_EQ(page.client->Post("/door", "{}", "application/json")->status, 401);
+  fs::remove_all(page.stick.root() / "settings");
+  fs::remove_all(page.stick.root() / "generations");
+  fs::remove(page.stick.root() / "provisioning.json");
+  EXPECT_THAT(door(), HasSubstr("No stick with settings was ever plugged in"));
+  page.stick.write("site.toml", "[farm]\nhead = [\"[::1]:1\"]\n");
+  page.stick.write("operator.toml", "pin = 401773\n");
+  const auto plug_in = [&] {
+    EXPECT_TRUE(write_file_atomically(page.stick.root() / "provisioning.json", report_json(page.stick.install())));
+  };
+  plug_in();
+  for (const std::string& told :
+       {door(), page.client->Post("/login", R"({"pin": "401773"})", "application/json")->body}) {
+    EXPECT_THAT(told, AllOf(HasSubstr("was refused"), HasSubstr("site.toml:2"), HasSubstr("operator.toml:1"),
+                            HasSubstr("plug it in again"), Not(HasSubstr("401773"))));
+  }
+  EXPECT_EQ(page.get("/museum"), 401) << "but in comes nobody";
+  page.stick.write("site.toml", MuseumStick::site());
+  page.stick.write("operator.toml", "pin = \"401773\"\n");
+  plug_in();
+  EXPECT_EQ(Json::parse(door())["checks"].size(), 0u);
+  page.stick.write("site.toml", "[farm]\nhead = 1\n");
+  plug_in();
+  EXPECT_EQ(Json::parse(door())["checks"].size(), 0u) << "a later stick is nobody's business at the door";
+  page.enter();
 }
 
 TEST(MuseumPage, opens_with_the_pin_and_closes_again) {

@@ -219,6 +219,46 @@ TEST(Provision, tells_every_mistake_at_once) {
   EXPECT_EQ(report.in_use, "");
 }
 
+/// The operator page tells problems to whoever stands at its door, while no PIN is in use.
+TEST(Provision, quotes_no_secret_however_it_was_written) {
+  constexpr const char* kSecret = "739914";
+  const MuseumStick museum;
+  const auto good_room = read_text_file(museum.stick() / "installation.toml", 1 << 20);
+  ASSERT_TRUE(good_room);
+  const auto refusal = [&] {
+    const ProvisioningReport report = museum.install();
+    EXPECT_EQ(report.verdict, Verdict::kRefused);
+    EXPECT_FALSE(report.problems.empty());
+    return report_json(report);
+  };
+  for (const char* const written :
+       {"739914", "739914 = 1", "pin 739914", "pin = 739914", "pin = t739914", "pin = 99999999999999739914",
+        "pin = 0739914", "[739914]", "\"pin: 739914\" = 1", "pin = \"7\"\n739914 = 2", "pin = \"739914\"\npin = 739914",
+        "pin = '739914", "pin.739914 = 1", "pin = [739914", "pin = 2026-13-739914"}) {
+    museum.write("operator.toml", std::string(written) + "\n");
+    const std::string told = refusal();
+    EXPECT_THAT(told, Not(HasSubstr(kSecret))) << written;
+    EXPECT_THAT(told, HasSubstr("operator.toml:")) << written;
+  }
+  museum.write("operator.toml", "pin = \"401773\"\n");
+  constexpr std::string_view kProjector = "[[projector]]\n";
+  std::string room = *good_room;
+  room.insert(room.find(kProjector) + kProjector.size(),
+              "pjlink = \"192.0.2.11\"\npjlink_password_file = \"open-739914\"\n");
+  museum.write("installation.toml", room);
+  const std::string told = refusal();
+  EXPECT_THAT(told, Not(HasSubstr(kSecret)));
+  EXPECT_THAT(told, HasSubstr("password_file names a file, which is not there"));
+  museum.write("installation.toml", *good_room);
+  const auto key = read_text_file(museum.stick() / "tls/key.pem", 1 << 20);
+  ASSERT_TRUE(key);
+  museum.write("site.toml",
+               "[farm]\nauthority = \"tls/authority.crt\"\ncertificate = \"tls/certificate.crt\"\n"
+               "key = \"\"\"" +
+                   *key + "\"\"\"\n");
+  EXPECT_THAT(refusal(), Not(HasSubstr(key->substr(key->find('\n') + 1, 20))));
+}
+
 TEST(Provision, refuses_too_much) {
   const MuseumStick museum;
   museum.write("large.obj", std::string(5000, 'x'));

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/door_checks.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "kiosk/operator/redaction.h"
+
+namespace cyclorama {
+
+bool has_pin(const MuseumState& museum) {
+  std::error_code ignored;
+  return std::filesystem::status(museum.pin_file(), ignored).type() != std::filesystem::file_type::not_found;
+}
+
+std::vector<Check> door_checks(Findings findings) {
+  findings.processes.clear();
+  findings.is_museum = true;  // Whoever asks for a PIN is one, though it may not know itself yet.
+  std::vector<Check> told = checks_of(findings);
+  std::erase_if(told, [](const Check& check) {
+    return check.id != "settings" && !(check.id == "disk" && check.level == Level::kFault);
+  });
+  if (findings.provisioning && !findings.provisioning->in_use.empty()) {
+    told.push_back(
+        {"pin", "PIN", Level::kFault, "The settings in use have no PIN, so nobody can enter.",
+         "Put a file operator.toml with a line such as pin = \"40 17 73\", but with digits of your own, into "
+         "the stick's folder 'cyclorama', and plug it in again."});
+  }
+  // What people wrote by mistake into a place that is quoted.
+  const Redaction redaction;
+  for (Check& check : told) {
+    check.sentence = redaction.cleaned(check.sentence);
+    while (check.sentence.ends_with('\n')) check.sentence.pop_back();
+  }
+  return told;
+}
+
+std::vector<Check> told_at_the_door(const MuseumState& museum) {
+  return has_pin(museum) ? std::vector<Check>{} : door_checks(findings_of({}, museum));
+}
+
+}  // namespace cyclorama

@@ -19,18 +19,19 @@ using Json = nlohmann::ordered_json;
 
 constexpr auto kAnswerDeadline = std::chrono::seconds(5);
 constexpr auto kRestoreDeadline = std::chrono::seconds(30);
+constexpr auto kToPlace = std::chrono::minutes(20);
 constexpr std::size_t kLargestPicture = 4 << 20;
 constexpr int kMostRemarks = 100;
 
 }  // namespace
 
 Result<std::unique_ptr<CalibrationDesk>> CalibrationDesk::make(const std::string& address) {
-  TRY_ASSIGN(auto channel, make_channel(address));
-  return std::unique_ptr<CalibrationDesk>(new CalibrationDesk(std::move(channel)));
+  TRY_ASSIGN(const auto channel, make_channel(address));
+  return std::unique_ptr<CalibrationDesk>(new CalibrationDesk(channel));
 }
 
-CalibrationDesk::CalibrationDesk(std::shared_ptr<grpc::Channel> channel)
-    : calibrator_(wire::Calibrator::NewStub(channel)) {}
+CalibrationDesk::CalibrationDesk(const std::shared_ptr<grpc::Channel>& channel)
+    : calibrator_(wire::Calibrator::NewStub(channel)), healing_(wire::Healing::NewStub(channel)) {}
 
 CalibrationDesk::~CalibrationDesk() {
   cancel();
@@ -38,26 +39,37 @@ CalibrationDesk::~CalibrationDesk() {
 }
 
 Status CalibrationDesk::start(const wire::CalibrateOrder& order) {
+  return begin("wall", "dials the calibrator",
+               [this, order](grpc::ClientContext* context) { calibrate(order, context); });
+}
+
+Status CalibrationDesk::place_cameras() {
+  return begin("cameras", "shows patterns to the fixed cameras, for a minute or two",
+               [this](grpc::ClientContext* context) { place(context); });
+}
+
+Status CalibrationDesk::begin(const char* what, const char* step, std::function<void(grpc::ClientContext*)> work) {
   const std::lock_guard ordering(ordering_);
   auto context = std::make_shared<grpc::ClientContext>();
   {
     const std::lock_guard lock(mutex_);
     if (running_) return Error(ErrorCode::kBusy, "a calibration runs already; wait for it or cancel it");
     running_ = context;
+    what_ = what;
     state_ = "running";
     error_.clear();
     is_cancelled_ = false;
     newest_.Clear();
-    newest_.set_step("dials the calibrator");
+    newest_.set_step(step);
     jpeg_.clear();
   }
   if (thread_.joinable()) thread_.join();  // It has ended: nothing ran.
-  thread_ = std::thread([this, order, context] { run(order, context); });
+  thread_ = std::thread([work = std::move(work), context] { work(context.get()); });
   return Done{};
 }
 
-void CalibrationDesk::run(const wire::CalibrateOrder& order, const std::shared_ptr<grpc::ClientContext>& context) {
-  const auto reader = calibrator_->Calibrate(context.get(), order);
+void CalibrationDesk::calibrate(const wire::CalibrateOrder& order, grpc::ClientContext* context) {
+  const auto reader = calibrator_->Calibrate(context, order);
   wire::CalibrateProgress progress;
   bool is_done = false;
   while (reader->Read(&progress)) {
@@ -67,7 +79,28 @@ void CalibrationDesk::run(const wire::CalibrateOrder& order, const std::shared_p
     is_done = is_done || progress.has_done();
     newest_ = progress;
   }
-  const grpc::Status status = finish_after_read(*context, [&] { return reader->Finish(); });
+  end(is_done, finish_after_read(*context, [&] { return reader->Finish(); }), "calibrating");
+}
+
+void CalibrationDesk::place(grpc::ClientContext* context) {
+  context->set_deadline(std::chrono::system_clock::now() + kToPlace);
+  wire::PlacedCameras placed;
+  const grpc::Status status = healing_->PlaceCameras(context, wire::PlaceCamerasOrder(), &placed);
+  if (status.ok()) {
+    const std::lock_guard lock(mutex_);
+    newest_.set_fraction(1.0);
+    newest_.mutable_done();
+    for (const wire::PlacedCameras::Camera& camera : placed.cameras()) {
+      newest_.mutable_done()->add_remarks(camera.trouble().empty()
+                                              ? fmt::format("Camera '{}' saw {} places of the wall, off by {:.2f} px.",
+                                                            printable(camera.name()), camera.places(), camera.rms_px())
+                                              : "Not placed: " + printable(camera.trouble(), 500));
+    }
+  }
+  end(status.ok(), status, "placing the cameras");
+}
+
+void CalibrationDesk::end(bool is_done, const grpc::Status& status, const char* doing) {
   const std::lock_guard lock(mutex_);
   running_ = nullptr;
   if (is_done && status.ok()) {
@@ -77,7 +110,7 @@ void CalibrationDesk::run(const wire::CalibrateOrder& order, const std::shared_p
   } else {
     state_ = "failed";
     error_ = status.ok() ? "The calibrator ended without a result; start the calibration again."
-                         : printable(from_grpc(status, "calibrating").message(), 1000);
+                         : printable(from_grpc(status, doing).message(), 1000);
   }
 }
 
@@ -116,7 +149,8 @@ Result<std::string> CalibrationDesk::restore() {
 std::string CalibrationDesk::json() const {
   const std::lock_guard lock(mutex_);
   const double fraction = std::isfinite(newest_.fraction()) ? std::clamp(newest_.fraction(), 0.0, 1.0) : 0.0;
-  Json json{{"state", state_},
+  Json json{{"what", what_},
+            {"state", state_},
             {"step", printable(newest_.step(), 300)},
             {"fraction", fraction},
             {"error", error_},
@@ -175,8 +209,15 @@ Result<CalibrationWish> parse_calibration_wish(std::string_view text) {
       return bad("a quick calibration needs a projector's name");
     return wish;
   }
-  wish.kind = kind == "cancel" ? CalibrationWish::Kind::kCancel : CalibrationWish::Kind::kRestore;
-  if (kind != "cancel" && kind != "restore") return bad("'do' must be start, answer, cancel or restore");
+  if (kind == "cancel") {
+    wish.kind = CalibrationWish::Kind::kCancel;
+  } else if (kind == "restore") {
+    wish.kind = CalibrationWish::Kind::kRestore;
+  } else if (kind == "place-cameras") {
+    wish.kind = CalibrationWish::Kind::kPlaceCameras;
+  } else {
+    return bad("'do' must be start, answer, cancel, restore or place-cameras");
+  }
   if (json.size() != 1) return bad(fmt::format("'{}' takes nothing else", kind));
   return wish;
 }

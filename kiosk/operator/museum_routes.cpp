@@ -90,6 +90,10 @@ void serve_calibration(httplib::Server& server, MuseumDesk* desk) {
         if (const Status started = desk->calibration->start(wish->order); !started)
           answer_error(started.error(), response);
         return;
+      case CalibrationWish::Kind::kPlaceCameras:
+        if (const Status started = desk->calibration->place_cameras(); !started)
+          answer_error(started.error(), response);
+        return;
       case CalibrationWish::Kind::kAnswer:
         if (const Status answered = desk->calibration->answer(wish->text); !answered)
           answer_error(answered.error(), response);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/base/clock.h"
@@ -112,6 +113,20 @@ class FakeCalibrator final : private wire::Calibrator::Service {
       return is_watching ? grpc::Status::OK
                          : grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "nothing watches the wall");
     }
+    /// One that is placed, and one that sees too little.
+    grpc::Status PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasOrder*,
+                              wire::PlacedCameras* reply) override {
+      while (is_placing && !context->IsCancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      if (context->IsCancelled()) return grpc::Status::CANCELLED;
+      if (!is_watching) return {grpc::StatusCode::NOT_FOUND, "no camera watches; name one in calibrator.toml"};
+      wire::PlacedCameras::Camera* const left = reply->add_cameras();
+      left->set_name("left");
+      left->set_places(2814);
+      left->set_rms_px(0.04);
+      reply->add_cameras()->set_trouble("camera 'right' sees no projector's light; turn it to the wall");
+      return grpc::Status::OK;
+    }
+    std::atomic<bool> is_placing{false};  ///< Goes on with it until it is cancelled.
     std::atomic<int> realigned{0};
     std::atomic<int> corrections{1};  ///< That can be undone.
     std::atomic<bool> is_watching{true};

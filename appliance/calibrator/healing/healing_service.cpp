@@ -10,7 +10,8 @@ grpc::Status refused(const std::string& why) { return {grpc::StatusCode::FAILED_
 
 grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasOrder*,
                                           wire::PlacedCameras* reply) {
-  if (loop_ == nullptr) return {grpc::StatusCode::NOT_FOUND, "no camera watches; name one with --watch"};
+  if (loop_ == nullptr)
+    return {grpc::StatusCode::NOT_FOUND, "no camera watches; name one in calibrator.toml, or with --watch"};
   const std::unique_lock working(busy_, std::try_to_lock);
   if (!working) return refused("the cameras are being placed already");
   std::stop_source stop;
@@ -37,7 +38,8 @@ grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wi
 
 grpc::Status HealingService::Realign(grpc::ServerContext*, const wire::RealignOrder* order,
                                      wire::RealignAnswer* answer) {
-  if (loop_ == nullptr) return refused("nothing watches the wall; name a fixed camera with --watch");
+  if (loop_ == nullptr)
+    return refused("nothing watches the wall; name a fixed camera in calibrator.toml, or with --watch");
   if (order->undo()) {
     const auto undone = loop_->undo();
     if (!undone && undone.error().code() == ErrorCode::kNotFound) return to_grpc(undone.error());

@@ -79,31 +79,47 @@ function showCalibration(calibration) {
   byId("calibration-card").hidden = calibration === null;
   if (calibration === null) return;
   const isRunning = calibration.state === "running";
+  const isOfWall = calibration.what === "wall";
   const words = {
     idle: "The wall is measured with a camera, so that the projectors make one picture. Nobody should stand in it meanwhile.",
-    running: `${Math.round(100 * calibration.fraction)} %: ${calibration.step}`,
-    done: `Measured on ${calibration.date}.` + (isNumber(calibration.registration_p95_px)
+    running: isOfWall ? `${Math.round(100 * calibration.fraction)} %: ${calibration.step}` : `It ${calibration.step}.`,
+    done: !isOfWall ? "Where the fixed cameras stand:" : `Measured on ${calibration.date}.` + (isNumber(calibration.registration_p95_px)
       ? ` Neighbouring pictures meet within ${calibration.registration_p95_px.toFixed(2)} px in 95 of 100 places.` : ""),
-    cancelled: "Cancelled; the wall shows the calibration of before. What was photographed is kept: the next one can go on from there.",
+    cancelled: !isOfWall ? "Cancelled; the fixed cameras count as before." : "Cancelled; the wall shows the calibration of before. What was photographed is kept: the next one can go on from there.",
     failed: `It failed: ${calibration.error}`,
   };
   byId("calibration-state").textContent = words[calibration.state] || calibration.state;
   byId("calibration-progress").hidden = !isRunning;
-  byId("calibration-progress").value = calibration.fraction;
+  if (isOfWall) byId("calibration-progress").value = calibration.fraction;
+  else byId("calibration-progress").removeAttribute("value");
   byId("calibration-remarks").replaceChildren(...calibration.remarks.map((remark) => make("li", remark)));
   byId("calibrate").hidden = isRunning;
-  byId("calibrate-resume").hidden = calibration.state !== "cancelled" && calibration.state !== "failed";
+  byId("calibrate-resume").hidden = !isOfWall || (calibration.state !== "cancelled" && calibration.state !== "failed");
   byId("calibration-question").hidden = calibration.question === "";
   byId("calibration-asked").textContent = calibration.question;
   byId("calibrate-restore").hidden = isRunning;
   byId("calibrate-cancel").hidden = !isRunning;
+  showParts(isRunning);
   const picture = byId("calibration-picture");
   picture.hidden = !isRunning || !calibration.has_picture;
   if (!picture.hidden) picture.src = `/calibration.jpg?${++calibrationPicture}`;
 }
 
+// One projector that was pushed; page.js knows their names.
+function showParts(isRunning) {
+  const names = [...projectors.keys()].map((key) => key.slice(key.indexOf("/projector/") + "/projector/".length));
+  const select = byId("quick-projector");
+  if (names.join("\n") !== [...select.options].map((option) => option.value).join("\n")) {
+    select.replaceChildren(...names.map((name) => make("option", name)));
+  }
+  byId("quick-one").hidden = names.length === 0;
+  byId("calibrate-parts").hidden = isRunning;
+}
+
 press("calibrate", () => ask("/calibration", { do: "start" }));
 press("calibrate-resume", () => ask("/calibration", { do: "start", resume: true }));
+press("calibrate-quick", () => ask("/calibration", { do: "start", quick: true, projector: byId("quick-projector").value }));
+press("place-cameras", () => ask("/calibration", { do: "place-cameras" }));
 press("calibration-done", async () => {
   await ask("/calibration", { do: "answer", text: byId("calibration-answer").value });
   byId("calibration-answer").value = "";

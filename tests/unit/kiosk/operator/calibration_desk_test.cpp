@@ -82,6 +82,31 @@ TEST(CalibrationDesk, says_that_nobody_calibrates_here) {
   EXPECT_FALSE((*desk)->restore());
 }
 
+TEST(CalibrationDesk, has_the_fixed_cameras_placed) {
+  Desk desk;
+  EXPECT_EQ(desk.now()["what"], "wall");
+  ASSERT_TRUE(desk.desk->place_cameras());
+  const auto end = desk.end();
+  EXPECT_EQ(end["what"], "cameras");
+  EXPECT_EQ(end["state"], "done") << end;
+  ASSERT_EQ(end["remarks"].size(), 2u);
+  EXPECT_THAT(end["remarks"][0].get<std::string>(), HasSubstr("Camera 'left' saw 2814 places of the wall"));
+  EXPECT_THAT(end["remarks"][1].get<std::string>(), HasSubstr("turn it to the wall"));
+  desk.calibrator.healing.is_placing = true;
+  ASSERT_TRUE(desk.desk->place_cameras());
+  const Status second = desk.desk->start({});
+  ASSERT_FALSE(second) << "the wall is measured by one at a time";
+  EXPECT_EQ(second.error().code(), ErrorCode::kBusy);
+  desk.desk->cancel();
+  EXPECT_EQ(desk.end()["state"], "cancelled");
+  desk.calibrator.healing.is_placing = false;
+  desk.calibrator.healing.is_watching = false;
+  ASSERT_TRUE(desk.desk->place_cameras());
+  EXPECT_THAT(desk.end()["error"].get<std::string>(), HasSubstr("name one in calibrator.toml"));
+  ASSERT_TRUE(desk.desk->start({}));
+  EXPECT_EQ(desk.end()["what"], "wall");
+}
+
 TEST(CalibrationDesk, brings_the_one_of_before_back) {
   Desk desk;
   const auto date = desk.desk->restore();
@@ -109,6 +134,8 @@ TEST(CalibrationWish, is_read_strictly) {
   EXPECT_TRUE(start->order.quick());
   EXPECT_EQ(start->order.projector(), "left");
   EXPECT_EQ(parse_calibration_wish(R"({"do": "cancel"})")->kind, CalibrationWish::Kind::kCancel);
+  EXPECT_EQ(parse_calibration_wish(R"({"do": "place-cameras"})")->kind, CalibrationWish::Kind::kPlaceCameras);
+  EXPECT_FALSE(parse_calibration_wish(R"({"do": "place-cameras", "quick": true})"));
   const auto answer = parse_calibration_wish(R"({"do": "answer", "text": "12.5"})");
   EXPECT_EQ(answer->kind, CalibrationWish::Kind::kAnswer);
   EXPECT_EQ(answer->text, "12.5");

@@ -226,6 +226,9 @@ TEST(MuseumPage, calibrates_tests_the_network_and_passes_wishes_on) {
   while (state() == "running" && SteadyClock().now() < deadline) std::this_thread::yield();
   EXPECT_EQ(state(), "done");
   EXPECT_EQ(page.post("/calibration", R"({"do": "restore"})"), 200);
+  EXPECT_EQ(page.post("/calibration", R"({"do": "place-cameras"})"), 204);
+  while (state() == "running" && SteadyClock().now() < deadline) std::this_thread::yield();
+  EXPECT_EQ(state(), "done");
   EXPECT_EQ(page.post("/calibration", R"({"do": "dance"})"), 400);
   page.stick.write("site.toml", "[farm]\nheads = [\"[::1]:1\", \"" + page.tour.address() + "\"]\n");
   ASSERT_EQ(page.stick.install().verdict, Verdict::kInstalled);

@@ -90,7 +90,8 @@ def check_settings(computer, folder):
     bad += expect("they stay at the next start", computer.site() == GOOD, computer.report())
     for name, file, text, word in (("a wrong key", "site.toml", '[farm]\nheds = ["a"]\n', "heds"), ("no TOML", "site.toml", "\0\1\2", "site.toml"),
                                    ("a wrong wall", "installation.toml", "[wall]\nshape = 'torus'\n", "installation.toml"),
-                                   ("a wrong camera", "tracker.toml", "[camera]\nkind = 'film'\n", "film")):
+                                   ("a wrong camera", "tracker.toml", "[camera]\nkind = 'film'\n", "film"),
+                                   ("a wrong turn-plate", "calibrator.toml", "turnplate = 'lazy-susan'\n", "lazy-susan")):
         wrong = folder / "wrong"
         shutil.copytree(given, wrong)
         (wrong / file).write_text(text)

@@ -68,7 +68,8 @@ Display::Display(DisplayOptions options, const Clock& clock)
       reporter_(&inspection_, names_of(options_.installation.projectors)),
       mailbox_(options_.installation.projectors.size()),
       patterns_(modes_of(options_.installation.projectors), &mailbox_.patterns, options_.patterns_idle),
-      tour_clock_(options_.system_clock) {}
+      tour_clock_(options_.system_clock),
+      hours_(options_.hours, options_.hours_override) {}
 
 Display::~Display() { patterns_.stop(); }
 
@@ -277,9 +278,8 @@ void Display::serve(TimePoint deadline) {
 /// What should be follows from the time alone: whenever the process started, and whatever the clock did. A wall is
 /// measured when the museum is closed.
 void Display::keep_hours() {
-  is_awake_ =
-      patterns_.is_open() ||
-      options_.hours.is_open(wall_time(std::chrono::time_point_cast<WallTime::duration>(options_.system_clock())));
+  const auto now = wall_time(std::chrono::time_point_cast<WallTime::duration>(options_.system_clock()));
+  is_awake_ = patterns_.is_open() || hours_.is_open(now);
   inspection_.set_gauge("awake", is_awake_ ? 1.0 : 0.0);
 }
 

@@ -18,7 +18,7 @@
 #include "appliance/display/show_stream.h"
 #include "appliance/display/shown_service.h"
 #include "appliance/display/tour_clock.h"
-#include "common/opening/opening_hours.h"
+#include "common/opening/hours_override.h"
 #include "common/room/installation.h"
 #include "common/wire/channel.h"
 #include "common/wire/inspection_service.h"
@@ -38,7 +38,8 @@ struct DisplayOptions {
   std::filesystem::path calibration;                  ///< Its folder; empty: the heads draw as the installation says.
   std::filesystem::path attract_picture;              ///< PNG or JPEG; empty: an evening sky.
   AttractTimes attract_times;
-  OpeningHours hours;  ///< The heads are dark outside of them.
+  OpeningHours hours;                    ///< The heads are dark outside of them.
+  std::filesystem::path hours_override;  ///< What the operator said for once; empty: nothing.
   SystemClock system_clock = std::chrono::system_clock::now;
   std::function<void()> on_start_step;                  ///< While the output opens: it came further. May be null.
   std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: told of every refresh, on main; may be null.
@@ -105,6 +106,7 @@ class Display : private FrameSink {
   std::unique_ptr<ShownHistory> history_;  // Made in prepare(), before anybody may ask.
   std::unique_ptr<ShownService> showing_;
   TourClock tour_clock_;
+  OverriddenHours hours_;
   std::shared_ptr<grpc::Channel> channel_;
   wire::DisplayHello hello_;
 

@@ -38,6 +38,8 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option("--installation", options->installation, "The room: wall, sweet spot and projectors (TOML)")
       ->required();
   app->add_option("--config", options->config, "The museum's site.toml: [display], [hours]");
+  app->add_option("--hours-override", display.hours_override,
+                  "Where the operator page keeps what was said of [hours] for once");
   app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7403")->required();
   app->add_option("--listen", display.listen,
                   "HOST:PORT for inspection and a calibration's patterns; port 0 takes a free one")

@@ -39,6 +39,8 @@ class OpeningHours {
   /// hour that they name, that hour is the jump; where an hour comes twice, they begin with the first and end with the
   /// second. True while the clock stands before 2026 (wall_clock.h): a museum whose clock is broken is not dark.
   [[nodiscard]] bool is_open(WallTime now) const;
+  /// By which the hours count; this computer's where there are none.
+  [[nodiscard]] absl::TimeZone zone() const { return is_always_ ? absl::LocalTimeZone() : zone_; }
 
  private:
   /// Minutes from a day's beginning; the end may lie in the next day.

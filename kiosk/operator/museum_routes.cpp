@@ -38,7 +38,10 @@ std::string dumped(const Json& json) { return json.dump(1, ' ', false, Json::err
 
 Json schedule_json(const MuseumState& museum, std::chrono::system_clock::time_point now) {
   const Schedule schedule = schedule_of(museum, now);
-  return {{"open", schedule.is_open}, {"lines", schedule.lines}, {"problem", schedule.problem}};
+  Json json{{"open", schedule.is_open}, {"lines", schedule.lines}, {"problem", schedule.problem},
+            {"zone", schedule.zone},    {"override", nullptr},     {"override_problem", schedule.override_problem}};
+  if (schedule.override) json["override"] = {{"open", schedule.override->is_open}, {"until", schedule.until}};
+  return json;
 }
 
 std::string museum_json(const MuseumDesk& desk) {
@@ -147,6 +150,16 @@ void serve_support(httplib::Server& server, MuseumDesk* desk) {
   });
 }
 
+void serve_hours(httplib::Server& server, MuseumDesk* desk) {
+  server.Post("/hours", [desk](const httplib::Request& request, httplib::Response& response) {
+    const auto wish = parse_hours_wish(request.body);
+    if (!wish) return answer_error(wish.error(), response);
+    const Status set = set_hours(desk->support.museum, *wish, std::chrono::system_clock::now());
+    if (!set) return answer_error(set.error(), response);
+    response.status = 204;
+  });
+}
+
 void serve_wishes(httplib::Server& server, MuseumDesk* desk) {
   server.Post("/wish", [desk](const httplib::Request& request, httplib::Response& response) {
     const Json json = Json::parse(request.body, nullptr, false);
@@ -167,6 +180,18 @@ void serve_wishes(httplib::Server& server, MuseumDesk* desk) {
 
 }  // namespace
 
+Result<HoursWish> parse_hours_wish(const std::string& body) {
+  const Json json = Json::parse(body, nullptr, false);
+  const auto text = [&](const char* key) {
+    return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
+  };
+  const std::string kind = text("do");
+  if (kind == "open") return HoursWish{HoursWish::Kind::kOpen, text("until")};
+  if (kind == "closed") return HoursWish{HoursWish::Kind::kClosed};
+  if (kind == "settings") return HoursWish{HoursWish::Kind::kSettings};
+  return Error(ErrorCode::kBadData, "'do' must be open, with 'until', or closed or settings");
+}
+
 void serve_museum(httplib::Server& server, MuseumDesk* desk) {
   server.Get("/museum", [desk](const httplib::Request&, httplib::Response& response) {
     response.set_content(museum_json(*desk), kJsonType);
@@ -174,6 +199,7 @@ void serve_museum(httplib::Server& server, MuseumDesk* desk) {
   serve_calibration(server, desk);
   serve_healing(server, desk);
   serve_support(server, desk);
+  serve_hours(server, desk);
   serve_wishes(server, desk);
 }
 

@@ -25,8 +25,32 @@ Schedule schedule_of(const MuseumState& museum, std::chrono::system_clock::time_
   }
   for (const std::string& line : config->root().table("hours").texts("open", std::vector<std::string>{}))
     schedule.lines.push_back(printable(line, 100));
-  schedule.is_open = hours->is_open(wall_time(now));
+  schedule.zone = hours->zone().name();
+  const auto override = read_hours_override(museum.hours_override());
+  if (!override) schedule.override_problem = printable(override.error().message(), 300);
+  if (override && *override && (*override)->holds(now)) {
+    schedule.override = *override;
+    const absl::Time until = absl::FromChrono((*override)->until);
+    const bool is_today =
+        absl::ToCivilDay(until, hours->zone()) == absl::ToCivilDay(absl::FromChrono(now), hours->zone());
+    schedule.until = absl::FormatTime(is_today ? "%H:%M" : "%a %e %b %H:%M", until, hours->zone());
+  }
+  schedule.is_open = is_open(*hours, schedule.override, wall_time(now));
   return schedule;
+}
+
+Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime now) {
+  std::error_code failed;
+  if (wish.kind == HoursWish::Kind::kSettings) {
+    std::filesystem::remove(museum.hours_override(), failed);
+    if (failed) return Error(ErrorCode::kSystem, "taking back what was said of the hours: " + failed.message());
+    return Done{};
+  }
+  TRY_ASSIGN(const OpeningHours hours, read_opening_hours(museum.site()));
+  TRY_ASSIGN(const HoursOverride override,
+             wish.kind == HoursWish::Kind::kOpen ? open_until(hours, wish.until, now) : closed_for_today(hours, now));
+  std::filesystem::create_directory(museum.hours_override().parent_path(), failed);  // Writing tells what is wrong.
+  return write_file_atomically(museum.hours_override(), std::string_view(to_text(override)));
 }
 
 std::vector<std::string> farm_of(const MuseumState& museum) {

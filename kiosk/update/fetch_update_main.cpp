@@ -39,7 +39,8 @@ void add_options(CLI::App& app, Options* options) {
       ->capture_default_str();
   app.add_option("--release", options->release, "Where IMAGE_ID and IMAGE_VERSION stand")->capture_default_str();
   app.add_option("--key", options->key, "The public half of the key that signs versions")->capture_default_str();
-  app.add_option("--state", options->state, "Where update.json is: what came of the version before")
+  app.add_option("--state", options->state,
+                 "Where update.json is: what came of the version before; and what was said of [hours] for once")
       ->capture_default_str();
   app.add_option("--folder", options->folder, "Versions come together in its folder 'offer'; 'result' says what came")
       ->capture_default_str();
@@ -98,7 +99,10 @@ Result<FetchOutcome> look(const Options& options, const TourSettings& tour, cons
 
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const UpdateSettings settings, read_update_settings(options.config));
-  const auto is_night = [&] { return settings.is_night(wall_time(std::chrono::system_clock::now())); };
+  const auto is_night = [&] {
+    const auto override = read_hours_override(std::filesystem::path(options.state) / kHoursOverrideFile);
+    return settings.is_night(wall_time(std::chrono::system_clock::now()), override ? *override : std::nullopt);
+  };
   if (options.only_is_night) {
     return is_night() ? Status(Done{}) : Error(ErrorCode::kUnavailable, "it is not the time for updates");
   }

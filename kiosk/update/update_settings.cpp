@@ -40,8 +40,11 @@ Result<UpdateSettings> settings_of(Config config) {
 
 }  // namespace
 
-bool UpdateSettings::is_night(WallTime now) const {
-  return now >= kEarliest && night.is_open(now) && !(has_opening_hours && opening.is_open(now));
+bool UpdateSettings::is_night(WallTime now, const std::optional<HoursOverride>& override) const {
+  // A museum without [hours] is always open, and has its nights all the same, but for one in which it was kept open.
+  const bool is_overridden = override && override->holds(now);
+  const bool is_open = is_overridden ? override->is_open : has_opening_hours && opening.is_open(now);
+  return now >= kEarliest && night.is_open(now) && !is_open;
 }
 
 Result<UpdateSettings> read_update_settings(const std::filesystem::path& site) {

@@ -7,10 +7,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string_view>
 
 #include "common/base/result.h"
-#include "common/opening/opening_hours.h"
+#include "common/opening/hours_override.h"
 
 namespace cyclorama {
 
@@ -21,8 +22,9 @@ struct UpdateSettings {
   OpeningHours opening{};
   OpeningHours night{};
 
-  /// Within the hours, outside of the opening hours, and by a clock that was set.
-  [[nodiscard]] bool is_night(WallTime now) const;
+  /// Within the hours, outside of the opening hours (of what was said for once, while it holds), and by a clock that
+  /// was set.
+  [[nodiscard]] bool is_night(WallTime now, const std::optional<HoursOverride>& override = std::nullopt) const;
 };
 
 /// Other tables are left to other programs. Errors of Config::read() and Config::finish().

@@ -129,6 +129,24 @@ def check_doctor(build, folder, state):
         assert "its program does not run" in network.stdout, network.stdout
 
 
+def check_hours(build, state):
+    """What is said for once, by the command line: told, kept, taken back."""
+    hours = [build / "bin/cyclorama", "hours", "--museum", state]
+    told = run(*hours)
+    assert told.returncode == 0 and told.stdout.startswith("Open now.") and "always open" in told.stdout, told
+    closed = run(*hours, "closed")
+    assert closed.returncode == 0 and "Closed now until" in closed.stdout, closed
+    assert (state / "hours/override").read_text().startswith("closed from "), closed
+    assert "Closed now until" in run(*hours).stdout, "another process does not know it"
+    for wrong, words in ((("open",), "say until when"), (("open", "25:00"), "such as 22:00"), (("closed", "22:00"), "with 'open' alone")):
+        refused = run(*hours, *wrong)
+        assert refused.returncode == 1 and words in refused.stderr, refused
+    assert run(*hours, "settings").stdout.startswith("Open now.")
+    (state / "hours/override").write_text("open for ever\n")
+    broken = run(*hours)
+    assert broken.returncode == 0 and "damaged" in broken.stdout, broken
+
+
 def check_projectors(source, build, folder):
     """Where none has a network address there is nothing to keep, and nothing wrong; to switch none is a mistake."""
     site = folder / "hours.toml"
@@ -151,6 +169,7 @@ def main(source, build):
         state = check_provisioning(source, build, folder)
         check_calibrator(source, build, folder, state)
         check_doctor(build, folder, state)
+        check_hours(build, state)
         check_projectors(source, build, folder)
     print("care: ok")
     return 0

@@ -198,6 +198,26 @@ def check_page(browser, museum, pictures, name, size):
     assert not small, f"too small for a finger: {small}"
 
 
+def check_hours(browser, museum, pictures, name):
+    """What is said for once: closed asks twice, open takes its place, and a button takes it back."""
+    browser.run("document.getElementById('hours').scrollIntoView({block: 'center'})")
+    browser.click("#hours-closed")
+    browser.click("#hours-closed")
+    wait_until(lambda: "Closed until" in browser.text("#hours-state"), 30, "the museum that closes")
+    assert (museum.state / "hours/override").read_text().startswith("closed from "), "it is not kept"
+    browser.run("document.getElementById('hours').scrollIntoView({block: 'center'})")
+    browser.picture(pictures / f"hours-{name}.png", whole=False)
+    soon = time.strftime("%H:%M", time.localtime(time.time() + 7200))
+    browser.run("document.getElementById('hours-until').value = arguments[0]", soon)
+    browser.click("#hours-open")
+    wait_until(lambda: "Open until" in browser.text("#hours-state"), 30, "the museum that stays open")
+    (museum.state / "hours/override").write_text("open for ever\n")
+    wait_until(lambda: "damaged" in browser.text("#hours-problem"), 30, "a word on the broken file")
+    browser.click("#hours-settings")
+    wait_until(lambda: "of the settings again" in browser.text("#care-note"), 30, "the hours of the settings")
+    assert not (museum.state / "hours/override").exists()
+
+
 def check_work(browser, museum, pictures, name):
     browser.run("document.getElementById('healing-card').scrollIntoView({block: 'center'})")
     browser.picture(pictures / f"healing-{name}.png", whole=False)
@@ -262,6 +282,7 @@ def main(source, build):
                 browser = Browser(home, size, kind == "phone")
                 try:
                     check_page(browser, museum, pictures, kind, size)
+                    check_hours(browser, museum, pictures, kind)
                     check_work(browser, museum, pictures, kind)
                     assert not browser.mistakes(), browser.mistakes()
                 except Exception:

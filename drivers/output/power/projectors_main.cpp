@@ -7,7 +7,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/file.h"
-#include "common/opening/opening_hours.h"
+#include "common/opening/hours_override.h"
 #include "common/opening/wall_clock.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"
@@ -31,6 +31,7 @@ struct Options {
   double within_s = 240.0;
   std::string installation;
   std::string config;
+  std::string hours_override;
 };
 
 struct NamedProjector {
@@ -118,7 +119,8 @@ void look_after(bool should_be_on, Kept* kept) {
 Status keep_hours(const Options& options, const std::vector<NamedProjector>& projectors, const StopSignal& stop) {
   if (options.config.empty())
     return Error(ErrorCode::kInvalidArgument, "keep needs --config, the museum's site.toml with its [hours]");
-  TRY_ASSIGN(const OpeningHours hours, read_opening_hours(std::filesystem::path(options.config)));
+  TRY_ASSIGN(OpeningHours settings, read_opening_hours(std::filesystem::path(options.config)));
+  OverriddenHours hours(std::move(settings), options.hours_override);
   if (projectors.empty()) log(LogLevel::kNotice, "no projector has pjlink = \"HOST\": none is switched");
   std::vector<Kept> all;
   for (const NamedProjector& projector : projectors) all.push_back({projector, {}, {}});
@@ -173,6 +175,8 @@ int main(int argc, char** argv) {
   program.options().add_option("--installation", options.installation,
                                "The room (TOML): its projectors that have pjlink = \"HOST\"");
   program.options().add_option("--config", options.config, "With keep: the museum's site.toml: [hours]");
+  program.options().add_option("--hours-override", options.hours_override,
+                               "With keep: where the operator page keeps what was said of [hours] for once");
   program.options().add_option("--password-file", options.password_file,
                                "A file that holds the password of those named here");
   program.options()

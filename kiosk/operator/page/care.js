@@ -36,15 +36,17 @@ function press(id, work) {
 function pressTwice(id, question, work) {
   const words = byId(id).textContent;
   let sureUntil = 0;
+  const calm = (button) => { button.textContent = words; button.classList.remove("sure"); };
   press(id, async (button) => {
     if (Date.now() > sureUntil) {
       sureUntil = Date.now() + 6000;
       button.textContent = question;
       button.classList.add("sure");
-      setTimeout(() => { button.textContent = words; button.classList.remove("sure"); }, 6000);
+      setTimeout(calm, 6000, button);
       return;
     }
     sureUntil = 0;
+    calm(button);
     await work();
   });
 }
@@ -147,9 +149,31 @@ function showHours(schedule) {
   const state = byId("hours-state");
   if (schedule === null) state.textContent = "This computer has no settings of a museum.";
   else if (schedule.problem) state.textContent = schedule.problem;
-  else state.textContent = (schedule.open ? "Open now." : "Closed now: the projectors are off.") + (schedule.lines.length ? "" : " Always open.");
+  else if (schedule.override) {
+    state.textContent = schedule.override.open ? `Open until ${schedule.override.until}, for this once. Then as the settings say.`
+      : `Closed until ${schedule.override.until}, for this once: the projectors are off. Then as the settings say.`;
+  } else state.textContent = (schedule.open ? "Open now." : "Closed now: the projectors are off.") + (schedule.lines.length ? "" : " Always open.");
+  const problem = schedule ? schedule.override_problem : "";
+  byId("hours-problem").hidden = !problem;
+  byId("hours-problem").textContent = `As the settings say: ${problem}.`;
+  byId("hours-buttons").hidden = schedule === null || Boolean(schedule.problem);
+  byId("hours-settings").hidden = !(schedule && (schedule.override || problem));
+  byId("hours-until").title = schedule ? `By the clocks of ${schedule.zone}` : "";
   byId("hours").replaceChildren(...(schedule ? schedule.lines : []).map((line) => make("li", line)));
 }
+
+press("hours-open", async () => {
+  await ask("/hours", { do: "open", until: byId("hours-until").value });
+  say("The museum is open until then, whatever the settings say; after that as they say.");
+});
+pressTwice("hours-closed", "Really close now?", async () => {
+  await ask("/hours", { do: "closed" });
+  say("The museum is closed until it opens on another day. “As the settings say” takes that back.");
+});
+press("hours-settings", async () => {
+  await ask("/hours", { do: "settings" });
+  say("The hours are those of the settings again.");
+});
 
 function showSoftware(update, page) {
   const words = { current: "It is the newest.", checking: "Looks for a newer one.", loading: "A newer one is being fetched.",

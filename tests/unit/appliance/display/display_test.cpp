@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "common/base/file.h"
 #include "drivers/output/shared_picture.h"
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/fake_tour.h"
@@ -39,6 +40,7 @@ class Displaying : public ::testing::Test {
     options.width_px = 512;
     options.refresh_hz = 60.0;
     options.hours = hours_;
+    options.hours_override = run_dir_ / "hours-override";
     options.system_clock = [this] { return std::chrono::system_clock::now() + system_ahead_.load(); };
     auto display = Display::start(std::move(options), clock_);
     ASSERT_TRUE(display) << display.error().message();
@@ -348,6 +350,14 @@ TEST_F(Displaying, is_dark_outside_of_opening_hours_and_shows_the_newest_frame_a
     EXPECT_TRUE(wait_for_colour({0, 0, 0}));
     EXPECT_TRUE(says("Sleeps"));
   }
+  // Somebody keeps it open for once, and it ends by itself.
+  const WallTime evening = midnight + std::chrono::hours(24 * 7 * 2 + 19);
+  const HoursOverride open{true, evening - std::chrono::hours(1), evening + std::chrono::hours(1)};
+  set_system_clock(evening);
+  EXPECT_TRUE(write_file_atomically(run_dir_ / "hours-override", std::string_view(to_text(open))));
+  EXPECT_TRUE(wait_for_colour({200, 40, 40}));
+  set_system_clock(open.until);
+  EXPECT_TRUE(says("Sleeps"));
 }
 
 TEST(Display, refuses_options_that_cannot_work) {

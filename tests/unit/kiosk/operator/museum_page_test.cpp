@@ -241,6 +241,39 @@ TEST(MuseumPage, calibrates_tests_the_network_and_passes_wishes_on) {
   EXPECT_EQ(page.post("/wish", R"({"wish": "../update"})"), 400);
 }
 
+TEST(MuseumPage, keeps_open_or_closed_for_once_and_takes_that_back) {
+  Page page;
+  page.enter();
+  const auto schedule = [&] { return Json::parse(page.client->Get("/museum", page.cookie)->body)["schedule"]; };
+  const fs::path file = page.stick.root() / "hours/override";
+  EXPECT_TRUE(schedule()["override"].is_null());
+  EXPECT_EQ(page.post("/hours", R"({"do": "closed"})"), 204);
+  EXPECT_EQ(schedule()["override"]["open"], false);
+  EXPECT_EQ(schedule()["open"], false);
+  EXPECT_THAT(schedule()["override"]["until"], HasSubstr("10:00")) << "its next opening";
+  const WallTime now = std::chrono::system_clock::now();
+  // In an hour, by the museum's clocks.
+  const auto hours = read_opening_hours(MuseumState{page.stick.root()}.site());
+  ASSERT_TRUE(hours);
+  const std::string until = absl::FormatTime("%H:%M", absl::FromChrono(now + std::chrono::hours(1)), hours->zone());
+  EXPECT_EQ(page.post("/hours", (R"({"do": "open", "until": ")" + until + "\"}").c_str()), 204);
+  EXPECT_EQ(schedule()["open"], true);
+  EXPECT_THAT(schedule()["override"]["until"], HasSubstr(until));
+  for (const char* const bad : {"", "{}", "[]", R"({"do": "dance"})", R"({"do": "open"})", R"({"do": 1})",
+                                R"({"do": "open", "until": "25:00"})", R"({"do": "open", "until": 22})"}) {
+    EXPECT_EQ(page.post("/hours", bad), 400) << bad;
+  }
+  EXPECT_EQ(schedule()["open"], true) << "what is refused changes nothing";
+  EXPECT_EQ(page.post("/hours", R"({"do": "settings"})"), 204);
+  EXPECT_FALSE(fs::exists(file));
+  EXPECT_TRUE(schedule()["override"].is_null());
+  EXPECT_EQ(page.post("/hours", R"({"do": "settings"})"), 204) << "twice";
+  EXPECT_TRUE(write_file_atomically(file, std::string_view("for ever\n")));
+  EXPECT_THAT(schedule()["override_problem"], HasSubstr("damaged"));
+  EXPECT_EQ(schedule()["open"], hours->is_open(now));
+  EXPECT_EQ(page.client->Post("/hours", R"({"do": "closed"})", "application/json")->status, 401);
+}
+
 TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
   Page page;
   page.stick.write("beamer-password", "open-sesame-9\n");

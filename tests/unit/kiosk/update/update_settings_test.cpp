@@ -44,6 +44,18 @@ TEST(UpdateSettings, of_a_museum_that_is_always_open_count_by_the_night_alone) {
   EXPECT_TRUE(always.is_night(at(12)));
 }
 
+TEST(UpdateSettings, wait_for_who_keeps_the_museum_open_for_once) {
+  for (const std::string& hours : {std::string(kZurich), std::string()}) {
+    const UpdateSettings usual = settings(hours);
+    const HoursOverride open{true, at(3), at(4)};
+    EXPECT_FALSE(usual.is_night(at(3, 59), open));
+    EXPECT_TRUE(usual.is_night(at(4), open)) << "it has ended";
+  }
+  const HoursOverride closed{false, at(1), at(10)};
+  EXPECT_TRUE(settings(kZurich).is_night(at(2, 30), closed)) << "closed, though the settings say until three";
+  EXPECT_FALSE(settings(kZurich).is_night(at(5), closed));
+}
+
 TEST(UpdateSettings, do_nothing_by_a_clock_that_was_never_set) {
   EXPECT_FALSE(settings("[update]\nhours = \"00:00-24:00\"\n").is_night(WallTime{}));
 }

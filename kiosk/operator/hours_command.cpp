@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kiosk/operator/hours_command.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "kiosk/operator/museum_state.h"
+
+namespace cyclorama {
+namespace {
+
+std::string text_of(const Schedule& schedule) {
+  std::string text = schedule.is_open ? "Open now" : "Closed now";
+  if (schedule.override) {
+    text +=
+        fmt::format(" until {} ({}), as was said for once; then as the settings say", schedule.until, schedule.zone);
+  }
+  text += ".\n";
+  if (!schedule.override_problem.empty()) text += fmt::format("As the settings say: {}.\n", schedule.override_problem);
+  for (const std::string& line : schedule.lines) text += "  " + line + "\n";
+  if (schedule.lines.empty()) text += "  The settings say: always open.\n";
+  return text;
+}
+
+}  // namespace
+
+void HoursCommand::add_to(CLI::App* app) {
+  CLI::App& command = *app->add_subcommand(
+      "hours", "Whether the museum is open; or open it until a time, or close it for today, for this once");
+  command
+      .add_option("WISH", wish,
+                  "open TIME: until then; closed: until it opens on a later day; settings: as they say; none: only "
+                  "tell")
+      ->check(CLI::IsMember({"open", "closed", "settings"}));
+  command.add_option("TIME", until, "Such as 22:00, by the museum's time zone");
+  command.add_option("--museum", museum, "The museum's state folder")->capture_default_str();
+}
+
+Status HoursCommand::run(std::chrono::system_clock::time_point now) const {
+  const MuseumState state{museum};
+  if ((wish == "open") == until.empty()) {
+    return Error(ErrorCode::kInvalidArgument,
+                 wish == "open" ? "say until when: cyclorama hours open 22:00" : "a time goes with 'open' alone");
+  }
+  if (wish == "open") TRY(set_hours(state, {HoursWish::Kind::kOpen, until}, now));
+  if (wish == "closed") TRY(set_hours(state, {HoursWish::Kind::kClosed}, now));
+  if (wish == "settings") TRY(set_hours(state, {HoursWish::Kind::kSettings}, now));
+  const Schedule schedule = schedule_of(state, now);
+  if (!schedule.problem.empty()) return Error(ErrorCode::kUnavailable, schedule.problem);
+  std::fputs(text_of(schedule).c_str(), stdout);
+  return Done{};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What stands in the file of an operator's word on the hours: refused, or the same after a round trip, and it ends.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "common/opening/hours_override.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace cyclorama;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto parsed = parse_hours_override(text);
+  if (parsed) {
+    if (to_text(*parsed) != text || parsed->until - parsed->set_at > kLongestOverride) std::abort();
+    if (parsed->holds(parsed->until) || parsed->holds(parsed->set_at - std::chrono::seconds(1))) std::abort();
+  }
+  // As somebody writes it into the page.
+  const WallTime now{std::chrono::seconds(1795500000)};
+  const auto until = open_until(OpeningHours(), text, now);
+  if (until && (until->until <= now || parse_hours_override(to_text(*until)) != until)) std::abort();
+  return 0;
+}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// The V4L2 camera on a USB camera, for tests/image/usb_camera_guest_test.py: the first process of a virtual machine,
+// whose kernel drives the emulated camera (tests/image/usb_camera.py) by its own uvcvideo. Says "usb: ..." of each
+// picture that is another than the one before, with the fingerprint that usb_camera.py's fingerprint() makes; when it
+// is unplugged, and when it is there again. Then it becomes cyclorama-tracker with that camera.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <span>
+#include <thread>
+
+#include "drivers/camera/make_camera.h"
+#include "tests/tools/first_process.h"
+
+namespace cyclorama {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr int kPlugged = 2;  ///< So many times; the host unplugs it after what it sent was seen.
+
+void say(const std::string& line) {
+  fmt::print("usb: {}\n", line);
+  std::fflush(stdout);
+}
+
+/// FNV-1a, 64 bits.
+std::uint64_t fingerprint(std::span<const std::uint8_t> bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3U;
+  return hash;
+}
+
+/// Until it is unplugged.
+Status look(Camera* camera, const Clock& clock) {
+  TRY(camera->start());
+  std::uint64_t shown = 0;
+  int same = 0;
+  for (;;) {
+    const auto frame = camera->next_frame(clock.now() + seconds(5));
+    if (!frame && frame.error().code() == ErrorCode::kTimedOut) continue;
+    if (!frame) {
+      say("gone: " + frame.error().message());
+      return Done{};
+    }
+    const std::uint64_t now = fingerprint((*frame)->pixels.data());
+    same = now == shown ? same + 1 : 0;
+    shown = now;
+    // Once when it changes, once when it has stayed.
+    if (same != 0 && same != 10) continue;
+    say(fmt::format("picture {:016x} {}x{}, {} the same before it, exposure {:.1f} ms", now, (*frame)->pixels.width(),
+                    (*frame)->pixels.height(), same, to_milliseconds((*frame)->exposure)));
+  }
+}
+
+Status run(const Clock& clock) {
+  std::string spec;
+  for (int i = 0; i < kPlugged; ++i) {
+    say("waits for a camera");
+    std::vector<ListedCamera> cameras;
+    while ((cameras = list_cameras()).empty()) std::this_thread::sleep_for(milliseconds(200));
+    spec = cameras.front().spec;
+    say(fmt::format("listed {} ({}), sends {}{}", spec, cameras.front().name, cameras.front().sends,
+                    cameras.front().problem));
+    TRY_ASSIGN(const std::unique_ptr<Camera> camera, make_camera(spec, clock));
+    TRY(look(camera.get(), clock));
+  }
+  say("tracker starts");
+  std::array<std::string, 4> words{"/bin/cyclorama-tracker", "--camera", spec, "--listen=unix:/tmp/tracker"};
+  std::array<char*, 5> arguments{words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
+  ::execv(arguments[0], arguments.data());
+  return Error::from_errno(words[0]);
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main() {
+  using namespace cyclorama;
+  become_first_process([](const std::string&) { return ""; });
+  const Status ended = run(SteadyClock());
+  say("failed: " + ended.error().message());
+  return 1;
+}

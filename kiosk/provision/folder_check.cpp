@@ -16,6 +16,9 @@ namespace fs = std::filesystem;
 
 namespace {
 constexpr std::size_t kLargestText = 1 << 20;
+/// Only a program that hangs needs so long. A computer that is busy with the show is slow, and settings are not wrong
+/// for that.
+constexpr ChildLimits kCheckLimits{std::chrono::minutes(5)};
 }  // namespace
 
 bool FolderCheck::has(const std::string& name) const {
@@ -84,7 +87,7 @@ void FolderCheck::ask(std::vector<std::string> command) {
   if (how_.programs.empty() || !verdict_.problems.empty()) return;
   const std::string name = command.front();
   command.front() = (how_.programs / name).string();
-  const auto end = run_child(command);
+  const auto end = run_child(command, kCheckLimits);
   if (!end) return problem(end.error().message());
   if (end->exit_code == 0) return;
   // Its last line says why.

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The whole mission: a farm on the host's side feeds the computer over IPv6 and TLS, the kernel's virtual camera carries a rendered
 wand, and the view on the heads turns as the wand says. Then what a museum's day brings: the camera and a head are unplugged, the disk
-is full, the farm is away. On the Debug image: the shipped one has neither the virtual camera nor somebody who could load it."""
+is full, the farm is away. On the Debug image: the shipped one has neither the virtual camera nor somebody who could load it; there it
+is appliance_mission.py's, with a USB camera."""
+import functools
 import pathlib
 import subprocess
 import time
@@ -26,15 +28,22 @@ MOST_MOVED_AT_REST_PX = 8  # In all of them: rays' noise misleads by a pixel or 
 LEAST_OTHERWISE = 2.0  # Code values, mean. The grotto is as dark as the evening sky of the attract picture: 3 to 6 from it, whose own tolerance is 1.5.
 
 
+def wand_pictures(programs, folder):
+    """{wand: grey bytes of 640x480}, rendered."""
+    folder.mkdir(parents=True, exist_ok=True)
+    pictures = {}
+    for name, (yaw_deg, distance_m) in WANDS.items():
+        picture = folder / f"{name}.grey"
+        subprocess.run([str(programs / "test-wand"), str(picture), str(yaw_deg), str(distance_m)], check=True)
+        pictures[name] = picture.read_bytes()
+    return pictures
+
+
 def wand_disk(programs, folder):
     """QEMU's options for a disk with one camera picture after the other."""
-    folder.mkdir(parents=True, exist_ok=True)
     file = folder / "wand.img"
-    with open(file, "wb") as disk:
-        for name, (yaw_deg, distance_m) in WANDS.items():
-            picture = folder / f"{name}.grey"
-            subprocess.run([str(programs / "test-wand"), str(picture), str(yaw_deg), str(distance_m)], check=True)
-            disk.write(picture.read_bytes())
+    pictures = wand_pictures(programs, folder)
+    file.write_bytes(b"".join(pictures.values()))
     return ["-drive", f"if=none,id=wand,format=raw,readonly=on,file={file}", "-device", "virtio-blk-pci,drive=wand,serial=wand"]
 
 
@@ -108,23 +117,24 @@ def is_attracting(machine, reference):
     return all(is_as(shown, wanted) for shown, wanted in zip(machine.heads(), reference))
 
 
-def stick_of_farm(folder, farm):
-    """A museum's stick for this farm, its camera and its small projectors."""
+def stick_of_farm(folder, farm, **others):
+    """A museum's stick for this farm, its camera and its small projectors; `others` are files by name, as operator="..." for
+    operator.toml, also in place of these."""
     installation = (ROOT / "demo/installation.toml").read_text().replace(f"width_px = {WIDTH}", f"width_px = {SMALL[0]}")
     installation = installation.replace(f"height_px = {HEIGHT}", f"height_px = {SMALL[1]}")
-    texts = {"site.toml": farm.site(), "tracker.toml": TRACKER, "installation.toml": installation}
+    texts = {"site": farm.site(), "tracker": TRACKER, "installation": installation} | others
     contents = dict(farm.on_stick())
     for name, text in texts.items():
-        (folder / name).write_text(text)
-        contents[f"cyclorama/{name}"] = folder / name
+        (folder / f"{name}.toml").write_text(text)
+        contents[f"cyclorama/{name}.toml"] = folder / f"{name}.toml"
     image = folder / "farm.img"
     stick(image, 40, contents)
     return image
 
 
-def look_how_it_turns(machine, wand, folder):
-    """[pixels that the middle head's picture moved to the right] from one picture to the next."""
-    show_wand(machine, wand)
+def look_how_it_turns(machine, show, wand, folder):
+    """[pixels that the middle head's picture moved to the right] from one picture to the next, of what show(wand) brings."""
+    show(wand)
     # What was begun goes to its end first.
     time.sleep(SETTLES_S if wand == "rest" else 0)
     seen = [machine.picture(1)]
@@ -138,15 +148,15 @@ def look_how_it_turns(machine, wand, folder):
     return [moved_px(one, other) for one, other in zip(seen, seen[1:])]
 
 
-def check_steering(machine, options, figures):
+def check_steering(machine, show, options, figures):
     figures["steering"] = []
     total = {"rest": [], "right": [], "left": []}
     for number, wand in enumerate(("rest", "right", "rest", "left", "rest")):
-        moved = look_how_it_turns(machine, wand, options.pictures)
+        moved = look_how_it_turns(machine, show, wand, options.pictures)
         total[wand].append(sum(moved))
         figures["steering"].append({"wand": wand, "moved_px": moved})
         print(figures["steering"][-1], flush=True)
-        keep_pictures(machine, options, f"farm-{number}-{wand}")
+        keep_pictures(machine, options, f"{options.part}-{number}-{wand}")
     if any(abs(moved) > MOST_MOVED_AT_REST_PX for moved in total["rest"]):
         figures["failed"].append(f"the view moves while the wand rests: {total}")
     # Who turns right sees the wall's picture go left.
@@ -163,12 +173,12 @@ def keep_pictures(machine, options, name):
             save_png(picture, options.pictures / f"{name}-head{head}.png")
 
 
-def check_farm_away(machine, farm, reference, figures):
+def check_farm_away(machine, show, farm, reference, figures):
     """A picture that is still right stays; the visitor turns, and what there is to see does not come."""
     farm.stop()
-    show_wand(machine, "right")
+    show("right")
     figures["farm_away_attract_s"] = wait_for(lambda: is_attracting(machine, reference), SHOWS_WITHIN_S)
-    show_wand(machine, "rest")
+    show("rest")
     farm.start()
     figures["farm_back_live_s"] = wait_for(lambda: is_live(machine, reference), SHOWS_WITHIN_S)
     for what in ("farm_away_attract_s", "farm_back_live_s"):
@@ -233,9 +243,10 @@ def check(machine, options, folder, figures):
     """On a computer that runs and has three heads, whose QEMU has wand_disk() and a network that reaches the host."""
     farm = HostFarm(options.programs, folder / "farm")
     farm.start()
+    show = functools.partial(show_wand, machine)
     try:
         print(plug_camera(machine), flush=True)
-        show_wand(machine, "rest")
+        show("rest")
         ask_for_small_pictures(machine)
         for head in range(HEADS):
             machine.plug_in(head, *SMALL)
@@ -249,11 +260,11 @@ def check(machine, options, folder, figures):
             figures["failed"].append("no live picture on every head")
             print(machine.run("top -b -n1 -w150 | head -20; cat /var/lib/cyclorama/provisioning.json; journalctl -b -n 40 -o cat --no-pager -u 'cyclorama-*'", 120)[1])
             return
-        check_steering(machine, options, figures)
+        check_steering(machine, show, options, figures)
         check_head(machine, reference, figures)
         check_camera(machine, figures)
         check_full_disk(machine, reference, figures)
-        check_farm_away(machine, farm, reference, figures)
+        check_farm_away(machine, show, farm, reference, figures)
     finally:
         farm.stop()
         for head in range(HEADS):

@@ -16,13 +16,13 @@ import sys
 import tempfile
 import time
 
+from appliance_farm import wand_pictures
 from camera_test import TRACKER, with_dependencies
 from heads_test import cpio, fetch_kernel, needed_libraries
 from usb_camera import UsbCamera
 
 MODULES = ("xhci_pci", "uvcvideo")
 WIDTH, HEIGHT = 640, 480
-WANDS = {"rest": ("0", "1.0"), "right": ("14", "1.0")}  # Degrees, metres.
 ENDS_WITHIN_S = 600
 PROGRAM = "tests/test-usb-camera"
 
@@ -33,16 +33,6 @@ def fingerprint(data):
     for byte in data:
         value = (value ^ byte) * 0x100000001b3 & 0xffffffffffffffff
     return f"{value:016x}"
-
-
-def wand_pictures(program, folder):
-    """{wand: grey bytes}, rendered."""
-    pictures = {}
-    for name, words in WANDS.items():
-        file = folder / f"{name}.grey"
-        subprocess.run([program, file, *words], check=True)
-        pictures[name] = file.read_bytes()
-    return pictures
 
 
 class Guest:
@@ -125,7 +115,7 @@ def main(source, build, kept=None):
         camera = UsbCamera(folder / "camera", WIDTH, HEIGHT)
         guest = Guest(kernel, initrd, folder, camera)
         try:
-            check(guest, camera, wand_pictures(build / "bin/test-wand", folder))
+            check(guest, camera, wand_pictures(build / "bin", folder))
         finally:
             guest.stop()
             camera.unplug()

@@ -32,7 +32,7 @@ struct Part {
   Level unwell;  ///< How bad it is when it is not well.
   std::string_view remedy;
 };
-constexpr std::array<Part, 7> kParts{{
+constexpr std::array<Part, 8> kParts{{
     {"tour", "Tour", Level::kFault, "Run the network test: it tells whether the farm or the network is away."},
     {"display", "Display", Level::kFault,
      "See that the projectors have power and their cables are in; else start this computer again."},
@@ -40,6 +40,7 @@ constexpr std::array<Part, 7> kParts{{
     {"calibrator", "Calibrator", Level::kWarning, "A calibration can be begun again; the wall shows the last one's."},
     {"head", "Farm", Level::kFault, "Tell those who run the farm."},
     {"hand", "Hand controls", Level::kWarning, "Plug the controller in again."},
+    {"projectors", "Projectors' power", Level::kWarning, "See what is said of each projector."},
     {"simulated-room", "Simulated room", Level::kWarning, "A real wall does not need it."},
 }};
 
@@ -92,9 +93,31 @@ class List {
                  "Wait a minute: it starts again by itself. If it stays away, start this computer again; if that does "
                  "not help, download the support bundle and send it to us.");
     }
+    if (name == "projectors" && projectors(process)) return;
     if (process.is_well()) return add(id, title, Level::kOk, process.sentence, "");
     add(id, title, known == nullptr ? Level::kWarning : known->unwell, process.sentence,
         known == nullptr ? "Start this computer again." : std::string(known->remedy));
+  }
+
+  /// What cyclorama-projectors says of each; false: of none.
+  bool projectors(const Observation& process) {
+    if (!process.status) return false;
+    bool any = false;
+    for (const wire::Table& table : process.status->tables()) {
+      if (table.name() != "projectors" || table.columns_size() != 4) continue;
+      for (const wire::Row& row : table.rows()) {
+        if (row.cells_size() != 4) continue;
+        const auto text = [&](int cell) { return printable(row.cells(cell).text(), 500); };
+        const std::string level = text(1);
+        any = true;
+        add("projector-" + text(0), fmt::format("Projector '{}'", text(0)),
+            level == "fault" ? Level::kFault
+            : level == "ok"  ? Level::kOk
+                             : Level::kWarning,
+            text(2), text(3));
+      }
+    }
+    return any;
   }
 
   void heads() {
@@ -111,7 +134,8 @@ class List {
     if (count == 0) return;
     const bool sleeps = gauge_of(*display->status, "awake").value_or(1.0) == 0.0;
     if (sleeps) return add("heads", "Projectors", Level::kOk, "They are off: the museum is closed.", "");
-    if (dark.empty()) return add("heads", "Projectors", Level::kOk, fmt::format("All {} get a picture.", count), "");
+    if (dark.empty())
+      return add("heads", "Projectors", Level::kOk, fmt::format("All {} get a picture from this computer.", count), "");
     add("heads", "Projectors", Level::kFault, fmt::format("No picture goes to {}.", dark),
         "Switch that projector on, and see that its cable is in at both ends.");
   }

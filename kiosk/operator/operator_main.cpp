@@ -31,7 +31,7 @@ struct Options {
 void add_options(CLI::App& app, Options* options) {
   app.add_option("--listen", options->listen, "Address of the page")->capture_default_str();
   app.add_option("--watch", options->watches,
-                 "NAME=ADDRESS of a process: tour, display, tracker, head, simulated-room; repeat it")
+                 "NAME=ADDRESS of a process: tour, display, tracker, projectors, head, simulated-room; repeat it")
       ->allow_extra_args(false);
   app.add_option("--endpoints", options->endpoints, "A file of [[watch]] tables, each with name and address");
   app.add_option("--museum", options->museum,

@@ -30,10 +30,11 @@ struct Absence {
   std::string_view program;
   std::string_view meaning;
 };
-constexpr std::array<Absence, 5> kAbsences{{
+constexpr std::array<Absence, 6> kAbsences{{
     {"tour", "cyclorama-tour", "Nothing moves, and the wall holds its last picture."},
     {"display", "cyclorama-display", "The projectors show nothing new."},
     {"tracker", "cyclorama-tracker", "The pattern in the visitor's hand is not seen; keys still steer."},
+    {"projectors", "cyclorama-projectors", "No projector is switched on or off by the opening hours."},
     {"head", "cyclorama-farm", "No new pictures are ray traced."},
     {"simulated-room", "cyclorama-simulated-room",
      "The picture of the wall is not made; a real wall does not need it."},

@@ -11,5 +11,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   static_cast<void>(pjlink::authorise(text, "secret"));
   static_cast<void>(pjlink::parse_power(text));
+  static_cast<void>(pjlink::parse_errors(text));
   return 0;
 }

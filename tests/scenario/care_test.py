@@ -8,9 +8,11 @@ Run: care_test.py SOURCE_ROOT BUILD_FOLDER
 import json
 import pathlib
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 
@@ -23,7 +25,7 @@ class Parts:
 
     def __init__(self, build, *options):
         self.process = subprocess.Popen([build / "bin/test-parts", *options], stdout=subprocess.PIPE, text=True)
-        tour, display, tracker, _ = self.process.stdout.readline().split()
+        tour, display, tracker, *_ = self.process.stdout.readline().split()
         self.watches = ["--watch", f"tour={tour}", "--watch", f"display={display}", "--watch", f"tracker={tracker}"]
 
     def __enter__(self):
@@ -161,6 +163,41 @@ def check_projectors(source, build, folder):
     assert on.returncode != 0 and "no projector is named" in on.stderr, on.stderr
 
 
+class Projector:
+    """One that speaks PJLink: on, and its lamp at its end."""
+
+    def __init__(self):
+        self.listener = socket.create_server(("::1", 0), family=socket.AF_INET6)
+        self.port = self.listener.getsockname()[1]
+        threading.Thread(target=self.serve, daemon=True).start()
+
+    def serve(self):
+        while True:
+            client, _ = self.listener.accept()
+            with client:
+                client.sendall(b"PJLINK 0\r")
+                client.sendall(b"%1ERST=020000\r" if b"ERST" in client.recv(100) else b"%1POWR=1\r")
+
+
+def check_lamps(source, build, folder):
+    """What a projector tells of itself reaches the operator, with its remedy."""
+    site, room = folder / "lamps.toml", folder / "installation.toml"
+    site.write_text('[farm]\nheads = ["[::1]:7401"]\n')
+    text = (source / "demo/installation.toml").read_text()
+    room.write_text(text.replace("[[projector]]\n", f'[[projector]]\npjlink = "[::1]:{Projector().port}"\n', 1))
+    for mesh in (source / "demo").glob("*.obj"):
+        shutil.copy(mesh, folder)
+    with socket.create_server(("::1", 0), family=socket.AF_INET6) as free:
+        port = free.getsockname()[1]
+    keeper = subprocess.Popen([build / "bin/cyclorama-projectors", "keep", "--config", site, "--installation", room, "--listen",
+                               f"[::1]:{port}"], stderr=subprocess.PIPE, text=True)
+    assert "lamp (error)" in keeper.stderr.readline()
+    doctor = run(build / "bin/cyclorama", "doctor", "--museum", folder / "nowhere", "--watch", f"projectors=[::1]:{port}")
+    assert doctor.returncode == 1 and "It reports: lamp (error)" in doctor.stdout and "have it replaced" in doctor.stdout, doctor.stdout
+    keeper.terminate()
+    assert keeper.wait(30) == 0, keeper.returncode
+
+
 def main(source, build):
     source, build = pathlib.Path(source), pathlib.Path(build)
     with tempfile.TemporaryDirectory() as name:
@@ -171,6 +208,7 @@ def main(source, build):
         check_doctor(build, folder, state)
         check_hours(build, state)
         check_projectors(source, build, folder)
+        check_lamps(source, build, folder)
     print("care: ok")
     return 0
 

@@ -114,7 +114,7 @@ class Museum:
         for path in (stick, keep):
             path.mkdir()
         self.parts = subprocess.Popen([build / "bin/test-parts", *parts_options], stdout=subprocess.PIPE, text=True)
-        tour, display, tracker, calibrator = self.parts.stdout.readline().split()
+        tour, display, tracker, calibrator, projectors = self.parts.stdout.readline().split()
         # The tour's port stands for a farm that answers; nobody is at the other one.
         (stick / "site.toml").write_text(f'[farm]\nheads = ["{tour}", "[::1]:1"]\nmuseum = "hall-3"\n'
                                          '[hours]\nopen = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00"]\n')
@@ -126,7 +126,8 @@ class Museum:
         self.port = free_port()
         self.page = subprocess.Popen([build / "bin/cyclorama-operator", "--listen", f"[::1]:{self.port}", "--museum", self.state,
                                       "--keep", keep, "--wishes", keep, "--calibrator", calibrator, "--watch", f"tour={tour}",
-                                      "--watch", f"display={display}", "--watch", f"tracker={tracker}"],
+                                      "--watch", f"display={display}", "--watch", f"tracker={tracker}",
+                                      "--watch", f"projectors={projectors}"],
                                      stderr=subprocess.PIPE, text=True)
         while "listens on" not in (line := self.page.stderr.readline()):
             assert line, "the page did not start"
@@ -196,6 +197,13 @@ def check_page(browser, museum, pictures, name, size):
     small = browser.run("return [...document.querySelectorAll('button, a.button')].filter((b) => b.offsetParent && "
                         "b.getBoundingClientRect().height < 40).map((b) => b.id || b.innerText)")
     assert not small, f"too small for a finger: {small}"
+
+
+def check_lamps(browser, is_unwell):
+    """Every projector's, in the list; one that is off while the museum is open needs somebody."""
+    wait_until(lambda: browser.run("return document.getElementById('checks').textContent").count("Its lamp is") == 3, 30, "the lamps")
+    needs = browser.text("#needs") if is_unwell else ""
+    assert ("Projector 'right'" in needs and "remote control" in needs) == is_unwell, needs
 
 
 def check_hours(browser, museum, pictures, name):
@@ -282,6 +290,7 @@ def main(source, build):
                 browser = Browser(home, size, kind == "phone")
                 try:
                     check_page(browser, museum, pictures, kind, size)
+                    check_lamps(browser, bool(options))
                     check_hours(browser, museum, pictures, kind)
                     check_work(browser, museum, pictures, kind)
                     assert not browser.mistakes(), browser.mistakes()

@@ -37,6 +37,7 @@ struct Parts {
   FakeProcess tour{"tour"};
   FakeProcess display{"display"};
   FakeProcess tracker{"tracker"};
+  FakeProcess projectors{"projectors"};
   FakeCalibrator calibrator;
 
   explicit Parts(bool is_unwell) {
@@ -82,6 +83,7 @@ struct Parts {
         is_unwell ? "No camera is at usb-0000:00:14.0-2." : "Follows wand 0 at 30.0 pictures per second.", !is_unwell);
     tracker.inspection.set_gauge("frames_per_second", is_unwell ? 0.0 : 30.0);
     tracker.inspection.set_picture("camera", std::make_shared<const RgbImage>(vaults(640, 480, 0.4)));
+    tell_lamps(is_unwell);
     const auto jpeg = JpegEncoder().encode(vaults(640, 480, 2.0), JpegOptions{});
     CHECK(jpeg);
     calibrator.messages = told_calibration(8, {reinterpret_cast<const char*>(jpeg->data()), jpeg->size()});
@@ -91,6 +93,26 @@ struct Parts {
     calibrator.step_takes = 1500ms;
     tell_healing(&calibrator.inspection);
   }
+
+  /// As cyclorama-projectors does.
+  void tell_lamps(bool is_unwell) {
+    wire::Table table;
+    table.set_name("projectors");
+    for (const char* const column : {"name", "level", "sentence", "remedy"}) table.add_columns(column);
+    for (const char* const name : {"left", "middle", "right"}) {
+      const bool is_off = is_unwell && std::string_view(name) == "right";
+      wire::Row* const row = table.add_rows();
+      for (const char* const cell :
+           {name, is_off ? "fault" : "ok", is_off ? "Its lamp is off, though the museum is open." : "Its lamp is on.",
+            is_off ? "Switch it on by its remote control." : ""}) {
+        row->add_cells()->set_text(cell);
+      }
+    }
+    projectors.inspection.set_table(std::move(table));
+    projectors.inspection.set_state(
+        is_unwell ? "2 of 3 projectors are as they should be." : "3 of 3 projectors are as they should be.",
+        !is_unwell);
+  }
 };
 
 }  // namespace
@@ -98,13 +120,15 @@ struct Parts {
 
 int main(int argc, char** argv) {
   cyclorama::Program program(
-      "test-parts", "Pretends to be a museum's tour, display, tracker and calibrator; prints their addresses.");
+      "test-parts",
+      "Pretends to be a museum's tour, display, tracker, calibrator and projectors; prints their addresses.");
   bool is_unwell = false;
   program.options().add_flag("--unwell", is_unwell, "The camera is out, and one projector dark");
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) -> cyclorama::Status {
     cyclorama::Parts parts(is_unwell);
-    std::printf("%s %s %s %s\n", parts.tour.address().c_str(), parts.display.address().c_str(),
-                parts.tracker.address().c_str(), parts.calibrator.address().c_str());
+    std::printf("%s %s %s %s %s\n", parts.tour.address().c_str(), parts.display.address().c_str(),
+                parts.tracker.address().c_str(), parts.calibrator.address().c_str(),
+                parts.projectors.address().c_str());
     std::fflush(stdout);
     while (!stop.wait_until(cyclorama::SteadyClock().now() + std::chrono::seconds(1))) {
     }

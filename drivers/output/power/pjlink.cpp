@@ -115,12 +115,13 @@ class Connection {
   std::string read_;
 };
 
+/// `command` with its parameter: "POWR ?".
 Result<std::string> exchange(const PjlinkProjector& projector, std::string_view command,
                              std::chrono::milliseconds timeout) {
   TRY_ASSIGN(Connection connection, Connection::dial(projector.address, SteadyClock().now() + timeout));
   TRY_ASSIGN(const std::string greeting, connection.read_line());
   TRY_ASSIGN(const std::string authority, pjlink::authorise(greeting, projector.password));
-  TRY(connection.write(fmt::format("{}%1POWR {}\r", authority, command)));
+  TRY(connection.write(fmt::format("{}%1{}\r", authority, command)));
   return connection.read_line();
 }
 
@@ -143,17 +144,18 @@ Result<std::string> authorise(std::string_view greeting, std::string_view passwo
       !std::all_of(challenge.begin(), challenge.end(), is_hex))
     return not_pjlink(greeting);
   if (password.empty())
-    return Error(ErrorCode::kInvalidArgument, "it wants a password; name a file that holds it: --password-file, or "
-                                              "pjlink_password_file in installation.toml");
+    return Error(ErrorCode::kInvalidArgument,
+                 "it wants a password; name a file that holds it: --password-file, or "
+                 "pjlink_password_file in installation.toml");
   return md5_hex(std::string(challenge) + std::string(password));
 }
 
-Result<std::string> parse_answer(std::string_view line) {
-  constexpr std::string_view kHead = "%1POWR=";
+Result<std::string> parse_answer(std::string_view line, std::string_view command) {
+  const std::string head = fmt::format("%1{}=", command);
   if (line == "PJLINK ERRA") return Error(ErrorCode::kInvalidArgument, "it refuses the password");
-  if (!line.starts_with(kHead) || line.size() > kLongestLine || line.size() == kHead.size()) return not_pjlink(line);
-  const std::string_view value = line.substr(kHead.size());
-  if (value == "ERR1" || value == "ERR2") return Error(ErrorCode::kBadData, "it has no power command");
+  if (!line.starts_with(head) || line.size() > kLongestLine || line.size() == head.size()) return not_pjlink(line);
+  const std::string_view value = line.substr(head.size());
+  if (value == "ERR1" || value == "ERR2") return Error(ErrorCode::kBadData, "it does not know that command");
   if (value == "ERR3")
     return Error(ErrorCode::kUnavailable, "it cannot just now; it may be cooling down or warming up");
   if (value == "ERR4") return Error(ErrorCode::kSystem, "it reports a failure; look at its own display");
@@ -178,6 +180,17 @@ Result<ProjectorPower> parse_power(std::string_view line) {
   return not_pjlink(line);
 }
 
+Result<ProjectorErrors> parse_errors(std::string_view line) {
+  TRY_ASSIGN(const std::string value, parse_answer(line, "ERST"));
+  ProjectorErrors errors;
+  if (value.size() != errors.of.size()) return not_pjlink(line);
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (value[i] < '0' || value[i] > '2') return not_pjlink(line);
+    errors.of[i] = static_cast<ProjectorErrors::Kind>(value[i] - '0');
+  }
+  return errors;
+}
+
 }  // namespace pjlink
 
 std::string_view text_of(ProjectorPower power) {
@@ -195,15 +208,23 @@ std::string_view text_of(ProjectorPower power) {
 }
 
 Result<ProjectorPower> ask_power(const PjlinkProjector& projector, std::chrono::milliseconds timeout) {
-  auto line = exchange(projector, "?", timeout);
+  auto line = exchange(projector, "POWR ?", timeout);
   if (!line) return said(projector, std::move(line).error());
   auto power = pjlink::parse_power(*line);
   if (!power) return said(projector, std::move(power).error());
   return power;
 }
 
+Result<ProjectorErrors> ask_errors(const PjlinkProjector& projector, std::chrono::milliseconds timeout) {
+  auto line = exchange(projector, "ERST ?", timeout);
+  if (!line) return said(projector, std::move(line).error());
+  auto errors = pjlink::parse_errors(*line);
+  if (!errors) return said(projector, std::move(errors).error());
+  return errors;
+}
+
 Status set_power(const PjlinkProjector& projector, bool is_on, std::chrono::milliseconds timeout) {
-  auto line = exchange(projector, is_on ? "1" : "0", timeout);
+  auto line = exchange(projector, is_on ? "POWR 1" : "POWR 0", timeout);
   if (!line) return said(projector, std::move(line).error());
   auto answer = pjlink::parse_answer(*line);
   if (!answer) return said(projector, std::move(answer).error());

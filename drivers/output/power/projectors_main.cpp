@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -13,8 +14,11 @@
 #include "common/process/notify.h"
 #include "common/process/program.h"
 #include "common/room/installation.h"
+#include "common/wire/channel.h"
+#include "common/wire/inspection_service.h"
 #include "drivers/output/power/pjlink.h"
 #include "drivers/output/power/projector_duty.h"
+#include "drivers/output/power/projector_report.h"
 
 namespace cyclorama {
 namespace {
@@ -32,6 +36,7 @@ struct Options {
   std::string installation;
   std::string config;
   std::string hours_override;
+  std::string listen;
 };
 
 struct NamedProjector {
@@ -94,26 +99,58 @@ Status switch_or_ask(const Options& options, const std::vector<NamedProjector>& 
   return Error(ErrorCode::kUnavailable, fmt::format("{} of {} projectors failed", failed, projectors.size()));
 }
 
-/// One that is kept, and what was logged of it last.
+/// One that is kept, and what was said of it last.
 struct Kept {
   NamedProjector projector;
-  ProjectorDuty duty;
-  std::string said;
+  ProjectorDuty duty{};
+  ProjectorReporter reporter{};
+  ProjectorReport report{ProjectorReport::Level::kOk, "It has not been asked yet.", ""};
+  std::string said{};
 };
 
-void look_after(bool should_be_on, Kept* kept) {
+void look_after(bool should_be_on, TimePoint now, Kept* kept) {
   const auto say = [&](LogLevel level, const std::string& text) {
     if (text != kept->said) log(level, text);
     kept->said = text;
   };
   const PjlinkProjector& place = kept->projector.place;
   const auto power = ask_power(place, kAnswerWithin);
+  std::optional<ProjectorErrors> errors;
+  if (power) {
+    // Not all tell, and what they tell is not needed to switch them.
+    if (const auto told = ask_errors(place, kAnswerWithin)) errors = *told;
+  }
+  kept->report = kept->reporter.see({should_be_on, power, errors}, now);
   const auto wanted = kept->duty.next(should_be_on, power ? std::optional(*power) : std::nullopt);
   if (!power) return say(LogLevel::kWarning, power.error().message());
-  say(LogLevel::kInfo, fmt::format("{}: {}", kept->projector.name, text_of(*power)));
+  const bool is_well = kept->report.level == ProjectorReport::Level::kOk;
+  say(is_well ? LogLevel::kInfo : LogLevel::kWarning,
+      fmt::format("{}: {}{}{}", kept->projector.name, text_of(*power), is_well ? "" : ". ",
+                  is_well ? "" : kept->report.sentence));
   if (!wanted) return;
   if (auto set = set_power(place, *wanted, kAnswerWithin); !set) return say(LogLevel::kWarning, set.error().message());
   log(LogLevel::kInfo, fmt::format("{}: switched {}", kept->projector.name, *wanted ? "on" : "off"));
+}
+
+/// For the operator: the table "projectors" of name, level, sentence, remedy.
+void tell(const std::vector<Kept>& all, InspectionService* inspection) {
+  wire::Table table;
+  table.set_name("projectors");
+  for (const char* const column : {"name", "level", "sentence", "remedy"}) table.add_columns(column);
+  std::size_t well = 0;
+  for (const Kept& kept : all) {
+    if (kept.report.level == ProjectorReport::Level::kOk) ++well;
+    wire::Row* const row = table.add_rows();
+    row->add_cells()->set_text(kept.projector.name);
+    row->add_cells()->set_text(std::string(to_text(kept.report.level)));
+    row->add_cells()->set_text(kept.report.sentence);
+    row->add_cells()->set_text(kept.report.remedy);
+  }
+  inspection->set_table(std::move(table));
+  inspection->set_state(all.empty()
+                            ? "No projector has a network address in the settings, so they are switched by hand."
+                            : fmt::format("{} of {} projectors are as they should be.", well, all.size()),
+                        well == all.size());
 }
 
 Status keep_hours(const Options& options, const std::vector<NamedProjector>& projectors, const StopSignal& stop) {
@@ -123,14 +160,21 @@ Status keep_hours(const Options& options, const std::vector<NamedProjector>& pro
   OverriddenHours hours(std::move(settings), options.hours_override);
   if (projectors.empty()) log(LogLevel::kNotice, "no projector has pjlink = \"HOST\": none is switched");
   std::vector<Kept> all;
-  for (const NamedProjector& projector : projectors) all.push_back({projector, {}, {}});
+  for (const NamedProjector& projector : projectors) all.push_back({projector});
+  InspectionService inspection("projectors");
+  tell(all, &inspection);
+  std::unique_ptr<WireServer> server;
+  if (!options.listen.empty()) {
+    TRY_ASSIGN(server, WireServer::start(options.listen, {&inspection}));
+  }
   const SteadyClock clock;
   Notify notify;
   notify.ready();
   while (!stop.requested()) {
     const TimePoint again_at = clock.now() + kLookEvery;
     for (Kept& kept : all) {
-      look_after(hours.is_open(wall_time(std::chrono::system_clock::now())), &kept);
+      look_after(hours.is_open(wall_time(std::chrono::system_clock::now())), clock.now(), &kept);
+      tell(all, &inspection);
       notify.keep_alive(clock.now());
       if (stop.requested()) break;
     }
@@ -140,6 +184,7 @@ Status keep_hours(const Options& options, const std::vector<NamedProjector>& pro
     }
   }
   notify.stopping();
+  if (server) server->stop(std::chrono::milliseconds(200));
   return Done{};
 }
 
@@ -177,6 +222,8 @@ int main(int argc, char** argv) {
   program.options().add_option("--config", options.config, "With keep: the museum's site.toml: [hours]");
   program.options().add_option("--hours-override", options.hours_override,
                                "With keep: where the operator page keeps what was said of [hours] for once");
+  program.options().add_option("--listen", options.listen,
+                               "With keep: HOST:PORT where to show to the operator how each is; left out: nowhere");
   program.options().add_option("--password-file", options.password_file,
                                "A file that holds the password of those named here");
   program.options()

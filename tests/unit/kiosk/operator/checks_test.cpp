@@ -186,6 +186,33 @@ TEST(MachineFacts, are_read_from_the_kernel_s_files) {
   EXPECT_FALSE(read_machine_facts(root, root).warmest_c) << "nothing is known of nothing";
 }
 
+TEST(Checks, tell_how_each_projector_is) {
+  Findings findings = well();
+  findings.processes.push_back(process("projectors", false, "1 of 2 projectors are as they should be."));
+  wire::Table* const table = findings.processes.back().status->add_tables();
+  table->set_name("projectors");
+  for (const char* const column : {"name", "level", "sentence", "remedy"}) table->add_columns(column);
+  const auto add_row = [&](const std::vector<const char*>& cells) {
+    wire::Row* const row = table->add_rows();
+    for (const char* const cell : cells) row->add_cells()->set_text(cell);
+  };
+  add_row({"left", "ok", "Its lamp is on.", ""});
+  add_row({"right", "fault", "Its lamp is off, though the museum is open.", "Switch it on by its remote control."});
+  add_row({"too short"});
+  const std::vector<Check> checks = checks_of(findings);
+  const auto find = [&](const std::string& id) {
+    return std::find_if(checks.begin(), checks.end(), [&](const Check& check) { return check.id == id; });
+  };
+  ASSERT_NE(find("projector-right"), checks.end());
+  EXPECT_EQ(find("projector-right")->level, Level::kFault);
+  EXPECT_THAT(find("projector-right")->remedy, HasSubstr("remote control"));
+  EXPECT_EQ(find("projector-left")->level, Level::kOk);
+  EXPECT_EQ(find("part-projectors"), checks.end()) << "what is wrong is said once";
+  table->clear_rows();
+  findings.processes.back() = process("projectors", true, "No projector has a network address in the settings.");
+  EXPECT_THAT(checks_table(checks_of(findings)), HasSubstr("No projector has a network address"));
+}
+
 TEST(DoorChecks, tell_why_nobody_can_enter_and_nothing_else) {
   Findings findings = well();
   findings.is_museum = false;

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How a projector is that is kept to the hours, in words for the operator.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/base/clock.h"
+#include "drivers/output/power/pjlink.h"
+
+namespace cyclorama {
+
+struct ProjectorReport {
+  enum class Level { kOk, kWarning, kFault };
+  Level level = Level::kOk;
+  std::string sentence;
+  std::string remedy;  ///< Empty when nothing is wrong.
+};
+[[nodiscard]] std::string_view to_text(ProjectorReport::Level level);  ///< "ok", "warning", "fault".
+
+/// What was seen of one projector at one look.
+struct ProjectorLook {
+  bool should_be_on = false;
+  Result<ProjectorPower> power = ProjectorPower::kOff;
+  std::optional<ProjectorErrors> errors;  ///< Nothing: it does not tell.
+};
+
+/// Looks in, words out. A lamp takes a minute or two to warm up and to cool down, so what is not yet as it should be is
+/// told as wrong only when it has been like that for a while. Thread-bound.
+class ProjectorReporter {
+ public:
+  ProjectorReport see(const ProjectorLook& look, TimePoint now);
+
+ private:
+  struct Condition {
+    bool should_be_on = false;
+    std::optional<ProjectorPower> power;
+    bool operator==(const Condition&) const = default;
+  };
+  std::optional<Condition> condition_;
+  TimePoint since_{};
+};
+
+}  // namespace cyclorama

@@ -194,8 +194,8 @@ function showFlow(flow) {
 }
 
 // ---- Every part ----
-const partNames = { tour: "Tour", display: "Display", tracker: "Tracker", calibrator: "Calibrator", hand: "Hand controls", head: "Farm",
-                    "simulated-room": "Simulated room" };
+const partNames = { tour: "Tour", display: "Display", tracker: "Tracker", calibrator: "Calibrator", hand: "Hand controls",
+                    projectors: "Projectors' power", head: "Farm", "simulated-room": "Simulated room" };
 const openParts = new Set();
 
 function showParts(processes) {

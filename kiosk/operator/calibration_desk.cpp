@@ -79,15 +79,17 @@ void CalibrationDesk::calibrate(const wire::CalibrateOrder& order, grpc::ClientC
     is_done = is_done || progress.has_done();
     newest_ = progress;
   }
-  end(is_done, finish_after_read(*context, [&] { return reader->Finish(); }), "calibrating");
+  const grpc::Status status = finish_after_read(*context, [&] { return reader->Finish(); });
+  const std::lock_guard lock(mutex_);
+  end(is_done, status, "calibrating");
 }
 
 void CalibrationDesk::place(grpc::ClientContext* context) {
   context->set_deadline(std::chrono::system_clock::now() + kToPlace);
   wire::PlacedCameras placed;
   const grpc::Status status = healing_->PlaceCameras(context, wire::PlaceCamerasOrder(), &placed);
+  const std::lock_guard lock(mutex_);
   if (status.ok()) {
-    const std::lock_guard lock(mutex_);
     newest_.set_fraction(1.0);
     newest_.mutable_done();
     for (const wire::PlacedCameras::Camera& camera : placed.cameras()) {
@@ -101,7 +103,6 @@ void CalibrationDesk::place(grpc::ClientContext* context) {
 }
 
 void CalibrationDesk::end(bool is_done, const grpc::Status& status, const char* doing) {
-  const std::lock_guard lock(mutex_);
   running_ = nullptr;
   if (is_done && status.ok()) {
     state_ = "done";

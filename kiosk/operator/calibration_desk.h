@@ -52,6 +52,7 @@ class CalibrationDesk {
   Status begin(const char* what, const char* step, std::function<void(grpc::ClientContext*)> work);
   void calibrate(const wire::CalibrateOrder& order, grpc::ClientContext* context);
   void place(grpc::ClientContext* context);
+  /// The caller holds mutex_.
   void end(bool is_done, const grpc::Status& status, const char* doing);
 
   const std::unique_ptr<wire::Calibrator::Stub> calibrator_;

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/operator/machine_facts.h"
 
+#include <fcntl.h>
 #include <sys/statvfs.h>
 #include <sys/timex.h>
 
+#include <cerrno>
 #include <string>
 #include <system_error>
 
 #include "common/base/file.h"
 #include "common/base/text.h"
+#include "common/base/unique_fd.h"
+#include "kiosk/provision/provisioning_report.h"
 
 namespace cyclorama {
 namespace {
@@ -107,6 +111,13 @@ void read_memory(const fs::path& root, MachineFacts* ret) {
   if (total && available && *total > 0.0) ret->memory_free_share = *available / *total;
 }
 
+/// After an error ext4 answers nobody any more until it is mounted anew; kernels before 6.11 let it be read only
+/// instead.
+bool is_shut(const fs::path& state) {
+  const UniqueFd fd(::open((state / kProvisioningReportFile).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  return !fd.is_open() && errno == EIO;
+}
+
 }  // namespace
 
 MachineFacts read_machine_facts(const fs::path& state, const fs::path& root) {
@@ -115,7 +126,7 @@ MachineFacts read_machine_facts(const fs::path& state, const fs::path& root) {
   if (::statvfs(state.c_str(), &disk) == 0) {
     facts.disk_free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
     facts.disk_bytes = std::uint64_t{disk.f_blocks} * disk.f_frsize;
-    facts.is_read_only = (disk.f_flag & ST_RDONLY) != 0;
+    facts.is_read_only = (disk.f_flag & ST_RDONLY) != 0 || is_shut(state);
   }
   read_var(root, &facts);
   read_temperature(root, &facts);

@@ -106,7 +106,7 @@ def check_crash(machine, figures):
     active = machine.run(back, 300)[1]
     kept = machine.run("for i in $(seq 60); do coredumpctl list --no-legend --no-pager 2>/dev/null | grep -q present && break; sleep 1; done; coredumpctl list --no-legend --no-pager", 200)[1]
     figures["crash"] = {"tour": active, "kept": kept}
-    if active != "active" or "cyclorama-tour" not in kept or "present" not in kept:
+    if active != "active" or "/usr/bin/cyclorama-to" not in kept or "present" not in kept:
         figures["failed"].append(f"a crash: {figures['crash']}")
 
 
@@ -117,7 +117,7 @@ def check_read_only(machine, reference, figures):
     told = machine.run("touch /var/lib/x; cyclorama doctor 2>&1", 120)[1]
     failed = machine.run("systemctl --failed --no-legend --plain | cut -d' ' -f1")[1].split()
     figures["read_only"] = {"told": [line for line in told.splitlines() if "written" in line], "failed_units": failed, "picture": is_as(machine.picture(0), reference[0])}
-    if "Read-only" not in told or not figures["read_only"]["told"] or not figures["read_only"]["picture"]:
+    if "cannot touch" not in told or not figures["read_only"]["told"] or not figures["read_only"]["picture"]:
         figures["failed"].append(f"a disk that fails: {figures['read_only']}; {told[:600]}")
 
 

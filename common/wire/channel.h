@@ -45,7 +45,7 @@ grpc::Status unreadable();
 
 /// The end of a client's stream whose Read() returned false. `finish` is the stream's Finish(): where the peer has
 /// ended the call it returns at once; where the peer sent what is no message it never would, so the call is cancelled
-/// after a second, and this is unreadable().
+/// after ten seconds, and this is unreadable().
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish);
 
 /// What a server asks of those who dial.

@@ -2,9 +2,13 @@
 #include "kiosk/operator/machine_facts.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <sys/sysmacros.h>
 #include <sys/timex.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <string>
 #include <system_error>
@@ -118,6 +122,25 @@ bool is_shut(const fs::path& state) {
   return !fd.is_open() && errno == EIO;
 }
 
+/// The file system's own word, which stands after " - " in proc(5)'s mountinfo. statvfs() tells of the mount: one that
+/// a service may not write to (ProtectSystem=) is read-only on a disk that is well.
+bool is_file_system_read_only(const fs::path& state, const fs::path& root) {
+  struct stat info {};
+  const auto mounts = line_of(root / "proc/self/mountinfo");
+  if (!mounts || ::stat(state.c_str(), &info) != 0) return false;
+  const std::string device = fmt::format(" {}:{} ", major(info.st_dev), minor(info.st_dev));
+  for (std::size_t begin = 0; begin < mounts->size();) {
+    const std::size_t end = std::min(mounts->find('\n', begin), mounts->size());
+    const std::string_view line = std::string_view(*mounts).substr(begin, end - begin);
+    begin = end + 1;
+    const std::size_t own = line.find(" - ");
+    if (own == std::string_view::npos || line.substr(0, own).find(device) == std::string_view::npos) continue;
+    const std::string_view options = line.substr(line.rfind(' ') + 1);
+    return options == "ro" || options.starts_with("ro,");
+  }
+  return false;
+}
+
 }  // namespace
 
 MachineFacts read_machine_facts(const fs::path& state, const fs::path& root) {
@@ -126,7 +149,7 @@ MachineFacts read_machine_facts(const fs::path& state, const fs::path& root) {
   if (::statvfs(state.c_str(), &disk) == 0) {
     facts.disk_free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
     facts.disk_bytes = std::uint64_t{disk.f_blocks} * disk.f_frsize;
-    facts.is_read_only = (disk.f_flag & ST_RDONLY) != 0 || is_shut(state);
+    facts.is_read_only = is_file_system_read_only(state, root) || is_shut(state);
   }
   read_var(root, &facts);
   read_temperature(root, &facts);

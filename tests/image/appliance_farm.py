@@ -23,7 +23,7 @@ PICTURE_PX = 384
 VIVID = "vivid n_devs=1 node_types=0x101 num_inputs=1 input_types=3 num_outputs=1 output_types=1"
 TRACKER = '[camera]\nkind = "v4l2"\nport = "platform:vivid-000"\n[detector]\nthreads = 1\n'
 SHOWS_WITHIN_S = 600
-TURNS_S, SETTLES_S = 40, 20  # Looked at for each wand; after it rests the view still goes to where it was to be.
+BEGINS_S, TURNS_S, SETTLES_S = 240, 40, 20  # Looked at for each wand; after it rests the view still goes to where it was to be.
 MOST_MOVED_AT_REST_PX = 8  # In all of them: rays' noise misleads by a pixel or two.
 LEAST_OTHERWISE = 2.0  # Code values, mean. The grotto is as dark as the evening sky of the attract picture: 3 to 6 from it, whose own tolerance is 1.5.
 
@@ -135,16 +135,23 @@ def stick_of_farm(folder, farm, **others):
 def look_how_it_turns(machine, show, wand, folder):
     """[pixels that the middle head's picture moved to the right] from one picture to the next, of what show(wand) brings."""
     show(wand)
-    # What was begun goes to its end first.
-    time.sleep(SETTLES_S if wand == "rest" else 0)
     seen = [machine.picture(1)]
-    deadline = time.monotonic() + TURNS_S
-    while time.monotonic() < deadline:
+    changed_at = deadline = None
+    began = time.monotonic()
+    # What was begun goes to its end first; what is to begin may take its time. A computer that others keep busy is slow, not wrong.
+    while time.monotonic() < (deadline or began + BEGINS_S):
         time.sleep(0.3)
-        if (now := machine.picture(1))[2] != seen[-1][2]:
+        now = machine.picture(1)
+        has_changed = now[2] != seen[-1][2]
+        if has_changed:
+            changed_at = time.monotonic()
             seen.append(now)
             if folder:
                 save_png(now, folder / f"turn-{wand}-{len(seen):03}.png")
+        if deadline is None and (has_changed if wand != "rest" else time.monotonic() - (changed_at or began) > SETTLES_S):
+            deadline = time.monotonic() + TURNS_S
+            if wand == "rest":
+                seen = seen[-1:]
     return [moved_px(one, other) for one, other in zip(seen, seen[1:])]
 
 

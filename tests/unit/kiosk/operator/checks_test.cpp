@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kiosk/operator/checks.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <ctime>
 
@@ -240,6 +243,30 @@ TEST(DoorChecks, tell_why_nobody_can_enter_and_nothing_else) {
   EXPECT_EQ(told[1].id, "pin");
   EXPECT_THAT(told[1].remedy, HasSubstr("operator.toml"));
   for (const Check& check : told) EXPECT_THAT(check.sentence, Not(HasSubstr("hall-3")));
+}
+
+TEST(MachineFacts, a_mount_that_a_service_may_not_write_to_is_no_broken_disk) {
+  std::string name = (std::filesystem::temp_directory_path() / "machine-XXXXXX").string();
+  ASSERT_NE(::mkdtemp(name.data()), nullptr);
+  const std::filesystem::path root = name;
+  std::filesystem::create_directories(root / "proc/self");
+  struct stat info {};
+  ASSERT_EQ(::stat(root.c_str(), &info), 0);
+  const auto is_read_only = [&](const std::string& of_mount, const std::string& of_file_system) {
+    const std::string line = "{} {}:{} / {} {} - ext4 /dev/{} {}\n";
+    std::string text = fmt::format(fmt::runtime(line), "21 1", 0, 9999, "/proc", "rw", "x", "ro");
+    text += fmt::format(fmt::runtime(line), "36 21", major(info.st_dev), minor(info.st_dev), "/var", of_mount,
+                        "mapper/var", of_file_system);
+    EXPECT_TRUE(write_file_atomically(root / "proc/self/mountinfo", std::string_view(text)));
+    return read_machine_facts(root, root).is_read_only;
+  };
+  EXPECT_EQ(is_read_only("rw,noatime shared:3", "rw,errors=remount-ro"), false);
+  EXPECT_EQ(is_read_only("ro,noatime", "rw"), false) << "ProtectSystem= made that mount for this service";
+  EXPECT_EQ(is_read_only("rw,noatime shared:3", "ro"), true);
+  EXPECT_EQ(is_read_only("ro", "ro,errors=remount-ro"), true);
+  std::filesystem::remove(root / "proc/self/mountinfo");
+  EXPECT_EQ(read_machine_facts(root, root).is_read_only, false) << "nothing says that it is";
+  std::filesystem::remove_all(root);
 }
 
 TEST(UpdateStatus, is_read_from_what_the_updater_writes) {

@@ -144,7 +144,7 @@ def run(options, folder):
                         network=f"ipv4=on,ipv6=on,hostfwd=tcp:127.0.0.1:{PAGE_PORT}-:8443")
     try:
         camera.plug()
-        figures["first_picture_s"] = wait_for_pictures(machine, reference)
+        figures["first_picture_s"] = wait_for_pictures(machine, reference, 2 * STEP_S)
         print(figures["first_picture_s"], flush=True)
         keep_pictures(machine, options, "mission-attract")
         if page.museum():

@@ -11,6 +11,7 @@ from appliance_update import START_S, version
 from host_farm import HostFarm
 
 FETCHED_S = 3600
+ASKS = 8
 IMAGE = "cyclorama-museum-debug"
 
 
@@ -32,11 +33,15 @@ def run(options, folder):
         # Whose page is restarted with new settings.
         machine.run("for i in $(seq 300); do [ -d /run/cyclorama-wishes ] && break; sleep 1; done; sleep 5", 400)
         began = time.monotonic()
-        status, said = machine.run(f"cyclorama update --wait {FETCHED_S}", FETCHED_S + 60)
-        figures["fetched_and_written_s"] = round(time.monotonic() - began)
-        print(said, flush=True)
-        if status != 0 or f"{wanted} is there" not in said:
+        # As it asks each hour of its night: an emulated computer that others keep busy does not answer its farm's pings in time, and goes on where it was.
+        for figures["asked"] in range(1, ASKS + 1):
+            status, said = machine.run(f"cyclorama update --wait {FETCHED_S}", FETCHED_S + 60)
+            print(said, flush=True)
+            if status == 0 and f"{wanted} is there" in said:
+                break
+        else:
             figures["failed"].append(f"cyclorama update: {status}, {said}; " + machine.run("journalctl -b -o cat --no-pager -u 'cyclorama-*update*' | tail -n 30")[1])
+        figures["fetched_and_written_s"] = round(time.monotonic() - began)
         _, left = machine.run("ls /var/lib/cyclorama-update")
         if "offer" in left:
             figures["failed"].append(f"what was fetched is still there: {left}")

@@ -9,6 +9,7 @@ operator page. Nobody is logged in, for nobody can be.
 """
 import pathlib
 import re
+import time
 
 from appliance import HEADS, Appliance, Disk, flashable, reference_pictures
 from appliance_boot import attract_pictures, wait_for_pictures
@@ -106,6 +107,7 @@ def check(machine, camera, page, options, folder, figures):
     try:
         for head in range(HEADS):
             machine.plug_in(head, *SMALL)
+            time.sleep(5)  # The guest's driver misses the second of two at once.
         image = stick_of_farm(folder, farm, site=farm.site() + f"picture_width_px = {PICTURE_PX}\n", tracker=TRACKER, operator=f'pin = "{PIN}"\n')
         hand = Hand(camera, wand_pictures(options.programs, folder), page)
         hand.show("rest")

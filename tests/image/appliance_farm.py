@@ -144,7 +144,9 @@ def look_how_it_turns(machine, show, wand, folder):
         now = machine.picture(1)
         has_changed = now[2] != seen[-1][2]
         if has_changed:
-            changed_at = time.monotonic()
+            # A wand that rests is never seen quite the same twice; the view then stands, and its noise changes.
+            if abs(moved_px(seen[-1], now)) > 1:
+                changed_at = time.monotonic()
             seen.append(now)
             if folder:
                 save_png(now, folder / f"turn-{wand}-{len(seen):03}.png")

@@ -101,14 +101,14 @@ function showCalibration(calibration) {
   byId("calibration-asked").textContent = calibration.question;
   byId("calibrate-restore").hidden = isRunning;
   byId("calibrate-cancel").hidden = !isRunning;
-  showParts(isRunning);
+  showPieces(isRunning);
   const picture = byId("calibration-picture");
   picture.hidden = !isRunning || !calibration.has_picture;
   if (!picture.hidden) picture.src = `/calibration.jpg?${++calibrationPicture}`;
 }
 
 // One projector that was pushed; page.js knows their names.
-function showParts(isRunning) {
+function showPieces(isRunning) {
   const names = [...projectors.keys()].map((key) => key.slice(key.indexOf("/projector/") + "/projector/".length));
   const select = byId("quick-projector");
   if (names.join("\n") !== [...select.options].map((option) => option.value).join("\n")) {

@@ -70,17 +70,8 @@ class Browser:
         return next(iter(self.do("POST", "/element", {"using": "css selector", "value": selector}).values()))
 
     def click(self, selector):
-        """The page changes each second, so what is clicked may move away meanwhile; it is tried again for some seconds."""
-        def is_clicked():
-            self.run("document.querySelector(arguments[0]).scrollIntoView({block: 'center'})", selector)
-            try:
-                self.do("POST", f"/element/{self.element(selector)}/click", {})
-            except AssertionError as refused:
-                if "not interactable" not in str(refused) and "click intercepted" not in str(refused):
-                    raise
-                return False
-            return True
-        wait_until(is_clicked, 15, f"a click on {selector}")
+        self.run("document.querySelector(arguments[0]).scrollIntoView({block: 'center'})", selector)
+        self.do("POST", f"/element/{self.element(selector)}/click", {})
 
     def type(self, selector, text):
         element = self.element(selector)
@@ -259,12 +250,14 @@ def check_work(browser, museum, pictures, name):
     wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the calibration that goes on")
     browser.click("#calibrate-cancel")
     wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "its end")
+    wait_until(lambda: browser.run("return document.getElementById('place-cameras').offsetParent !== null"), 30, "the button place-cameras")
     browser.click("#place-cameras")
     wait_until(lambda: "saw 2814 places" in browser.text("#calibration-remarks"), 30, "where the fixed cameras stand")
     quick = browser.run("return [...document.getElementById('quick-projector').options].map((option) => option.value)")
     assert quick == ["left", "middle", "right"], quick
     browser.run("document.getElementById('calibration-card').scrollIntoView({block: 'center'})")
     browser.picture(pictures / f"placed-{name}.png", whole=False)
+    wait_until(lambda: browser.run("return document.getElementById('calibrate-quick').offsetParent !== null"), 30, "the button calibrate-quick")
     browser.click("#calibrate-quick")
     wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the quick calibration")
     browser.click("#calibrate-cancel")

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What is told at the operator page's door, before anybody entered: why nobody can.
 ///
-///   no PIN in use     what became of the stick, and whether this computer forgets what it is told, each with its
-///   remedy:
-///                     who stands before it can read it nowhere else
+///   no PIN in use     what became of the stick, whether this computer forgets what it is told, and what helps: who
+///                     stands before it can read it nowhere else
 ///   a PIN in use      nothing: it would tell strangers something
 #pragma once
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What the operator page asks of a museum besides its parts.
 ///
-///   GET  /museum                 {"level", "checks": [], "schedule", "provisioning", "update", "calibration",
-///   "watched", "page"} POST /network-test           {"checks": []}; takes some seconds; 429: one runs GET
-///   /support-bundle.zip     429: one is being made POST /calibration            {"do": "start" | "cancel" |
-///   "restore"}, see calibration_desk.h; 204, or {"date"} POST /realign                {}; has the projectors looked
-///   for anew (healing_desk.h); 204 GET  /calibration.jpg        what the calibration's camera saw last POST /hours
-///   {"do": "open", "until": "22:00"}, or "closed" (for today) or "settings"; 204 POST /wish                   {"wish":
-///   "update" | "factory-reset"}; 204
+///   GET  /museum                 {"level", "checks": [], "schedule", "provisioning", "update", ...}
+///   POST /network-test           {"checks": []}; takes some seconds; 429: one runs
+///   GET  /support-bundle.zip     429: one is being made
+///   POST /calibration            {"do": "start"}, as calibration_desk.h says; 204, or {"date"}
+///   POST /realign                {}; has the projectors looked for anew (healing_desk.h); 204
+///   GET  /calibration.jpg        what the calibration's camera saw last
+///   POST /hours                  {"do": "open", "until": "22:00"}, "closed" (for today) or "settings"; 204
+///   POST /wish                   {"wish": "update" | "factory-reset"}; 204
 #pragma once
 
 #include <atomic>

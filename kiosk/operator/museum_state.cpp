@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kLargestFile = 256 * 1024;
 }
 
-Schedule schedule_of(const MuseumState& museum, std::chrono::system_clock::time_point now) {
+Schedule schedule_of(const MuseumState& museum, WallTime clock) {
+  const WallTime now = wall_time(clock);
   Schedule schedule;
   auto config = Config::read(museum.site());
   const auto hours = read_opening_hours(museum.site());
@@ -35,11 +36,12 @@ Schedule schedule_of(const MuseumState& museum, std::chrono::system_clock::time_
         absl::ToCivilDay(until, hours->zone()) == absl::ToCivilDay(absl::FromChrono(now), hours->zone());
     schedule.until = absl::FormatTime(is_today ? "%H:%M" : "%a %e %b %H:%M", until, hours->zone());
   }
-  schedule.is_open = is_open(*hours, schedule.override, wall_time(now));
+  schedule.is_open = is_open(*hours, schedule.override, now);
   return schedule;
 }
 
-Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime now) {
+Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime clock) {
+  const WallTime now = wall_time(clock);
   std::error_code failed;
   if (wish.kind == HoursWish::Kind::kSettings) {
     std::filesystem::remove(museum.hours_override(), failed);

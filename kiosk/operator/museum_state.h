@@ -33,7 +33,7 @@ struct Schedule {
   std::string override_problem;             ///< Why what was said for once does not count; empty: nothing is wrong.
 };
 
-[[nodiscard]] Schedule schedule_of(const MuseumState& museum, std::chrono::system_clock::time_point now);
+[[nodiscard]] Schedule schedule_of(const MuseumState& museum, WallTime clock);
 
 /// What somebody says of the hours for once.
 struct HoursWish {
@@ -43,7 +43,7 @@ struct HoursWish {
 };
 /// In force from the next second on, in every program that keeps the hours. kInvalidArgument, kUnavailable  as
 /// open_until(). kSystem  it cannot be written. Or the settings cannot be read.
-Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime now);
+Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime clock);
 
 /// Addresses of the farm's heads in the settings in use; none where those cannot be read.
 [[nodiscard]] std::vector<std::string> farm_of(const MuseumState& museum);

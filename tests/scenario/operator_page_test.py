@@ -188,6 +188,7 @@ def check_page(browser, museum, pictures, name, size):
     browser.run("scrollTo(0, 0)")
     hidden = browser.run("return document.getElementById('calibrate-cancel').offsetParent === null")
     assert hidden, "nothing runs, and it can be cancelled"
+    wait_until(lambda: browser.run("return document.querySelectorAll('#parts > li').length") == 4, 30, "every part")
     wait_until(lambda: "Tue-Sun" in browser.text("#hours"), 30, "the opening hours")
     wait_until(lambda: ":" in browser.text("#page-state .print"), 30, "the fingerprint")
     wait_until(lambda: "corrected by 23.4 px" in browser.text("#healing-projectors"), 30, "how the projectors are kept in place")

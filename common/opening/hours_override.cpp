@@ -19,7 +19,6 @@ constexpr std::size_t kLargestFile = 200;
 constexpr auto kFarthest = std::chrono::hours(18);
 constexpr int kMostDays = 8;
 constexpr const char* kTime = "%E4Y-%m-%dT%H:%M:%SZ";
-constexpr WallTime kEarliest{seconds(1767225600)};  // 2026-01-01: a clock that stands before was never set.
 
 std::string time_text(WallTime time) { return absl::FormatTime(kTime, absl::FromChrono(time), absl::UTCTimeZone()); }
 
@@ -76,31 +75,27 @@ Result<std::optional<HoursOverride>> read_hours_override(const std::filesystem::
   return std::optional(override);
 }
 
-Result<HoursOverride> open_until(const OpeningHours& hours, std::string_view time_of_day, WallTime now) {
-  if (now < kEarliest) return not_set();
-  const auto digit = [&](std::size_t at) { return time_of_day[at] >= '0' && time_of_day[at] <= '9'; };
-  const bool is_time = time_of_day.size() == 5 && digit(0) && digit(1) && time_of_day[2] == ':' && digit(3) && digit(4);
-  const auto two = [&](std::size_t at) { return 10 * (time_of_day[at] - '0') + (time_of_day[at + 1] - '0'); };
-  const int minute = is_time ? 60 * two(0) + two(3) : -1;
-  if (minute < 0 || minute > 24 * 60 || two(3) > 59) {
+Result<HoursOverride> open_until(const OpeningHours& hours, std::string_view time, WallTime now) {
+  if (!is_clock_set(now)) return not_set();
+  const std::optional<int> minute = time_of_day(time);
+  if (!minute) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("'{}' is no time of day; write one such as 22:00", printable(time_of_day, 20)));
+                 fmt::format("'{}' is no time of day; write one such as 22:00", printable(time, 20)));
   }
   const absl::CivilDay today = absl::ToCivilDay(absl::FromChrono(now), hours.zone());
   for (const absl::CivilDay day : {today, today + 1}) {
-    const absl::TimeZone::TimeInfo info = hours.zone().At(absl::CivilSecond(absl::CivilMinute(day) + minute));
-    const absl::Time end = info.kind == absl::TimeZone::TimeInfo::SKIPPED ? info.trans : info.post;
+    const absl::Time end = end_of(hours.zone().At(absl::CivilSecond(absl::CivilMinute(day) + *minute)));
     const WallTime until = floor<seconds>(absl::ToChronoTime(end));
     if (until <= now) continue;
     if (until - now > kFarthest) break;
     return HoursOverride{true, floor<seconds>(now), until};
   }
   return Error(ErrorCode::kInvalidArgument,
-               fmt::format("{} is over for today; say a time that is at most 18 hours ahead", time_of_day));
+               fmt::format("{} is over for today; say a time that is at most 18 hours ahead", time));
 }
 
 Result<HoursOverride> closed_for_today(const OpeningHours& hours, WallTime now) {
-  if (now < kEarliest) return not_set();
+  if (!is_clock_set(now)) return not_set();
   const absl::CivilDay tomorrow = absl::ToCivilDay(absl::FromChrono(now), hours.zone()) + 1;
   const WallTime midnight = floor<seconds>(absl::ToChronoTime(absl::FromCivil(tomorrow, hours.zone())));
   constexpr auto kMinute = std::chrono::minutes(1);

@@ -38,7 +38,7 @@ Result<std::optional<HoursOverride>> read_hours_override(const std::filesystem::
 
 /// Until "HH:MM" by the settings' time zone: the next time that clocks show it, at most 18 hours ahead.
 /// kInvalidArgument  no such time, or too far ahead.     kUnavailable  the clock was never set.
-Result<HoursOverride> open_until(const OpeningHours& hours, std::string_view time_of_day, WallTime now);
+Result<HoursOverride> open_until(const OpeningHours& hours, std::string_view time, WallTime now);
 /// Until the settings open on a later day; where they never do, or always are, until midnight.
 /// kUnavailable  the clock was never set.
 Result<HoursOverride> closed_for_today(const OpeningHours& hours, WallTime now);

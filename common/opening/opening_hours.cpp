@@ -14,8 +14,7 @@ namespace {
 
 constexpr std::array<std::string_view, 7> kWeekdays{"Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"};
 constexpr int kDay_min = 24 * 60;
-constexpr absl::Time kEarliest =
-    absl::FromUnixSeconds(1767225600);  // 2026-01-01, before which nobody had this program.
+constexpr WallTime kEarliest{std::chrono::seconds(1767225600)};  // 2026-01-01.
 
 /// With empty parts, which nothing below takes.
 std::vector<std::string_view> split(std::string_view text, char separator) {
@@ -33,16 +32,6 @@ std::optional<int> number(std::string_view text, std::size_t digits) {
   const bool is_plain = text.size() == digits && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
   const auto value = is_plain ? parse_integer(text) : std::nullopt;
   return value ? std::optional(static_cast<int>(*value)) : std::nullopt;
-}
-
-/// "09:30" in minutes; up to 24:00.
-std::optional<int> time_of_day(std::string_view text) {
-  const auto parts = split(text, ':');
-  if (parts.size() != 2) return std::nullopt;
-  const auto hours = number(parts[0], 2);
-  const auto minutes = number(parts[1], 2);
-  if (!hours || !minutes || *minutes > 59 || 60 * *hours + *minutes > kDay_min) return std::nullopt;
-  return 60 * *hours + *minutes;
 }
 
 std::optional<absl::CivilDay> date(std::string_view text) {
@@ -81,11 +70,23 @@ std::optional<std::array<bool, 7>> weekdays(std::string_view text) {
 absl::Time begin_of(const absl::TimeZone::TimeInfo& info) {
   return info.kind == absl::TimeZone::TimeInfo::SKIPPED ? info.trans : info.pre;
 }
+
+}  // namespace
+
+bool is_clock_set(WallTime now) { return now >= kEarliest; }
+
+std::optional<int> time_of_day(std::string_view text) {
+  const auto parts = split(text, ':');
+  if (parts.size() != 2) return std::nullopt;
+  const auto hours = number(parts[0], 2);
+  const auto minutes = number(parts[1], 2);
+  if (!hours || !minutes || *minutes > 59 || 60 * *hours + *minutes > kDay_min) return std::nullopt;
+  return 60 * *hours + *minutes;
+}
+
 absl::Time end_of(const absl::TimeZone::TimeInfo& info) {
   return info.kind == absl::TimeZone::TimeInfo::SKIPPED ? info.trans : info.post;
 }
-
-}  // namespace
 
 Result<OpeningHours> OpeningHours::parse(const std::vector<std::string>& lines, const std::string& time_zone) {
   OpeningHours hours;
@@ -140,8 +141,8 @@ const std::vector<OpeningHours::Span>& OpeningHours::spans_of(absl::CivilDay day
 }
 
 bool OpeningHours::is_open(WallTime now) const {
+  if (is_always_ || !is_clock_set(now)) return true;
   const absl::Time time = absl::FromChrono(now);
-  if (is_always_ || time < kEarliest) return true;
   const absl::CivilDay today = absl::ToCivilDay(time, zone_);
   for (const absl::CivilDay day : {today - 1, today}) {
     const absl::CivilMinute midnight(day);

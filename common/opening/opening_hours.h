@@ -16,7 +16,9 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/result.h"
@@ -26,6 +28,13 @@ namespace cyclorama {
 
 /// As people know it; it may jump, and be wrong until the computer's clock was set.
 using WallTime = std::chrono::system_clock::time_point;
+/// False before 2026, when nobody had this program.
+[[nodiscard]] bool is_clock_set(WallTime now);
+/// "09:30" in minutes, up to 24:00; nothing: another form.
+[[nodiscard]] std::optional<int> time_of_day(std::string_view text);
+/// When clocks show a time that something lasts to: where it comes twice, the second; where they jump over it, the
+/// jump.
+[[nodiscard]] absl::Time end_of(const absl::TimeZone::TimeInfo& info);
 
 /// A value; reentrant.
 class OpeningHours {

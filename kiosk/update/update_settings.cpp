@@ -11,11 +11,7 @@
 namespace cyclorama {
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr const char* kUsualNight = "02:00-05:00";
-/// 2026-01-01: a clock that stands before was never set, and OpeningHours is open then.
-constexpr WallTime kEarliest{1767225600s};
 
 Result<UpdateSettings> settings_of(Config config) {
   UpdateSettings settings;
@@ -44,7 +40,7 @@ bool UpdateSettings::is_night(WallTime now, const std::optional<HoursOverride>& 
   // A museum without [hours] is always open, and has its nights all the same, but for one in which it was kept open.
   const bool is_overridden = override && override->holds(now);
   const bool is_open = is_overridden ? override->is_open : has_opening_hours && opening.is_open(now);
-  return now >= kEarliest && night.is_open(now) && !is_open;
+  return is_clock_set(now) && night.is_open(now) && !is_open;
 }
 
 Result<UpdateSettings> read_update_settings(const std::filesystem::path& site) {

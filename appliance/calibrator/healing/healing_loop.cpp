@@ -2,6 +2,7 @@
 #include "appliance/calibrator/healing/healing_loop.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pthread.h>
 
 #include <algorithm>
@@ -17,13 +18,6 @@ namespace {
 constexpr Duration kTryAgainAfter = std::chrono::seconds(1);
 constexpr Duration kKeepEvery = std::chrono::minutes(10);
 constexpr int kGivesWay = 10;
-constexpr const char* kNoCamera = "no camera watches; name one in calibrator.toml, or with --watch";
-
-std::string joined(const std::vector<std::string>& sentences) {
-  std::string text;
-  for (const std::string& sentence : sentences) text += (text.empty() ? "" : "; ") + sentence;
-  return text;
-}
 
 }  // namespace
 
@@ -118,7 +112,8 @@ Status HealingLoop::begin() {
   const auto at = calibrated_at();
   const std::vector<std::string> troubles = rooms_->troubles();
   // Somebody wants the wall watched, so this is a fault.
-  if (rooms_->cameras().empty() && !troubles.empty()) return Error(ErrorCode::kUnavailable, joined(troubles));
+  if (rooms_->cameras().empty() && !troubles.empty())
+    return Error(ErrorCode::kUnavailable, fmt::format("{}", fmt::join(troubles, "; ")));
   TRY_ASSIGN(HealingStart begun, healing_start(folder_, installation_, rooms_->cameras()));
   begun.troubles.insert(begun.troubles.begin(), troubles.begin(), troubles.end());
   const ShowFile& show = begun.show;
@@ -295,7 +290,8 @@ Result<std::string> HealingLoop::undo() {
 Result<std::vector<PlacedCamera>> HealingLoop::place_cameras(std::stop_token stop) {
   if (rooms_->cameras().empty()) {
     const std::vector<std::string> troubles = rooms_->troubles();
-    return Error(ErrorCode::kNotFound, troubles.empty() ? kNoCamera : joined(troubles));
+    return Error(ErrorCode::kNotFound,
+                 troubles.empty() ? kNoCameraWatches : fmt::format("{}", fmt::join(troubles, "; ")));
   }
   TRY_ASSIGN(const Calibration calibration, corrected_calibration(folder_, installation_));
   TRY_ASSIGN(PlacingDevices devices, rooms_->open_for_placing());

@@ -10,8 +10,7 @@ grpc::Status refused(const std::string& why) { return {grpc::StatusCode::FAILED_
 
 grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasOrder*,
                                           wire::PlacedCameras* reply) {
-  if (loop_ == nullptr)
-    return {grpc::StatusCode::NOT_FOUND, "no camera watches; name one in calibrator.toml, or with --watch"};
+  if (loop_ == nullptr) return {grpc::StatusCode::NOT_FOUND, kNoCameraWatches};
   const std::unique_lock working(busy_, std::try_to_lock);
   if (!working) return refused("the cameras are being placed already");
   std::stop_source stop;

@@ -137,9 +137,7 @@ Result<HealingStart> healing_start(const std::filesystem::path& folder, const In
     start.cameras.push_back(i);
   }
   if (show.cameras.empty()) {
-    return Error(ErrorCode::kNotFound, start.troubles.empty()
-                                           ? "no camera watches; name one in calibrator.toml, or with --watch"
-                                           : start.troubles.front());
+    return Error(ErrorCode::kNotFound, start.troubles.empty() ? kNoCameraWatches : start.troubles.front());
   }
   TRY_ASSIGN(show.projectors, projectors_of(folder, calibration, installation, known ? &*known : nullptr));
   return start;

@@ -11,6 +11,9 @@
 
 namespace cyclorama {
 
+/// What to do where there is nothing to go on with.
+inline constexpr const char* kNoCameraWatches = "no camera watches; name one in calibrator.toml, or with --watch";
+
 /// What there is to go on with.
 struct HealingStart {
   ShowFile show;

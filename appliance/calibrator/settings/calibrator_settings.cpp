@@ -44,9 +44,10 @@ void read_displays(ConfigTable root, CalibratorSettings* ret) {
 }
 
 void read_watched(ConfigTable watch, CalibratorSettings* ret) {
-  ret->watch_exposure_s = kMillisecond * watch.number("exposure_ms", Ranges::kWatchExposure_ms, 1e3 / 30.0);
+  ret->watch_exposure_s =
+      kMillisecond * watch.number("exposure_ms", Ranges::kWatchExposure_ms, ret->watch_exposure_s / kMillisecond);
   ret->watch_hz = watch.number("compare_hz", Ranges::kWatch_hz, ret->watch_hz);
-  ret->latency_s = kMillisecond * watch.number("latency_ms", Ranges::kLatency_ms, 30.0);
+  ret->latency_s = kMillisecond * watch.number("latency_ms", Ranges::kLatency_ms, ret->latency_s / kMillisecond);
   for (ConfigTable camera : watch.tables("camera")) {
     CameraPlug plug;
     plug.name = camera.text("name");
@@ -78,7 +79,7 @@ Result<CalibratorSettings> from_config(Config* config, const std::filesystem::pa
     }
   }
   read_displays(root, &settings);
-  settings.settle_s = kMillisecond * root.number("settle_ms", Ranges::kSettle_ms, 100.0);
+  settings.settle_s = kMillisecond * root.number("settle_ms", Ranges::kSettle_ms, settings.settle_s / kMillisecond);
   settings.turnplate = root.text("turnplate", settings.turnplate);
   if (const Status plate = check_turnplate(settings.turnplate); !plate) {
     root.refuse("turnplate", plate.error().message());
@@ -89,9 +90,11 @@ Result<CalibratorSettings> from_config(Config* config, const std::filesystem::pa
     settings.lens = folder / lens;
     if (camera.has("field_of_view_deg")) camera.refuse("field_of_view_deg", "and lens say the same; remove one");
   }
-  settings.field_of_view_rad = kDegree * camera.number("field_of_view_deg", Ranges::kFieldOfView_deg, 70.0);
-  settings.pitch_rad = kDegree * camera.number("pitch_deg", Ranges::kPitch_deg, 0.0);
-  settings.longest_exposure_s = kMillisecond * camera.number("longest_exposure_ms", Ranges::kLongestExposure_ms, 250.0);
+  settings.field_of_view_rad =
+      kDegree * camera.number("field_of_view_deg", Ranges::kFieldOfView_deg, settings.field_of_view_rad / kDegree);
+  settings.pitch_rad = kDegree * camera.number("pitch_deg", Ranges::kPitch_deg, settings.pitch_rad / kDegree);
+  settings.longest_exposure_s = kMillisecond * camera.number("longest_exposure_ms", Ranges::kLongestExposure_ms,
+                                                             settings.longest_exposure_s / kMillisecond);
   read_watched(root.table("watch"), &settings);
   settings.lenses = folder / "cameras";
   TRY(config->finish());

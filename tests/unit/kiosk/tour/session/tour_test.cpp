@@ -237,10 +237,13 @@ TEST(Tour, asks_once_a_second_at_rest) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  const std::size_t views = farm.views().size();
   const TimePoint begin = SteadyClock().now();
-  ASSERT_TRUE(farm.wait_for_views(3));
+  // The first of them may follow at once: a display that comes after the first view is a reason to ask again.
+  ASSERT_TRUE(farm.wait_for_views(views + 3));
   EXPECT_GE(SteadyClock().now() - begin, 1900ms);
-  EXPECT_TRUE(farm.views()[2].shutter_ns() == 0);
+  EXPECT_TRUE(farm.views().back().shutter_ns() == 0);
 }
 
 TEST(Tour, leaves_a_farm_with_a_budget_alone_at_rest_until_somebody_has_not_seen_the_picture) {

@@ -55,12 +55,12 @@ class Computer:
         file.write_text(f"#!/bin/sh\n{script}\n")
         file.chmod(0o755)
 
-    def start_with(self, folder):
+    def start_with(self, folder, **environment):
         """A start, with the folder's files as systemd credentials."""
         with tempfile.TemporaryDirectory() as credentials:
             for file in folder.iterdir():
                 shutil.copy(file, f"{credentials}/cyclorama.{file.name}")
-            self.run("find-settings", CREDENTIALS_DIRECTORY=credentials)
+            self.run("find-settings", CREDENTIALS_DIRECTORY=credentials, **environment)
 
     def report(self, name="provisioning"):
         """All that it says, one text; it is JSON."""
@@ -118,6 +118,25 @@ def check_settings(computer, folder):
     (given / "site.toml").write_text(GOOD + "# newest\n")
     computer.start_with(given)
     bad += expect("other credentials are taken", computer.site() == GOOD + "# newest\n", computer.report())
+    return bad + check_refused(computer, folder, given, stick)
+
+
+def check_refused(computer, folder, given, stick):
+    """Credentials, and what lies on the boot partition, are there again at the next start."""
+    bad = 0
+    busy = folder / "busy"
+    busy.mkdir()
+    (busy / "cyclorama-display").write_text("#!/bin/sh\necho not by this clock\nexit 1\n")
+    (busy / "cyclorama-display").chmod(0o755)
+    for others, taken in ((GOOD + "# late\n", True), (GOOD + "# too late\n", False)):
+        (given / "site.toml").write_text(others)
+        computer.start_with(given, CYCLORAMA_PROGRAMS=str(busy))
+        bad += expect("settings that cannot be used yet are refused", "refused" in computer.report() and computer.site() != others, computer.report())
+        if not taken:
+            subprocess.run(["cyclorama-provision", "--state", str(computer.state), "install", str(stick), "--programs", ""], env=computer.environment, capture_output=True, check=True)
+        computer.start_with(given)
+        what = "looked at again at the next start" if taken else "not, once a stick brought others, which stay, and what is told of them too"
+        bad += expect(f"those are {what}", (computer.site() == others) == taken and "installed" in computer.report(), computer.report())
     return bad
 
 
@@ -169,6 +188,33 @@ def check_update(computer, folder):
     (update / "cyclorama-museum_2.efi").rename(update / "cyclorama-museum-debug_2.efi")
     sign(update, folder / "ours")
     bad += refused("an update for another image", "nothing there is for")
+    return bad
+
+
+def check_written(computer, folder):
+    """What is remembered of a version, so that the farm is not asked for it again."""
+    bad = 0
+    update, sysupdate = folder / "written", folder / "sysupdate"
+    seen = computer.state / "update-seen"
+
+    def bring(version, writes, is_newer=True):
+        shutil.rmtree(update, ignore_errors=True)
+        update.mkdir()
+        (update / f"cyclorama-museum_{version}.efi").write_bytes(b"kernel")
+        sign(update, folder / "ours")
+        sysupdate.write_text(f'#!/bin/sh\nfor verb; do case $verb in check-new) {f"echo {version}" if is_newer else "exit 1"} ;; update) {writes} ;; esac; done\n')
+        sysupdate.chmod(0o755)
+        (computer.state / "update.json").unlink(missing_ok=True)
+        return computer.run("update", update, CYCLORAMA_SYSUPDATE=str(sysupdate)), computer.report("update"), seen.read_text().strip() if seen.exists() else None
+    (folder / "os-release").write_text("IMAGE_ID=cyclorama-museum\nIMAGE_VERSION=1\n")
+    cut = bring("3", "kill -9 $PPID")
+    bad += expect("a cut while a version is written leaves it to be brought again", cut[0] != 0 and cut[2] is None, str(cut))
+    written = bring("3", "exit 0")
+    bad += expect("one that is written is not", written[0] == 0 and '"ready"' in written[1] and written[2] == "3", str(written))
+    older = bring("2", "exit 0", is_newer=False)
+    bad += expect("an older one of a stick's changes nothing of that", '"current"' in older[1] and older[2] == "3", str(older))
+    failed = bring("10", "exit 1")
+    bad += expect("one that cannot be written is told, and not brought again", '"failed"' in failed[1] and failed[2] == "10", str(failed))
     return bad
 
 
@@ -371,7 +417,7 @@ def main(source, build):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         computer = Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder)
-        bad = check_settings(computer, folder) + check_update(computer, folder) + check_wishes(computer, folder)
+        bad = check_settings(computer, folder) + check_update(computer, folder) + check_written(computer, folder) + check_wishes(computer, folder)
         bad += check_farm_updates(computer, folder) + check_fetch_program(pathlib.Path(build).resolve(), folder) + check_health(computer, folder)
         bad += check_farm_host(Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder / "host", "farm-host"), folder)
     print("scripts: ok" if bad == 0 else f"scripts: {bad} failed")

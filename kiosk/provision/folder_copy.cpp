@@ -216,6 +216,14 @@ bool is_plain_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), is_plain);
 }
 
+FolderLimits within(std::uintmax_t available_bytes, FolderLimits limits) {
+  constexpr std::uintmax_t kKeptFree = std::uintmax_t{256} << 20;
+  constexpr std::uintmax_t kSettings = std::uintmax_t{1} << 20;
+  const std::uintmax_t room = available_bytes > kKeptFree + kSettings ? available_bytes - kKeptFree : kSettings;
+  limits.most_bytes = std::min<std::uintmax_t>(limits.most_bytes, room);
+  return limits;
+}
+
 Result<CopiedFolder> copy_folder(const std::filesystem::path& from, const std::filesystem::path& to,
                                  const FolderLimits& limits) {
   TRY_ASSIGN(const UniqueFd source, open_folder(from));

@@ -3,6 +3,8 @@
 /// can change any more.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -17,6 +19,9 @@ struct FolderLimits {
   std::size_t largest_bytes = std::size_t{64} << 20;  ///< Of one file: measured warps are the largest.
   std::size_t most_bytes = std::size_t{256} << 20;    ///< Of all.
 };
+
+/// With no more than a disk has room for, but 256 MiB for what runs beside; 1 MiB, for settings alone, always.
+[[nodiscard]] FolderLimits within(std::uintmax_t available_bytes, FolderLimits limits);
 
 struct CopiedFile {
   std::string name;  ///< "site.toml", "tls/key.pem".

@@ -2,7 +2,6 @@
 /// cyclorama-provision: a museum's settings, from a stick into use.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
@@ -23,16 +22,10 @@ constexpr const char* kFarmHost = "farm-host";
 /// Scenes come with them: as long a file as FAT holds.
 constexpr FolderLimits kFarmHostLimits{200, (std::size_t{4} << 30) - 1, std::size_t{16} << 30};
 
-constexpr std::uintmax_t kKeptFree = std::uintmax_t{256} << 20;
-
-/// No more than the disk has room for, beside what runs.
 FolderLimits farm_host_limits(const std::filesystem::path& state) {
-  FolderLimits limits = kFarmHostLimits;
   std::error_code unknown;
   const std::filesystem::space_info space = std::filesystem::space(state, unknown);
-  if (!unknown && space.available > kKeptFree)
-    limits.most_bytes = std::min<std::uintmax_t>(limits.most_bytes, space.available - kKeptFree);
-  return limits;
+  return unknown ? kFarmHostLimits : within(space.available, kFarmHostLimits);
 }
 
 struct Options {

@@ -147,8 +147,9 @@ class MuseumChecker {
         lenses.push_back(name + ".json");
         if (name.empty() || check_.has("cameras/" + lenses.back())) continue;
         check_.remark(
-            fmt::format("cameras/{0}.json is missing, so camera '{0}' of calibrator.toml watches nothing until its "
-                        "lens is known: let 'cyclorama calibrate-camera' measure it, and copy what that writes",
+            fmt::format("cameras/{0}.json is missing: if this computer's calibration does not know its lens, camera "
+                        "'{0}' of calibrator.toml watches nothing; let 'cyclorama calibrate-camera' measure it, and "
+                        "copy what that writes",
                         printable(name)));
       }
     }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <limits>
+
 #include "common/base/file.h"
 #include "kiosk/provision/provision.h"
 #include "tests/doubles/test_authority.h"
@@ -169,6 +171,18 @@ INSTANTIATE_TEST_SUITE_P(
                [](const FarmStick& s) { s.write("farm.toml", std::string(kHead) + "[watch]\ntoken_file = \"t\"\n"); },
                "'t', which is not there"}),
     [](const auto& test) { return test.param.name; });
+
+TEST(FarmHost, keeps_room_for_what_runs_and_takes_settings_alone_on_a_full_disk) {
+  constexpr std::uintmax_t kMiB = 1 << 20;
+  const FolderLimits most{200, 4096 * kMiB, 16384 * kMiB};
+  EXPECT_EQ(within(std::numeric_limits<std::uintmax_t>::max(), most).most_bytes, most.most_bytes);
+  EXPECT_EQ(within(1256 * kMiB, most).most_bytes, 1000 * kMiB);
+  for (const std::uintmax_t full : {257 * kMiB, 256 * kMiB, 255 * kMiB, kMiB, std::uintmax_t{0}}) {
+    EXPECT_EQ(within(full, most).most_bytes, kMiB) << full;
+  }
+  EXPECT_EQ(within(0, most).most_files, most.most_files);
+  EXPECT_EQ(within(0, {200, 10, 10}).most_bytes, 10U);
+}
 
 TEST(FarmHost, asks_the_programs_about_their_own_tables) {
   const FarmStick host;

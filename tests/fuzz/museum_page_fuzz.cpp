@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "kiosk/operator/calibration_desk.h"
+#include "kiosk/operator/museum_routes.h"
 #include "kiosk/operator/redaction.h"
 #include "kiosk/operator/sessions.h"
 #include "kiosk/update/update_status.h"
@@ -16,6 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   if (data[0] % 4 == 0) {
     static_cast<void>(parse_calibration_wish(text));
+    static_cast<void>(parse_hours_wish(std::string(text)));
   } else if (data[0] % 4 == 1) {
     const auto status = parse_update_status(text);
     if (status && status->version.empty()) std::abort();

@@ -142,15 +142,14 @@ def look_how_it_turns(machine, show, wand, folder):
     while time.monotonic() < (deadline or began + BEGINS_S):
         time.sleep(0.3)
         now = machine.picture(1)
-        has_changed = now[2] != seen[-1][2]
-        if has_changed:
+        if now[2] != seen[-1][2]:
             # A wand that rests is never seen quite the same twice; the view then stands, and its noise changes.
             if abs(moved_px(seen[-1], now)) > 1:
                 changed_at = time.monotonic()
             seen.append(now)
             if folder:
                 save_png(now, folder / f"turn-{wand}-{len(seen):03}.png")
-        if deadline is None and (has_changed if wand != "rest" else time.monotonic() - (changed_at or began) > SETTLES_S):
+        if deadline is None and (changed_at is not None if wand != "rest" else time.monotonic() - (changed_at or began) > SETTLES_S):
             deadline = time.monotonic() + TURNS_S
             if wand == "rest":
                 seen = seen[-1:]

@@ -5,6 +5,7 @@ the calibrator's own checks, cyclorama-health, cyclorama doctor.
 
 Run: care_test.py SOURCE_ROOT BUILD_FOLDER
 """
+import contextlib
 import json
 import pathlib
 import shutil
@@ -174,7 +175,7 @@ class Projector:
     def serve(self):
         while True:
             client, _ = self.listener.accept()
-            with client:
+            with client, contextlib.suppress(OSError):  # Who asks may go away.
                 client.sendall(b"PJLINK 0\r")
                 client.sendall(b"%1ERST=020000\r" if b"ERST" in client.recv(100) else b"%1POWR=1\r")
 
@@ -191,11 +192,14 @@ def check_lamps(source, build, folder):
         port = free.getsockname()[1]
     keeper = subprocess.Popen([build / "bin/cyclorama-projectors", "keep", "--config", site, "--installation", room, "--listen",
                                f"[::1]:{port}"], stderr=subprocess.PIPE, text=True)
-    assert "lamp (error)" in keeper.stderr.readline()
-    doctor = run(build / "bin/cyclorama", "doctor", "--museum", folder / "nowhere", "--watch", f"projectors=[::1]:{port}")
-    assert doctor.returncode == 1 and "It reports: lamp (error)" in doctor.stdout and "have it replaced" in doctor.stdout, doctor.stdout
-    keeper.terminate()
-    assert keeper.wait(30) == 0, keeper.returncode
+    try:
+        assert "lamp (error)" in keeper.stderr.readline()
+        doctor = run(build / "bin/cyclorama", "doctor", "--museum", folder / "nowhere", "--watch", f"projectors=[::1]:{port}")
+        assert doctor.returncode == 1 and "It reports: lamp (error)" in doctor.stdout and "have it replaced" in doctor.stdout, doctor.stdout
+    finally:
+        keeper.terminate()
+        ended = keeper.wait(30)
+    assert ended == 0, ended
 
 
 def main(source, build):

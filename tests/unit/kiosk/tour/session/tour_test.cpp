@@ -238,8 +238,8 @@ TEST(Tour, asks_once_a_second_at_rest) {
   TourProcess tour(settings_for(farm));
   FakeDisplay display(tour.address());
   ASSERT_TRUE(display.wait_for_frames(1));
-  const std::size_t views = farm.views().size();
   const TimePoint begin = SteadyClock().now();
+  const std::size_t views = farm.views().size();
   // The first of them may follow at once: a display that comes after the first view is a reason to ask again.
   ASSERT_TRUE(farm.wait_for_views(views + 3));
   EXPECT_GE(SteadyClock().now() - begin, 1900ms);

@@ -263,6 +263,7 @@ def check_farm_updates(computer, folder):
     bad += expect("by day nothing is said", said == "" and "cyclorama-fetch-update@night.service" in called.read_text(), said + called.read_text())
     said = look("now", "nothing nothing newer than 1")
     bad += expect("nothing newer is told", '"current"' in said and "nothing newer than 1" in said, said)
+    bad += expect("and what lies there of an older one goes", not (updates / "offer").exists())
     said = look("now", "failed the disk has \"room\"\\ for 3 MB")
     bad += expect("why not is told", '"failed"' in said and "the disk has room for 3 MB" in said, said)
     said = look("night", "")

@@ -42,7 +42,8 @@ def run(options, folder):
         else:
             figures["failed"].append(f"cyclorama update: {status}, {said}; " + machine.run("journalctl -b -o cat --no-pager -u 'cyclorama-*update*' | tail -n 30")[1])
         figures["fetched_and_written_s"] = round(time.monotonic() - began)
-        _, left = machine.run("ls /var/lib/cyclorama-update")
+        # Once what is dark was noted for the trial.
+        _, left = machine.run("cd /var/lib/cyclorama-update; for i in $(seq 120); do [ -e offer ] || break; sleep 1; done; ls", 240)
         if "offer" in left:
             figures["failed"].append(f"what was fetched is still there: {left}")
         machine.restart(START_S)

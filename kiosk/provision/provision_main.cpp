@@ -70,8 +70,9 @@ void add_options(CLI::App& app, Options* options) {
   }
 }
 
+/// A remark is no fault: an image's own settings have some, until the first stick.
 void say(const ProvisioningReport& report) {
-  for (const std::string& remark : report.remarks) log(LogLevel::kWarning, remark);
+  for (const std::string& remark : report.remarks) log(LogLevel::kNotice, remark);
   for (const std::string& problem : report.problems) log(LogLevel::kError, problem);
 }
 

@@ -13,7 +13,7 @@
 
 namespace cyclorama {
 
-/// From refreshes to numbers for the operator (docs/frame-timing.md names the stages) and reports for the tour.
+/// From refreshes to numbers for the operator and reports for the tour; docs/reference/frame-timing.md names the stages.
 /// Thread-bound.
 class RefreshReporter {
  public:

@@ -4,8 +4,8 @@
 /// masks.
 ///
 /// Sources: VESA MPCDI 1.0 and 2.0; where their text is silent or tools differ, what tools do: Scalable Display's
-/// reference library (2013), PyMPCDI, SGCT, Unreal's nDisplay, Christie's "MPCDI explained". docs/design/interchange.md
-/// lists each such choice.
+/// reference library (2013), PyMPCDI, SGCT, Unreal's nDisplay, Christie's "MPCDI explained".
+/// docs/reference/interchange.md lists each such choice.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The steps of a frame from shutter to photon, in order: docs/frame-timing.md.
+/// The steps of a frame from shutter to photon, in order: docs/reference/frame-timing.md.
 #pragma once
 
 #include <array>

@@ -16,7 +16,7 @@ namespace cyclorama {
 ///
 ///   stages   queue, plan, fan_out, render, encode, farm, overhead of each whole frame of a moving picture; relay of
 ///   each
-///            tile (docs/frame-timing.md)
+///            tile (docs/reference/frame-timing.md)
 ///   gauges   frames, refined_frames, late_frames, given_up_frames: of all visits since the start; frames_per_second,
 ///            rays_per_second: of the last second or so; nodes, visits
 ///            nodes_ready: nodes that have the farm's first scene
@@ -29,7 +29,7 @@ class HeadMeters {
   HeadMeters(InspectionService& inspection, FarmMetrics& metrics) : inspection_(inspection), metrics_(metrics) {}
 
   void add(const FrameReport& report);
-  /// One step of a frame, as docs/frame-timing.md names it.
+  /// One step of a frame, as docs/reference/frame-timing.md names it.
   void add_stage(const std::string& stage, double seconds);
   /// The state at each call; tables and rates once a second.
   void update(const HeadState& state, TimePoint now);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// node.toml: docs/operations/settings.md.
+/// node.toml: docs/reference/settings.md.
 #pragma once
 
 #include <filesystem>

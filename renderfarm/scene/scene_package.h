@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// scene.toml as read, before any geometry is: what a scene package says, checked. docs/design/scene-package.md lists
-/// every key.
+/// scene.toml as read, before any geometry is: what a scene package says, checked.
+/// docs/reference/scene-package.md lists every key.
 #pragma once
 
 #include <Eigen/Geometry>

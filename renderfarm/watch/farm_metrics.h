@@ -20,7 +20,7 @@ struct FrameFigures {
   int moved = 0;             ///< Blocks that a node that was done took from others.
 };
 
-/// The farm's numbers in Prometheus' text format 0.0.4, on prometheus-cpp. docs/operations/watch.md lists them.
+/// The farm's numbers in Prometheus' text format 0.0.4, on prometheus-cpp. docs/guides/watch.md lists them.
 ///
 /// Series are bounded: museums beyond the first kMostMuseums names are counted as "(others)", of several visits of one
 /// museum the worst is shown, and nodes of one name are numbered. Thread-safe.
@@ -34,7 +34,7 @@ class FarmMetrics {
   FarmMetrics& operator=(const FarmMetrics&) = delete;
 
   void add(const FrameFigures& frame);
-  /// One step of a frame's way: docs/frame-timing.md.
+  /// One step of a frame's way: docs/reference/frame-timing.md.
   void add_stage(const std::string& stage, double seconds);
   void visit_opened(const std::string& museum);
   void visit_refused(ErrorCode reason);

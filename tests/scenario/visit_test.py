@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 STAGES = ["capture", "detect", "pose", "steer", "farm_round_trip", "farm", "plan", "render", "encode", "decode", "wait", "draw",
-          "heading_to_photon", "shutter_to_photon"]  # All of docs/frame-timing.md.
+          "heading_to_photon", "shutter_to_photon"]  # All of docs/reference/frame-timing.md.
 
 
 def main(root, build):

@@ -44,7 +44,7 @@ struct CalibratorSettings {
   double watch_hz = 4.0;
   double latency_s = 0.03;  ///< From a refresh of the display to the projector's light.
 
-  /// calibrator.toml, whose keys docs/operations/settings.md lists. Lenses lie beside it: what [camera] names, and
+  /// calibrator.toml, whose keys docs/reference/settings.md lists. Lenses lie beside it: what [camera] names, and
   /// cameras/NAME.json. Reads none of them.
   /// kBadData  file, line and remedy.     Others as read_file().
   static Result<CalibratorSettings> read(const std::filesystem::path& path);

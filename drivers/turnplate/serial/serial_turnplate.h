@@ -23,7 +23,7 @@ struct SerialTurnplateOptions {
   std::chrono::milliseconds home_timeout{90000};
 };
 
-/// A motor behind a controller that speaks G-code; gcode.h has the words, docs/operations/turnplate.md the wiring.
+/// A motor behind a controller that speaks G-code; gcode.h has the words, docs/guides/turntable.md the wiring.
 class SerialTurnplate final : public Turnplate {
  public:
   /// Asks for an answer and moves nothing. Errors as SerialPort::open(), and

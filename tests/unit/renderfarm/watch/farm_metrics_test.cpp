@@ -158,7 +158,7 @@ std::set<std::string> names_in(const std::string& text) {
 }
 
 TEST(FarmMetrics, the_dashboard_asks_for_nothing_that_is_not_there) {
-  const auto dashboard = nlohmann::json::parse(document("docs/operations/dashboard.json"));
+  const auto dashboard = nlohmann::json::parse(document("docs/reference/dashboard.json"));
   std::set<std::string> asked;
   int queries = 0;
   for (const auto& panel : dashboard["panels"]) {
@@ -172,7 +172,7 @@ TEST(FarmMetrics, the_dashboard_asks_for_nothing_that_is_not_there) {
 }
 
 TEST(FarmMetrics, the_operators_page_lists_exactly_what_is_there) {
-  EXPECT_EQ(names_in(document("docs/operations/watch.md")), all_families());
+  EXPECT_EQ(names_in(document("docs/guides/watch.md")), all_families());
 }
 
 }  // namespace

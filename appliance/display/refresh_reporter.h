@@ -13,8 +13,8 @@
 
 namespace cyclorama {
 
-/// From refreshes to numbers for the operator and reports for the tour; docs/reference/frame-timing.md names the stages.
-/// Thread-bound.
+/// From refreshes to numbers for the operator and reports for the tour. docs/reference/frame-timing.md names the
+/// stages. Thread-bound.
 class RefreshReporter {
  public:
   /// `heads`: the output's, in order.

@@ -24,10 +24,10 @@
 #include "common/process/notify.h"
 #include "common/process/program.h"
 #include "common/wire/channel.h"
-#include "drivers/camera/camera_spec.h"
-#include "drivers/camera/make_camera.h"
+#include "drivers/devices/camera_spec.h"
+#include "drivers/devices/make_camera.h"
+#include "drivers/simulated/turntable/simulated_turnplate.h"
 #include "drivers/turnplate/make_turnplate.h"
-#include "drivers/turnplate/simulated/simulated_turnplate.h"
 
 namespace cyclorama {
 namespace {

@@ -13,7 +13,7 @@
 #include "appliance/tracker/straight_corners.h"
 #include "common/base/text.h"
 #include "common/wire/convert.h"
-#include "drivers/camera/make_camera.h"
+#include "drivers/devices/make_camera.h"
 
 namespace cyclorama {
 namespace {

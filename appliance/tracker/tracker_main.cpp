@@ -12,7 +12,7 @@
 #include "common/process/notify.h"
 #include "common/process/program.h"
 #include "common/wire/channel.h"
-#include "drivers/camera/make_camera.h"
+#include "drivers/devices/make_camera.h"
 
 namespace cyclorama {
 namespace {

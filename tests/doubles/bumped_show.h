@@ -10,9 +10,9 @@
 
 #include "appliance/calibrator/continuous/continuous_calibrator.h"
 #include "common/geometry/panorama.h"
-#include "drivers/simulated_room/flaws.h"
-#include "drivers/simulated_room/presets.h"
-#include "drivers/simulated_room/simulated_show.h"
+#include "drivers/simulated/museum/flaws.h"
+#include "drivers/simulated/museum/presets.h"
+#include "drivers/simulated/museum/simulated_show.h"
 #include "tests/doubles/left_over.h"
 
 namespace cyclorama {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Rooms whose geometry is exact, and what a camera on a turn-plate would measure in them: projectors with lenses, a
 /// wall, noise, gross errors. Shares no formula with the solver: walls are implicit and hit by bisection, lenses are
-/// inverted by iteration. Made by geometry alone; drivers/simulated_room takes photographs instead.
+/// inverted by iteration. Made by geometry alone; drivers/simulated/museum takes photographs instead.
 #pragma once
 
 #include <Eigen/Core>

@@ -5,7 +5,7 @@
 
 #include "appliance/calibrator/continuous/show_calibration.h"
 #include "common/base/result.h"
-#include "drivers/simulated_room/flaws.h"
+#include "drivers/simulated/museum/flaws.h"
 
 namespace cyclorama {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "drivers/simulated_room/true_museum.h"
+#include "drivers/simulated/museum/true_museum.h"
 
 namespace cyclorama {
 

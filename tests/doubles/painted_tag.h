@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/image/image.h"
-#include "drivers/camera/simulated/tag_painter.h"
+#include "drivers/simulated/camera/tag_painter.h"
 
 namespace cyclorama {
 

@@ -8,7 +8,7 @@
 
 #include "appliance/calibrator/patterns/pattern_drawing.h"
 #include "appliance/calibrator/solve/map_grid.h"
-#include "drivers/simulated_room/camera_table.h"
+#include "drivers/simulated/museum/camera_table.h"
 
 namespace cyclorama {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "appliance/calibrator/photometry/photometry.h"
-#include "drivers/simulated_room/presets.h"
-#include "drivers/simulated_room/simulated_museum.h"
-#include "drivers/simulated_room/true_museum.h"
+#include "drivers/simulated/museum/presets.h"
+#include "drivers/simulated/museum/simulated_museum.h"
+#include "drivers/simulated/museum/true_museum.h"
 
 namespace cyclorama {
 

@@ -6,8 +6,8 @@
 
 #include "appliance/calibrator/realign/realignment.h"
 #include "appliance/calibrator/scan/simulated_devices.h"
-#include "drivers/simulated_room/presets.h"
-#include "drivers/turnplate/simulated/simulated_turnplate.h"
+#include "drivers/simulated/museum/presets.h"
+#include "drivers/simulated/turntable/simulated_turnplate.h"
 #include "tests/doubles/museum_score.h"
 
 namespace cyclorama {

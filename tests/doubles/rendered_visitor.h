@@ -11,7 +11,7 @@
 
 #include "common/image/image.h"
 #include "common/room/pinhole.h"
-#include "drivers/camera/simulated/sensor.h"
+#include "drivers/simulated/camera/sensor.h"
 
 namespace cyclorama {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "appliance/calibrator/solve/calibrate.h"
-#include "drivers/simulated_room/true_museum.h"
+#include "drivers/simulated/museum/true_museum.h"
 
 namespace cyclorama {
 

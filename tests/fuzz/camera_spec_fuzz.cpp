@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "drivers/camera/camera_spec.h"
+#include "drivers/devices/camera_spec.h"
 
 /// Any line is cut into parts of itself, and refused in words.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

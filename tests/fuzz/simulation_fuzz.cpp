@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "drivers/camera/simulated/simulation.h"
+#include "drivers/simulated/camera/simulation.h"
 
 /// Any text is a simulation or an Error; a simulation's path is finite at any time.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "drivers/simulated_room/truth.h"
+#include "drivers/simulated/museum/truth.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;

@@ -22,7 +22,7 @@ MAY_INCLUDE = {
     "common/wand": ["common/base", "common/config", "common/geometry", "common/wand"],
     "common/wire": ["common/base", "common/geometry", "common/image", "common/wire"],
     "common": ["common"],
-    "drivers/simulated_room": ["common", "drivers"],
+    "drivers/simulated": ["common", "drivers"],
     "drivers": ["common", "drivers"],
     "renderfarm": ["common", "renderfarm"],
     "appliance": ["common", "drivers", "appliance"],
@@ -31,7 +31,7 @@ MAY_INCLUDE = {
 }
 # The truth of a simulated museum. Who calibrates may meet neither these headers, also by way of others, nor the file's
 # name; the appliance and the kiosk hold all that a museum runs.
-TRUTH_HEADERS = {f"drivers/simulated_room/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "simulated_show")}
+TRUTH_HEADERS = {f"drivers/simulated/museum/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "simulated_show")}
 TRUTH_FILE = re.compile(r"truth\.(toml|json)")
 TRUTH_CALL = re.compile(r"(?:\.|->)truth\(\)")  # Of a simulated museum, which devices for it hold.
 BLIND = ("appliance", "kiosk")

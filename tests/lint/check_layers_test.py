@@ -7,7 +7,7 @@ import sys
 import tempfile
 
 LINT = pathlib.Path(__file__).with_name("check_layers.py")
-TRUTH = "drivers/simulated_room/truth.h"
+TRUTH = "drivers/simulated/museum/truth.h"
 
 
 def lint(files):

@@ -26,7 +26,7 @@
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/inspection.grpc.pb.h"
 #include "common/wire/show.grpc.pb.h"
-#include "drivers/simulated_room/presets.h"
+#include "drivers/simulated/museum/presets.h"
 #include "tests/doubles/bumped_show.h"
 #include "tests/doubles/fake_tour.h"
 #include "tests/doubles/jpeg_tiles.h"

@@ -18,8 +18,8 @@
 #include "appliance/tracker/tag_detector.h"
 #include "common/base/percentiles.h"
 #include "common/room/pinhole.h"
-#include "drivers/camera/make_camera.h"
-#include "drivers/camera/simulated/simulated_camera.h"
+#include "drivers/devices/make_camera.h"
+#include "drivers/simulated/camera/simulated_camera.h"
 #include "tests/tools/first_process.h"
 #include "tests/tools/vivid.h"
 

@@ -11,7 +11,7 @@
 #include "common/image/jpeg.h"
 #include "common/image/png.h"
 #include "common/process/program.h"
-#include "drivers/simulated_room/room_picture.h"
+#include "drivers/simulated/room/room_picture.h"
 #include "renderfarm/render/renderer.h"
 #include "renderfarm/scene/scene.h"
 #include "tests/doubles/warped_picture.h"

@@ -10,7 +10,7 @@
 #include <span>
 #include <thread>
 
-#include "drivers/camera/make_camera.h"
+#include "drivers/devices/make_camera.h"
 #include "tests/tools/first_process.h"
 
 namespace cyclorama {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "drivers/camera/simulated/simulated_camera.h"
+#include "drivers/simulated/camera/simulated_camera.h"
 
 int main(int argc, char** argv) {
   using namespace cyclorama;

@@ -6,7 +6,7 @@
 #include "appliance/calibrator/healing/show_rooms.h"
 #include "appliance/calibrator/lens/camera_file.h"
 #include "appliance/calibrator/scan/frame_scan_camera.h"
-#include "drivers/camera/make_camera.h"
+#include "drivers/devices/make_camera.h"
 
 namespace cyclorama {
 namespace {

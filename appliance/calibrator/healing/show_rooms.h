@@ -6,7 +6,7 @@
 #include "appliance/calibrator/healing/show_room.h"
 #include "appliance/calibrator/settings/device_lines.h"
 #include "drivers/camera/camera.h"
-#include "drivers/simulated_room/simulated_stage.h"
+#include "drivers/simulated/museum/simulated_stage.h"
 
 namespace cyclorama {
 

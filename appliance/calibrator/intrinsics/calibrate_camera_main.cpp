@@ -18,8 +18,8 @@
 #include "common/image/image_file.h"
 #include "common/process/program.h"
 #include "common/process/progress.h"
-#include "drivers/camera/camera_spec.h"
-#include "drivers/camera/make_camera.h"
+#include "drivers/devices/camera_spec.h"
+#include "drivers/devices/make_camera.h"
 
 namespace cyclorama {
 namespace {

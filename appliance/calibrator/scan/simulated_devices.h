@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A simulated museum as a scan sees it. The turn-plate is drivers/turnplate/simulated.
+/// A simulated museum as a scan sees it. The turn-plate is drivers/simulated/turntable.
 #pragma once
 
 #include <string>
 
 #include "appliance/calibrator/scan/scan_devices.h"
-#include "drivers/simulated_room/simulated_museum.h"
+#include "drivers/simulated/museum/simulated_museum.h"
 
 namespace cyclorama {
 

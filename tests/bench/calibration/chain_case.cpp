@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "appliance/calibrator/scan/simulated_devices.h"
-#include "drivers/turnplate/simulated/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turnplate.h"
 
 namespace cyclorama {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "appliance/calibrator/scan/calibration_run.h"
-#include "drivers/simulated_room/presets.h"
+#include "drivers/simulated/museum/presets.h"
 #include "tests/doubles/museum_score.h"
 #include "tests/doubles/photometry_museum.h"
 

@@ -11,7 +11,7 @@
 #include "appliance/calibrator/solve/calibrate.h"
 #include "appliance/calibrator/solve/map_grid.h"
 #include "appliance/calibrator/solve/surface_fit.h"
-#include "drivers/turnplate/simulated/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turnplate.h"
 
 namespace cyclorama {
 namespace {

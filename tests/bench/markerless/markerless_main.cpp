@@ -12,7 +12,7 @@
 #include "appliance/tracker/markerless/body_tracker.h"
 #include "common/base/cpu_time.h"
 #include "common/image/png.h"
-#include "drivers/camera/make_camera.h"
+#include "drivers/devices/make_camera.h"
 #include "tests/doubles/visitor_stories.h"
 
 namespace cyclorama {

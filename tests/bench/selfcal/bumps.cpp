@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "drivers/simulated_room/flaws.h"
+#include "drivers/simulated/museum/flaws.h"
 #include "tests/bench/selfcal/selfcal_benches.h"
 
 namespace cyclorama {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "drivers/simulated_room/flaws.h"
+#include "drivers/simulated/museum/flaws.h"
 #include "tests/bench/selfcal/selfcal_benches.h"
 
 namespace cyclorama {

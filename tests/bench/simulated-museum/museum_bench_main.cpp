@@ -10,8 +10,8 @@
 
 #include "common/base/clock.h"
 #include "common/image/png.h"
-#include "drivers/simulated_room/presets.h"
-#include "drivers/simulated_room/simulated_museum.h"
+#include "drivers/simulated/museum/presets.h"
+#include "drivers/simulated/museum/simulated_museum.h"
 
 namespace cyclorama {
 namespace {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "common/wand/folded_card.h"
-#include "drivers/camera/simulated/sensor.h"
-#include "drivers/camera/simulated/simulated_camera.h"
-#include "drivers/camera/simulated/tag_painter.h"
+#include "drivers/simulated/camera/sensor.h"
+#include "drivers/simulated/camera/simulated_camera.h"
+#include "drivers/simulated/camera/tag_painter.h"
 
 namespace cyclorama {
 

@@ -8,7 +8,7 @@
 
 #include "appliance/tracker/overlay.h"
 #include "appliance/tracker/tag_tracking.h"
-#include "drivers/camera/simulated/simulated_camera.h"
+#include "drivers/simulated/camera/simulated_camera.h"
 
 namespace cyclorama {
 namespace {

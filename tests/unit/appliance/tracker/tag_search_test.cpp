@@ -6,7 +6,7 @@
 #include <set>
 
 #include "common/wand/folded_card.h"
-#include "drivers/camera/simulated/tag_painter.h"
+#include "drivers/simulated/camera/tag_painter.h"
 
 namespace cyclorama {
 namespace {

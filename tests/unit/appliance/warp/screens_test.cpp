@@ -11,7 +11,7 @@
 #include "appliance/warp/warp_mesh.h"
 #include "common/geometry/guard_band.h"
 #include "common/image/colour.h"
-#include "drivers/simulated_room/room_picture.h"
+#include "drivers/simulated/room/room_picture.h"
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/mesh_area.h"
 #include "tests/doubles/warped_picture.h"

@@ -11,8 +11,8 @@
 
 #include "common/image/png.h"
 #include "drivers/camera/file/file_camera.h"
-#include "drivers/camera/simulated/simulated_camera.h"
 #include "drivers/camera/v4l2/v4l2_camera.h"
+#include "drivers/simulated/camera/simulated_camera.h"
 #include "tests/doubles/fake_video/fake_video.h"
 #include "tests/doubles/manual_clock.h"
 

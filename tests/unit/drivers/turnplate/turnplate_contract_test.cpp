@@ -9,10 +9,10 @@
 #include <deque>
 #include <memory>
 
-#include "drivers/simulated_room/truth.h"
+#include "drivers/simulated/museum/truth.h"
+#include "drivers/simulated/turntable/simulated_turnplate.h"
 #include "drivers/turnplate/manual/manual_turnplate.h"
 #include "drivers/turnplate/serial/serial_turnplate.h"
-#include "drivers/turnplate/simulated/simulated_turnplate.h"
 #include "tests/doubles/scripted_controller.h"
 
 namespace cyclorama {

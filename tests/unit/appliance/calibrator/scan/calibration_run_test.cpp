@@ -12,8 +12,8 @@
 #include "appliance/calibrator/scan/simulated_devices.h"
 #include "appliance/calibrator/solve/calibration_file.h"
 #include "common/base/file.h"
-#include "drivers/simulated_room/presets.h"
-#include "drivers/turnplate/simulated/simulated_turnplate.h"
+#include "drivers/simulated/museum/presets.h"
+#include "drivers/simulated/turntable/simulated_turnplate.h"
 #include "tests/doubles/museum_score.h"
 #include "tests/doubles/photometry_museum.h"
 

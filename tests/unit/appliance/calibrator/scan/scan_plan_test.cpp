@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "appliance/calibrator/scan/wall_scan.h"
-#include "drivers/simulated_room/presets.h"
+#include "drivers/simulated/museum/presets.h"
 
 namespace cyclorama {
 namespace {

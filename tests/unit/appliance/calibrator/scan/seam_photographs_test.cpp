@@ -10,9 +10,9 @@
 #include "appliance/calibrator/scan/head_drawing.h"
 #include "appliance/calibrator/scan/simulated_devices.h"
 #include "common/image/jpeg.h"
-#include "drivers/simulated_room/presets.h"
-#include "drivers/simulated_room/true_museum.h"
-#include "drivers/turnplate/simulated/simulated_turnplate.h"
+#include "drivers/simulated/museum/presets.h"
+#include "drivers/simulated/museum/true_museum.h"
+#include "drivers/simulated/turntable/simulated_turnplate.h"
 
 namespace cyclorama {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "appliance/calibrator/scan/light_scan.h"
 #include "appliance/calibrator/scan/simulated_devices.h"
-#include "drivers/simulated_room/presets.h"
-#include "drivers/turnplate/simulated/simulated_turnplate.h"
+#include "drivers/simulated/museum/presets.h"
+#include "drivers/simulated/turntable/simulated_turnplate.h"
 
 namespace cyclorama {
 namespace {

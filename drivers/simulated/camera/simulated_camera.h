@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "drivers/camera/camera.h"
+#include "drivers/camera/pace.h"
+#include "drivers/simulated/camera/sensor.h"
+#include "drivers/simulated/camera/simulation.h"
+#include "drivers/simulated/camera/tag_painter.h"
+
+namespace cyclorama {
+
+/// Makes the pictures of a simulation. Picture n begins its exposure at n / frames_per_second on the path, and depends
+/// on nothing but the simulation and n. Immutable; reentrant.
+class SimulatedView {
+ public:
+  explicit SimulatedView(Simulation simulation);
+  [[nodiscard]] GreyImage picture(std::uint64_t sequence) const;
+  [[nodiscard]] const Simulation& simulation() const { return simulation_; }
+
+ private:
+  Simulation simulation_;
+  TagPainter painter_;
+  Image<float, 1> backdrop_;
+  Sensor sensor_;
+};
+
+/// A camera that sees a hand with a tag, in real time. What it knows leaves it as pixels only. Thread-bound, but for
+/// id().
+class SimulatedCamera final : public Camera {
+ public:
+  /// Borrows `clock` for its whole life.
+  SimulatedCamera(Simulation simulation, const Clock& clock);
+
+  [[nodiscard]] const std::string& id() const override { return id_; }
+  Status start() override;
+  /// A picture is ready when its exposure has ended.
+  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override;
+  void stop() override { streaming_ = false; }
+
+ private:
+  std::string id_ = "simulated";
+  SimulatedView view_;
+  const Clock& clock_;
+  Duration exposure_;
+  Pace pace_;
+  std::optional<std::uint64_t> last_;
+  bool streaming_ = false;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/simulated/camera/tag_painter.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/check.h"
+#include "common/wand/tag_bitmap.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr float kNothing = -1.0f;
+/// Printed paper: black ink still reflects a little.
+constexpr float kInkGrey = 18.0f;
+constexpr float kPaperGrey = 225.0f;
+constexpr float kSkinGrey = 150.0f;
+constexpr float kSleeveGrey = 60.0f;
+/// Half of a panel, in tag sizes: of a card in the hand, and of a folded one, whose panels are little more than the
+/// tags with their borders.
+constexpr double kCardHalf = 0.78;
+constexpr double kPanelHalf = 0.642;
+/// The hand, in units of 0.12 m below a flat card whose tag has that size.
+constexpr double kHandUnitM = 0.12;
+constexpr double kHandHalfWidth = 0.80;
+constexpr double kHandBottom = 2.6;
+
+bool in_ellipse(double x, double y, double centre_x, double centre_y, double radius_x, double radius_y) {
+  const double dx = (x - centre_x) / radius_x;
+  const double dy = (y - centre_y) / radius_y;
+  return dx * dx + dy * dy <= 1.0;
+}
+
+struct Box {
+  int left, top, right, bottom;  ///< Half-open.
+};
+
+struct Sample {
+  double du, dv;       ///< Place within the pixel.
+  std::size_t moment;  ///< Of the exposure.
+};
+
+/// A Hammersley net over the pixel: S points have S different columns and S different rows, so that an edge in any
+/// direction is placed to a 2S-th of a pixel. The points of one moment fall into all its columns and rows alike: with i
+/// written as high and low half, the column's leading digits are the high half and the row's the reversed low half, and
+/// a moment holds the pairs whose halves differ by a fixed exclusive or.
+std::vector<Sample> samples_of(std::size_t moments) {
+  unsigned bits = 2;
+  while ((std::size_t{1} << bits) < moments) ++bits;
+  const std::size_t half = std::size_t{1} << bits;
+  const std::size_t count = half * half;
+  std::vector<Sample> samples;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::size_t reversed = 0;
+    for (unsigned bit = 0; bit < 2 * bits; ++bit) reversed |= ((i >> bit) & 1U) << (2 * bits - 1 - bit);
+    const double width = 1.0 / static_cast<double>(count);
+    samples.push_back({(static_cast<double>(i) + 0.5) * width, (static_cast<double>(reversed) + 0.5) * width,
+                       ((i / half) ^ (i % half)) % moments});
+  }
+  return samples;
+}
+
+/// The pixels that a box of a plane can touch, for a map from that plane to the picture.
+Box box_of(const Eigen::Matrix3d& to_image, const Eigen::AlignedBox2d& scene, const Pinhole& lens) {
+  const Box all{0, 0, lens.width_px, lens.height_px};
+  Eigen::AlignedBox2d around;
+  for (const double y : {scene.min().y(), scene.max().y()}) {
+    for (const double x : {scene.min().x(), scene.max().x()}) {
+      const Eigen::Vector3d corner = to_image * Eigen::Vector3d(x, y, 1.0);
+      if (!(corner.z() > 1e-6)) return all;
+      around.extend(Eigen::Vector2d(corner.x() / corner.z(), corner.y() / corner.z()));
+    }
+  }
+  const auto clamped = [](double value, int most) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * most)); };
+  return {clamped(std::floor(around.min().x()), lens.width_px), clamped(std::floor(around.min().y()), lens.height_px),
+          clamped(std::ceil(around.max().x()), lens.width_px), clamped(std::ceil(around.max().y()), lens.height_px)};
+}
+
+/// Plane (x, y, 1) in units to homogeneous pixels.
+Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Face>& pose, double unit_m,
+                               const Pinhole& lens) {
+  const Eigen::Matrix3d rotation = pose.rotation().toRotationMatrix();
+  Eigen::Matrix3d plane;
+  plane << unit_m * rotation.col(0), unit_m * rotation.col(1), pose.translation();
+  Eigen::Matrix3d k;
+  k << lens.focal_px, 0.0, lens.centre_u_px, 0.0, lens.focal_px, lens.centre_v_px, 0.0, 0.0, 1.0;
+  return k * plane;
+}
+
+/// One panel at one moment.
+struct SeenPanel {
+  Eigen::Matrix3d to_plane;
+  bool from_behind;
+  Eigen::Vector3d at_pixel;  ///< What the current pixel's corner maps to.
+};
+
+}  // namespace
+
+TagPainter::TagPainter(const Wand& wand) {
+  CHECK(!wand.tags.empty());
+  const bool alone = wand.tags.size() == 1;
+  double bottom = -1e9;
+  for (const WandTag& tag : wand.tags) {
+    CHECK(tag.size_m > 0.0);
+    const TagBitmap bitmap = tag_bitmap(tag.id);
+    Panel panel{face_of(tag), tag.size_m, alone ? kCardHalf : kPanelHalf, {}, bitmap.cells, bitmap.width_in_tags,
+                {},           alone};
+    panel.box.extend(Eigen::Vector2d(-panel.half, -panel.half));
+    panel.box.extend(Eigen::Vector2d(panel.half, alone ? 1.0 : panel.half));
+    for (const bool white : bitmap.white) panel.bitmap.push_back(white ? kPaperGrey : kInkGrey);
+    panels_.push_back(std::move(panel));
+    for (const Eigen::Vector3d& corner : tag.corners) bottom = std::max(bottom, corner.y());
+  }
+  // A hand's own size, but for a card that is held with two fingers.
+  const double unit_m = alone ? wand.tags[0].size_m : kHandUnitM;
+  Panel hand{{Eigen::Quaterniond::Identity(), {0.0, alone ? 0.0 : bottom + 0.01 - kCardHalf * unit_m, 0.0}},
+             unit_m,
+             0.0,
+             {},
+             0,
+             0.0,
+             {},
+             false};
+  hand.box.extend(Eigen::Vector2d(-kHandHalfWidth, 0.6));
+  hand.box.extend(Eigen::Vector2d(kHandHalfWidth, kHandBottom));
+  panels_.push_back(std::move(hand));
+}
+
+float TagPainter::Panel::grey_at(double x, double y) const {
+  if (cells == 0) {
+    if (in_ellipse(x, y, 0.25, 0.98, 0.28, 0.30)) return kSkinGrey;
+    if (y > 1.1 && y < kHandBottom && std::abs(x - 0.25) < 0.20 + 0.05 * (y - 1.1)) return kSleeveGrey;
+    return kNothing;
+  }
+  // The thumb stays off the white border, which a detector needs.
+  if (has_thumb && y > bitmap_width / 2.0 && in_ellipse(x, y, 0.32, 0.80, 0.10, 0.16)) return kSkinGrey;
+  if (!(std::abs(x) <= half && std::abs(y) <= half)) return kNothing;
+  // Not floor(), which is a call on an old processor; the paper ends before cell -2.
+  const int cell_x = static_cast<int>((x / bitmap_width + 0.5) * cells + 2.0) - 2;
+  const int cell_y = static_cast<int>((y / bitmap_width + 0.5) * cells + 2.0) - 2;
+  if (cell_x < 0 || cell_y < 0 || cell_x >= cells || cell_y >= cells) return kPaperGrey;
+  return bitmap[static_cast<std::size_t>(cell_y * cells + cell_x)];
+}
+
+void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Tag>>& poses, const Pinhole& lens,
+                       Image<float, 1>* picture) const {
+  CHECK(!poses.empty() && picture->width() == lens.width_px && picture->height() == lens.height_px);
+  std::vector<SeenPanel> seen;  // By moment, then panel.
+  std::vector<Box> boxes(panels_.size(), Box{lens.width_px, lens.height_px, 0, 0});
+  Box box{lens.width_px, lens.height_px, 0, 0};
+  const auto join = [](const Box& a, const Box& b) {
+    return Box{std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
+               std::max(a.bottom, b.bottom)};
+  };
+  for (const auto& pose : poses) {
+    for (std::size_t i = 0; i < panels_.size(); ++i) {
+      const auto T_camera_face = pose * panels_[i].T_tag_face;
+      const Eigen::Matrix3d to_image = plane_to_image(T_camera_face, panels_[i].unit_m, lens);
+      // Edge on, a panel has no area: no ray meets it, which a zero matrix says.
+      const bool has_area = std::abs(to_image.determinant()) > 1e-12;
+      const Eigen::Vector3d into = T_camera_face.rotation() * Eigen::Vector3d::UnitZ();
+      seen.push_back({has_area ? Eigen::Matrix3d(to_image.inverse()) : Eigen::Matrix3d(Eigen::Matrix3d::Zero()),
+                      into.dot(T_camera_face.translation()) < 0.0, Eigen::Vector3d::Zero()});
+      boxes[i] = join(boxes[i], box_of(to_image, panels_[i].box, lens));
+    }
+  }
+  for (const Box& one : boxes) box = join(box, one);
+  const std::vector<Sample> samples = samples_of(poses.size());
+  std::vector<std::size_t> here;
+  for (int v = box.top; v < box.bottom; ++v) {
+    for (int u = box.left; u < box.right; ++u) {
+      here.clear();
+      for (std::size_t i = 0; i < panels_.size(); ++i) {
+        if (u >= boxes[i].left && u < boxes[i].right && v >= boxes[i].top && v < boxes[i].bottom) here.push_back(i);
+      }
+      if (here.empty()) continue;
+      for (std::size_t moment = 0; moment < poses.size(); ++moment) {
+        for (const std::size_t i : here) {
+          SeenPanel& panel = seen[moment * panels_.size() + i];
+          panel.at_pixel = panel.to_plane * Eigen::Vector3d(u, v, 1.0);
+        }
+      }
+      float* const grey = picture->at(u, v);
+      float sum = 0.0f;
+      for (const Sample& sample : samples) {
+        float nearest = *grey;
+        double nearness = 0.0;
+        for (const std::size_t i : here) {
+          const SeenPanel& panel = seen[sample.moment * panels_.size() + i];
+          const Eigen::Matrix3d& m = panel.to_plane;
+          // z is 1 / depth: a ray that meets the plane behind the lens sees nothing of it.
+          const double z = panel.at_pixel.z() + m(2, 0) * sample.du + m(2, 1) * sample.dv;
+          if (!(z > nearness)) continue;
+          const float there = panels_[i].grey_at((panel.at_pixel.x() + m(0, 0) * sample.du + m(0, 1) * sample.dv) / z,
+                                                 (panel.at_pixel.y() + m(1, 0) * sample.du + m(1, 1) * sample.dv) / z);
+          if (there < 0.0f) continue;
+          nearest = panel.from_behind && panels_[i].cells > 0 ? kPaperGrey : there;
+          nearness = z;
+        }
+        sum += nearest;
+      }
+      *grey = sum / static_cast<float>(samples.size());
+    }
+  }
+}
+
+}  // namespace cyclorama

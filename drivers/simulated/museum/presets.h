@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Museums to calibrate, drawn from a seed: what an installer would have written, and what is really there. Knows the
+/// truth: see truth.h for who may.
+///
+///   cylinder126         what most are meant to be: radius 4.3 m, 126 degrees
+///   not-quite-cylinder  the same, 4.06 to 4.6 m from its middle, as a real one has been measured
+///   tilted              a cylinder that leans by 1.5 to 4 degrees
+///   bumpy               a cylinder with waves and dents of some centimetres
+///   plane, corner       flat; two flat walls that meet at 90 to 130 degrees
+///   dome                a cap of a sphere, leaning towards the visitor
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/simulated/museum/truth.h"
+
+namespace cyclorama {
+
+struct PresetOptions {
+  int projectors = 3;
+  int projector_width_px = 1920;
+  int projector_height_px = 1080;
+  double camera_megapixels = 2.0;
+  double overlap = 0.25;  ///< Of neighbouring pictures' width.
+  bool has_flaws = true;  ///< Or all optics are perfect, and only the wall's shape remains.
+};
+
+struct Preset {
+  std::string installation_text;  ///< installation.toml
+  Installation installation;      ///< The same, read.
+  MuseumTruth truth;
+};
+
+[[nodiscard]] const std::vector<std::string>& preset_names();
+/// The same name, seed and options give the same museum. kInvalidArgument  no such name, or options without sense.
+Result<Preset> make_preset(std::string_view name, std::uint32_t seed, const PresetOptions& options = {});
+/// Writes installation.toml and truth.toml into a folder that is there.
+Status write_preset(const Preset& preset, const std::filesystem::path& folder);
+
+}  // namespace cyclorama

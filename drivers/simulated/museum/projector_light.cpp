@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/simulated/museum/projector_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/base/check.h"
+#include "drivers/simulated/museum/camera_table.h"
+#include "drivers/simulated/museum/gaussian_blur.h"
+#include "drivers/simulated/museum/parallel_rows.h"
+
+namespace cyclorama {
+namespace {
+
+using CodeTable = std::array<std::array<float, 256>, 3>;
+
+/// What a code of each channel adds to what the camera's channel sees.
+CodeTable table_of(const TrueMuseum& museum, std::size_t projector, const CameraChannel& channel) {
+  const ColourMatrix& primaries = museum.truth().projectors[projector].primaries;
+  CodeTable table{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    double seen = 0.0;
+    for (std::size_t r = 0; r < 3; ++r)
+      seen += channel[r] * museum.truth().albedo[r] / std::numbers::pi * primaries[c][r];
+    for (int code = 0; code < 256; ++code) {
+      table[c][static_cast<std::size_t>(code)] = static_cast<float>(seen * museum.channel_light(projector, c, code));
+    }
+  }
+  return table;
+}
+
+/// Sampling between pixels spreads light as a tent does, twice as wide as a square pixel in variance.
+double blur_besides_sampling(double blur_px) {
+  const double variance = blur_px * blur_px - 1.0 / 6.0;
+  return variance > 0.0 ? std::sqrt(variance) : 0.0;
+}
+
+}  // namespace
+
+float ProjectorLight::Plane::at(float u, float v) const {
+  constexpr float kToPlane = kLightMargin_px - 0.5f;
+  const float x = std::clamp(u + kToPlane, 0.0f, static_cast<float>(width) - 1.001f);
+  const float y = std::clamp(v + kToPlane, 0.0f, static_cast<float>(height) - 1.001f);
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const float fx = x - static_cast<float>(x0);
+  const float fy = y - static_cast<float>(y0);
+  const float* row = light.data() + static_cast<std::ptrdiff_t>(y0) * width + x0;
+  const float upper = row[0] + fx * (row[1] - row[0]);
+  const float lower = row[width] + fx * (row[width + 1] - row[width]);
+  return upper + fy * (lower - upper);
+}
+
+const std::vector<ProjectorLight::Plane>& ProjectorLight::planes(const TrueMuseum& museum, std::size_t projector,
+                                                                 const std::vector<CameraChannel>& channels,
+                                                                 int threads) {
+  CHECK(!picture_.empty());
+  std::vector<Plane>& planes = planes_[channels.size() == 1 ? 0 : 1];
+  if (!planes.empty()) return planes;
+  const double blur_px = blur_besides_sampling(museum.truth().projectors[projector].blur_px);
+  for (const CameraChannel& channel : channels) {
+    const CodeTable table = table_of(museum, projector, channel);
+    Plane plane;
+    plane.width = picture_.width() + 2 * kLightMargin_px;
+    plane.height = picture_.height() + 2 * kLightMargin_px;
+    plane.light.resize(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height));
+    for_rows(picture_.height(), threads, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        const std::uint8_t* code = picture_.at(0, y);
+        float* to =
+            plane.light.data() + static_cast<std::ptrdiff_t>(y + kLightMargin_px) * plane.width + kLightMargin_px;
+        for (int x = 0; x < picture_.width(); ++x, code += 3)
+          to[x] = table[0][code[0]] + table[1][code[1]] + table[2][code[2]];
+      }
+    });
+    blur_plane(&plane.light, plane.width, plane.height, blur_px, threads);
+    planes.push_back(std::move(plane));
+  }
+  return planes;
+}
+
+const InterReflection::Light& ProjectorLight::direct_light(const TrueMuseum& museum, std::size_t projector) {
+  if (direct_.empty()) direct_ = museum.direct_light(projector, picture_);
+  return direct_;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/simulated/museum/truth.h"
+
+#include <limits>
+#include <numbers>
+
+#include "common/base/file.h"
+#include "common/config/config.h"
+#include "common/room/read_wall.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kMany = 1e6;
+constexpr Range kSmall{-10.0, 10.0};
+constexpr Range kMetres{-100.0, 100.0};
+constexpr Range kNotNegative{0.0, kMany};
+
+RoomColour colour_of(ConfigTable* table, const char* key, Range range, const RoomColour& fallback) {
+  const auto read = table->numbers(key, 3, range, std::vector<double>(fallback.begin(), fallback.end()));
+  return read.size() == 3 ? RoomColour{read[0], read[1], read[2]} : fallback;
+}
+
+ColourMatrix matrix_of(ConfigTable* table, const char* key, const ColourMatrix& fallback) {
+  if (!table->has(key)) return fallback;
+  const auto rows = table->points(key, 3, kSmall);
+  if (rows.size() != 3) {
+    table->refuse(key, "must be three rows of three numbers");
+    return fallback;
+  }
+  ColourMatrix matrix{};
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 3; ++c) matrix[r][c] = rows[r][c];
+  }
+  return matrix;
+}
+
+template <typename To, typename From>
+RigidTransform<To, From> transform_of(ConfigTable table) {
+  const auto q = table.numbers("rotation_wxyz", 4, {-1.0, 1.0}, std::vector<double>{1.0, 0.0, 0.0, 0.0});
+  const auto t = table.numbers("translation_m", 3, kMetres, std::vector<double>{0.0, 0.0, 0.0});
+  if (q.size() != 4 || t.size() != 3) return {};
+  const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
+  if (!(rotation.norm() > 0.5)) {
+    table.refuse("rotation_wxyz", "must be a unit quaternion");
+    return {};
+  }
+  return {rotation, {t[0], t[1], t[2]}};
+}
+
+TrueResponse curve_of(ConfigTable table) {
+  TrueResponse curve;
+  curve.gamma = table.number("gamma", {0.1, 10.0}, curve.gamma);
+  curve.bend = table.number("bend", {-1.0, 1.0}, curve.bend);
+  curve.clip = table.number("clip", {0.1, 1.0}, curve.clip);
+  curve.dip = table.number("dip", {0.0, 1.0}, curve.dip);
+  return curve;
+}
+
+TrueLens lens_of(ConfigTable table) {
+  Pinhole pinhole;
+  pinhole.width_px = table.integer("width_px", {1, 16384});
+  pinhole.height_px = table.integer("height_px", {1, 16384});
+  pinhole.focal_px = table.number("focal_px", {1.0, kMany});
+  const auto centre = table.numbers("centre_px", 2, {-kMany, kMany});
+  if (centre.size() == 2) {
+    pinhole.centre_u_px = centre[0];
+    pinhole.centre_v_px = centre[1];
+  }
+  const auto k = table.numbers("radial", 3, kSmall, std::vector<double>(3, 0.0));
+  const auto p = table.numbers("tangential", 2, {-1.0, 1.0}, std::vector<double>(2, 0.0));
+  if (k.size() != 3 || p.size() != 2) return TrueLens(pinhole);
+  return TrueLens(pinhole, {k[0], k[1], k[2]}, {p[0], p[1]});
+}
+
+Relief relief_of(ConfigTable table) {
+  Relief relief;
+  for (ConfigTable& wave : table.tables("wave")) {
+    relief.waves.push_back({wave.number("height_m", {-1.0, 1.0}), wave.number("s_rad_per_m", {-100.0, 100.0}),
+                            wave.number("t_rad_per_m", {-100.0, 100.0}), wave.number("phase_rad", {-10.0, 10.0}, 0.0)});
+  }
+  for (ConfigTable& bump : table.tables("bump")) {
+    relief.bumps.push_back({bump.number("height_m", {-1.0, 1.0}), bump.number("s_m", kMetres),
+                            bump.number("t_m", kMetres), bump.number("sigma_m", {0.01, 100.0})});
+  }
+  return relief;
+}
+
+TrueProjector projector_of(ConfigTable table) {
+  TrueProjector p;
+  p.lens = lens_of(table.table("lens"));
+  p.T_room_projector = transform_of<frame::Room, frame::Projector>(table.table("pose"));
+  p.flux_lm = table.number("flux_lm", kNotNegative, p.flux_lm);
+  p.vignetting_exponent = table.number("vignetting_exponent", {0.0, 100.0}, p.vignetting_exponent);
+  p.response = {curve_of(table.table("red")), curve_of(table.table("green")), curve_of(table.table("blue"))};
+  p.primaries = matrix_of(&table, "primaries", p.primaries);
+  p.black = colour_of(&table, "black", {0.0, 1.0}, p.black);
+  p.blur_px = table.number("blur_px", {0.0, 20.0}, p.blur_px);
+  p.focus_distance_m = table.number("focus_distance_m", {0.01, kMany}, p.focus_distance_m);
+  p.defocus_px_per_dioptre = table.number("defocus_px_per_dioptre", {0.0, 1000.0}, p.defocus_px_per_dioptre);
+  p.latency_s = table.number("latency_s", {0.0, 10.0}, p.latency_s);
+  return p;
+}
+
+TrueCamera camera_of(ConfigTable table) {
+  TrueCamera c;
+  c.lens = lens_of(table.table("lens"));
+  c.vignetting_exponent = table.number("vignetting_exponent", {0.0, 100.0}, c.vignetting_exponent);
+  c.sensitivity = matrix_of(&table, "sensitivity", c.sensitivity);
+  c.grey_sensitivity = colour_of(&table, "grey_sensitivity", kSmall, c.grey_sensitivity);
+  c.electrons_per_nit_s = table.number("electrons_per_nit_s", kNotNegative, c.electrons_per_nit_s);
+  c.full_well_e = table.number("full_well_e", {1.0, 1e9}, c.full_well_e);
+  c.read_noise_e = table.number("read_noise_e", kNotNegative, c.read_noise_e);
+  c.has_shot_noise = table.flag("has_shot_noise", c.has_shot_noise);
+  c.bits = table.integer("bits", {8, 16}, c.bits);
+  c.response = curve_of(table.table("response"));
+  c.pedestal = table.number("pedestal", {0.0, 0.5}, c.pedestal);
+  c.blur_px = table.number("blur_px", {0.0, 20.0}, c.blur_px);
+  c.line_time_s = table.number("line_time_s", {0.0, 1.0}, c.line_time_s);
+  return c;
+}
+
+TruePlate plate_of(ConfigTable table) {
+  TruePlate plate;
+  plate.T_room_plate = transform_of<frame::Room, frame::Plate>(table.table("axis"));
+  plate.T_plate_camera = transform_of<frame::Plate, frame::Camera>(table.table("camera"));
+  plate.scale_error = table.number("scale_error", {-0.5, 0.5}, plate.scale_error);
+  plate.wobble_rad = table.number("wobble_rad", {-1.0, 1.0}, plate.wobble_rad);
+  plate.backlash_rad = table.number("backlash_rad", {0.0, 1.0}, plate.backlash_rad);
+  plate.jitter_rad = table.number("jitter_rad", {0.0, 1.0}, plate.jitter_rad);
+  plate.speed_rad_s = table.number("speed_rad_s", {1e-3, 1e3}, plate.speed_rad_s);
+  return plate;
+}
+
+}  // namespace
+
+MuseumTruth MuseumTruth::ideal(const Installation& installation) {
+  MuseumTruth truth;
+  truth.wall = installation.wall;
+  for (const InstalledProjector& installed : installation.projectors) {
+    TrueProjector projector;
+    projector.lens = TrueLens(installed.lens);
+    projector.T_room_projector = installed.T_room_projector;
+    truth.projectors.push_back(projector);
+  }
+  truth.camera.lens = TrueLens(Pinhole::from_field_of_view(1200, 900, 70.0 * std::numbers::pi / 180.0));
+  truth.plate.T_room_plate = {Eigen::Quaterniond::Identity(), installation.sweet_spot.xyz};
+  const Eigen::Quaterniond looking_ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  truth.plate.T_plate_camera = {looking_ahead, Eigen::Vector3d::Zero()};
+  return truth;
+}
+
+Result<MuseumTruth> MuseumTruth::parse(std::string_view text, std::string name, const std::filesystem::path& folder) {
+  TRY_ASSIGN(Config config, Config::parse(text, std::move(name)));
+  ConfigTable root = config.root();
+  MuseumTruth truth;
+  if (const auto wall = read_wall(root.table("wall"), folder)) truth.wall = *wall;
+  truth.T_room_wall = transform_of<frame::Room, frame::Room>(root.table("wall_pose"));
+  truth.relief = relief_of(root.table("relief"));
+  truth.albedo = colour_of(&root, "albedo", {0.0, 0.99}, truth.albedo);
+  truth.ambient_lux = colour_of(&root, "ambient_lux", kNotNegative, truth.ambient_lux);
+  truth.surround_nits = root.number("surround_nits", kNotNegative, truth.surround_nits);
+  truth.cells = root.integer("cells", {0, 4000}, truth.cells);
+  truth.seed = static_cast<std::uint32_t>(root.integer("seed", {0, std::numeric_limits<int>::max()}, 1));
+  for (ConfigTable& table : root.tables("projector")) truth.projectors.push_back(projector_of(table));
+  truth.camera = camera_of(root.table("camera"));
+  truth.plate = plate_of(root.table("plate"));
+  TRY(config.finish());
+  return truth;
+}
+
+Result<MuseumTruth> MuseumTruth::read(const std::filesystem::path& path) {
+  TRY_ASSIGN(const std::string text, read_text_file(path, std::size_t{1} << 20));
+  return parse(text, path.string(), path.parent_path());
+}
+
+std::filesystem::path truth_path_beside(const std::filesystem::path& installation) {
+  return installation.parent_path() / "truth.toml";
+}
+
+}  // namespace cyclorama

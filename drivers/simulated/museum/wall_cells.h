@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "drivers/simulated/museum/true_wall.h"
+
+namespace cyclorama {
+
+/// A wall cut into cells, rows of columns per part, to hold light that varies slowly. A value; reentrant.
+class WallCells {
+ public:
+  struct Grid {
+    std::size_t first = 0;  ///< Of its cells.
+    int columns = 1;
+    int rows = 1;
+  };
+  /// Four cells and their weights, which sum to 1: bilinear between the cells' middles.
+  struct Share {
+    std::array<std::size_t, 4> cells{};
+    std::array<double, 4> weights{};
+  };
+
+  /// About so many, nearly square.
+  WallCells(const TrueWall& wall, int about);
+
+  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] const std::vector<Grid>& grids() const { return grids_; }
+  /// Corners of a cell: where it begins, and where it ends.
+  [[nodiscard]] WallPlace low(std::size_t cell) const { return corner(cell, 0); }
+  [[nodiscard]] WallPlace high(std::size_t cell) const { return corner(cell, 1); }
+  [[nodiscard]] Share share(const WallPlace& place) const;
+
+ private:
+  [[nodiscard]] WallPlace corner(std::size_t cell, int end) const;
+  std::vector<Grid> grids_;
+  std::size_t count_ = 0;
+  bool goes_round_ = false;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/simulated/museum/presets.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "drivers/simulated/museum/simulated_museum.h"
+#include "drivers/simulated/museum/true_museum.h"
+
+namespace cyclorama {
+namespace {
+
+/// A museum with few pixels and cells, which a test has time for.
+Result<Preset> small_preset(std::string_view name, std::uint32_t seed) {
+  PresetOptions options;
+  options.projector_width_px = 192;
+  options.projector_height_px = 108;
+  options.camera_megapixels = 0.03;
+  auto preset = make_preset(name, seed, options);
+  if (preset) preset->truth.cells = 40;
+  return preset;
+}
+
+class Presets : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(All, Presets, ::testing::ValuesIn(preset_names()), [](const auto& kind) {
+  std::string name = kind.param;
+  std::erase(name, '-');
+  return name;
+});
+
+TEST_P(Presets, twenty_seeds_are_twenty_rooms_that_can_be_made) {
+  std::vector<std::string> texts;
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const auto preset = small_preset(GetParam(), seed);
+    ASSERT_TRUE(preset) << preset.error().message();
+    const auto museum = TrueMuseum::make(preset->installation, preset->truth);
+    ASSERT_TRUE(museum) << museum.error().message();
+    texts.push_back(preset->truth.text());
+    EXPECT_EQ(small_preset(GetParam(), seed)->truth.text(), texts.back());
+    for (std::size_t i = 0; i + 1 < texts.size(); ++i) EXPECT_NE(texts[i], texts.back());
+  }
+}
+
+// Else no calibration could make one picture of them.
+TEST_P(Presets, projectors_light_most_of_the_wall_and_overlap) {
+  for (std::uint32_t seed = 0; seed < 5; ++seed) {
+    const Preset preset = *small_preset(GetParam(), seed);
+    const TrueMuseum museum = *TrueMuseum::make(preset.installation, preset.truth);
+    int lit = 0;
+    int twice = 0;
+    int places = 0;
+    std::vector<int> of_projector(preset.truth.projectors.size(), 0);
+    for (std::size_t part = 0; part < museum.wall().part_count(); ++part) {
+      for (double across = 0.0125; across < 1.0; across += 0.025) {
+        for (double along = 0.0125; along < 1.0; along += 0.025) {
+          const auto at = museum.wall().at({part, across, along});
+          int count = 0;
+          for (std::size_t i = 0; i < of_projector.size(); ++i) {
+            const auto pixel = museum.projector_pixel(i, at);
+            if (!pixel || !preset.truth.projectors[i].lens.pinhole().contains(*pixel)) continue;
+            ++count;
+            ++of_projector[i];
+          }
+          ++places;
+          lit += count > 0 ? 1 : 0;
+          twice += count > 1 ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_GT(lit, 0.85 * places) << seed;
+    EXPECT_GT(twice, 0.05 * places) << seed;
+    for (const int count : of_projector) EXPECT_GT(count, places / 8) << seed;
+  }
+}
+
+TEST_P(Presets, the_truth_comes_back_from_its_file) {
+  const Preset preset = *small_preset(GetParam(), 7);
+  std::string folder = ::testing::TempDir() + "/preset.XXXXXX";
+  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+  ASSERT_TRUE(write_preset(preset, folder));
+  const auto read = MuseumTruth::read(truth_path_beside(std::filesystem::path(folder) / "installation.toml"));
+  ASSERT_TRUE(read) << read.error().message();
+  // Angles pass through degrees, and quaternions are made unit again: the last digit may move.
+  const TrueMuseum written = *TrueMuseum::make(preset.installation, preset.truth);
+  const TrueMuseum again = *TrueMuseum::make(preset.installation, *read);
+  for (std::size_t i = 0; i < preset.truth.projectors.size(); ++i) {
+    for (double u = 5.0; u < 192.0; u += 31.0) {
+      const auto a = written.wall_at(i, u, 50.0);
+      const auto b = again.wall_at(i, u, 50.0);
+      ASSERT_EQ(a.has_value(), b.has_value());
+      if (!a) continue;
+      EXPECT_LT((a->point.xyz - b->point.xyz).norm(), 1e-9);
+      EXPECT_NEAR(written.gain_lux(i, *a), again.gain_lux(i, *b), 1e-6);
+      EXPECT_EQ(written.colour_of(i, {10, 99, 200}), again.colour_of(i, {10, 99, 200}));
+    }
+  }
+  EXPECT_LT((written.camera_pose(0.4).translation() - again.camera_pose(0.4).translation()).norm(), 1e-12);
+  EXPECT_EQ(read->camera.bits, preset.truth.camera.bits);
+  EXPECT_EQ(read->camera.lens.radial(), preset.truth.camera.lens.radial());
+  EXPECT_EQ(read->seed, preset.truth.seed);
+  auto museum = SimulatedMuseum::open(std::filesystem::path(folder) / "installation.toml", 1);
+  ASSERT_TRUE(museum) << museum.error().message();
+  EXPECT_TRUE(museum->photograph_grey(0.01));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(PresetWalls, the_not_quite_cylinder_has_the_radii_that_were_measured) {
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    const Preset preset = *small_preset("not-quite-cylinder", seed);
+    const TrueWall wall = *TrueWall::make(preset.truth.wall, preset.truth.T_room_wall, preset.truth.relief);
+    double least = 10.0;
+    double most = 0.0;
+    for (int i = 0; i <= 2000; ++i) {
+      const Eigen::Vector3d point = wall.at({0, i / 2000.0, 0.5}).point.xyz;
+      least = std::min(least, std::hypot(point.x(), point.z()));
+      most = std::max(most, std::hypot(point.x(), point.z()));
+    }
+    EXPECT_NEAR(least, 4.06, 1e-4) << seed;
+    EXPECT_NEAR(most, 4.6, 1e-4) << seed;
+  }
+}
+
+TEST(PresetWalls, a_tilted_cylinder_leans_and_a_plain_one_does_not) {
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const Preset leaning = *small_preset("tilted", seed);
+    const Eigen::Vector3d axis = leaning.truth.T_room_wall.rotation() * Eigen::Vector3d::UnitY();
+    const double degrees = std::acos(axis.y()) * 180.0 / 3.14159265358979;
+    EXPECT_GE(degrees, 1.5);
+    EXPECT_LE(degrees, 4.0);
+    EXPECT_TRUE(small_preset("cylinder126", seed)->truth.relief.is_flat());
+  }
+}
+
+TEST(PresetWalls, what_is_no_museum_is_refused_with_what_there_is) {
+  const auto none = make_preset("pyramid", 1);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message().find("cylinder126"), std::string::npos);
+  PresetOptions options;
+  options.overlap = 1.5;
+  EXPECT_FALSE(make_preset("plane", 1, options));
+}
+
+TEST(MuseumTruth, mistakes_in_its_file_are_named_with_their_line) {
+  std::string text = small_preset("plane", 1)->truth.text();
+  text.insert(text.find("bits = ") + 7, "9");  // 98 or 912.
+  const auto wrong = MuseumTruth::parse(text, "it");
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().message().find("bits"), std::string::npos);
+  EXPECT_FALSE(MuseumTruth::parse("unheard = 1\n", "it"));
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -16,7 +16,7 @@
 #include "common/base/text.h"
 #include "common/wire/channel.h"
 #include "common/wire/nodes.grpc.pb.h"
-#include "renderfarm/scenes/sha256.h"
+#include "renderfarm/scene_distribution/sha256.h"
 
 namespace cyclorama {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "common/base/result.h"
 #include "common/wire/nodes.pb.h"
-#include "renderfarm/scenes/scene_cache.h"
+#include "renderfarm/scene_distribution/scene_cache.h"
 
 namespace grpc {
 class Channel;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "renderfarm/head/peers.h"
+#include "renderfarm/coordinator/peers.h"
 
 namespace cyclorama {
 

@@ -12,7 +12,7 @@
 
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/client/view_window.h"
-#include "renderfarm/head/head_state.h"
+#include "renderfarm/coordinator/coordinator_state.h"
 #include "tests/doubles/fake_farm.h"
 #include "tests/doubles/fake_peers.h"
 

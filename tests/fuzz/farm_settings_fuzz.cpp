@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "common/base/check.h"
-#include "renderfarm/head/head_config.h"
+#include "renderfarm/coordinator/coordinator_config.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "common/base/check.h"
-#include "renderfarm/scenes/scene_files.h"
-#include "renderfarm/scenes/sha256.h"
+#include "renderfarm/scene_distribution/scene_files.h"
+#include "renderfarm/scene_distribution/sha256.h"
 
 namespace {
 

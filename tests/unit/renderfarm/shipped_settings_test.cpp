@@ -9,7 +9,7 @@
 #include <regex>
 
 #include "common/base/file.h"
-#include "renderfarm/head/head_config.h"
+#include "renderfarm/coordinator/coordinator_config.h"
 #include "renderfarm/node/node_config.h"
 
 namespace cyclorama {

@@ -8,7 +8,7 @@
 #include "common/base/file.h"
 #include "common/wire/channel.h"
 #include "common/wire/updates.grpc.pb.h"
-#include "renderfarm/head/head.h"
+#include "renderfarm/coordinator/coordinator.h"
 #include "tests/doubles/test_authority.h"
 
 namespace cyclorama {

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+// HeadState's dealings with nodes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "common/base/text.h"
+#include "common/wire/convert.h"
+#include "renderfarm/coordinator/coordinator_state.h"
+#include "renderfarm/governor/front_file.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::uint32_t kMostThreads = 4096;
+
+Error broken(const std::string& what) { return Error(ErrorCode::kInvalidArgument, what); }
+
+std::string to_text(const Node& node) { return fmt::format("node '{}'", printable(node.name)); }
+NoticeAbout about(const Node& node) { return {.node = node.name}; }
+NoticeAbout trouble_with(const Node& node) { return {.node = node.name, .is_trouble = true}; }
+
+bool is_same_scene(const wire::SceneDescription& a, const wire::SceneDescription& b) {
+  return a.title() == b.title() && a.triangles_seen() == b.triangles_seen() &&
+         a.triangles_stored() == b.triangles_stored();
+}
+
+/// Nothing for a tile that no picture can have.
+std::optional<PixelRect> rect_of(const wire::Tile& tile) {
+  constexpr std::uint32_t kFar = 1 << 20;
+  if (std::max({tile.x_px(), tile.y_px(), tile.width_px(), tile.height_px()}) > kFar) return std::nullopt;
+  return PixelRect{static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()), static_cast<int>(tile.width_px()),
+                   static_cast<int>(tile.height_px())};
+}
+
+}  // namespace
+
+void HeadState::node_came(NodeId id) {
+  if (nodes_.size() >= limits_.nodes) {
+    peers_.end_node(id, Error(ErrorCode::kBusy, fmt::format("this head takes {} nodes and has them", limits_.nodes)));
+    return;
+  }
+  Node node;
+  node.arrived_at = clock_.now();
+  node.worked_at = clock_.now();
+  nodes_.emplace(id, std::move(node));
+}
+
+void HeadState::node_reported(NodeId id, wire::NodeReport report) {
+  const auto found = nodes_.find(id);
+  if (found == nodes_.end()) return;
+  Node& node = found->second;
+  if (report.has_tile() || report.has_end()) {
+    node.worked_at = clock_.now();
+    node.late = false;
+  }
+  Status fine = Done{};
+  if (report.has_hello() == (node.threads > 0.0)) {
+    fine = broken("a node must say hello first, and once");
+  } else if (report.has_hello()) {
+    fine = hello(id, node, report.hello());
+  } else if (report.has_scene_loaded()) {
+    fine = scene_loaded(node, report.scene_loaded());
+  } else if (report.has_tile()) {
+    fine = tile_came(id, node, *report.mutable_tile());
+  } else if (report.has_end()) {
+    fine = block_ended(id, node, report.end());
+  } else if (report.has_status()) {
+    status_came(node, report.status());
+  } else if (report.has_scene_dropped()) {
+    fine = scene_dropped(node, report.scene_dropped());
+  } else {
+    fine = broken("a message of unknown kind");
+  }
+  if (fine) return;
+  peers_.notice(fmt::format("{} is sent away: {}", to_text(node), fine.error().message()), trouble_with(node));
+  peers_.end_node(id, fine.error());
+  node_gone(id);
+}
+
+Status HeadState::hello(NodeId id, Node& node, const wire::Hello& hello) {
+  if (hello.version() != CYCLORAMA_VERSION) {
+    return broken(fmt::format("this head is version {}, the node is '{}'; install the same on both", CYCLORAMA_VERSION,
+                              printable(hello.version())));
+  }
+  if (hello.threads() < 1 || hello.threads() > kMostThreads) {
+    return broken(fmt::format("hello.threads is {}; it must be 1 to {}", hello.threads(), kMostThreads));
+  }
+  node.name = printable(hello.name());
+  node.threads = hello.threads();
+  // Those that are visited first; none that comes later takes the place of one that came before.
+  std::vector<FarmScene> order = scenes_;
+  std::set<std::string> keep = scenes_in_use();
+  std::stable_partition(order.begin(), order.end(), [&](const FarmScene& scene) { return keep.contains(scene.name); });
+  for (const FarmScene& scene : order) {
+    keep.insert(scene.name);
+    order_scene(id, node, scene, keep);
+  }
+  peers_.notice(fmt::format("{} came, with {} threads", to_text(node), hello.threads()), about(node));
+  return Done{};
+}
+
+void HeadState::order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep) {
+  if (!scene.is_ready()) return;  // scene_read() comes back to it.
+  node.scenes[scene.name] = {};
+  node.scenes[scene.name].asked_at = clock_.now();
+  wire::NodeCommand command;
+  command.mutable_load_scene()->set_scene(scene.name);
+  if (scene.on_head) {
+    command.mutable_load_scene()->set_digest(scene.digest);
+  } else {
+    command.mutable_load_scene()->set_path(scene.path);
+  }
+  for (const std::string& name : keep) command.mutable_load_scene()->add_in_use(name);
+  peers_.to_node(id, command);
+}
+
+void HeadState::scene_read(const std::string& scene, const std::string& digest) {
+  const auto known = std::ranges::find(scenes_, scene, &FarmScene::name);
+  CHECK(known != scenes_.end() && known->on_head && known->digest.empty());
+  known->digest = digest;
+  for (auto& [id, node] : nodes_) {
+    if (node.threads <= 0.0) continue;
+    std::set<std::string> keep = scenes_in_use();
+    for (const auto& [name, ordered] : node.scenes) keep.insert(name);
+    order_scene(id, node, *known, keep);
+  }
+}
+
+void HeadState::order_scene_anew(const std::string& name) {
+  constexpr auto kPatience = std::chrono::seconds(10);
+  const auto scene = std::ranges::find(scenes_, name, &FarmScene::name);
+  for (auto& [id, node] : nodes_) {
+    const auto known = node.scenes.find(name);
+    if (known == node.scenes.end()) continue;
+    const bool is_dropped = known->second.state == Node::SceneState::kDropped;
+    const bool has_failed = known->second.state == Node::SceneState::kFailed;
+    if (is_dropped || (has_failed && clock_.now() - known->second.asked_at > kPatience)) {
+      order_scene(id, node, *scene, scenes_in_use());
+    }
+  }
+}
+
+std::set<std::string> HeadState::scenes_in_use() const {
+  std::set<std::string> names;
+  for (const auto& [id, session] : sessions_) {
+    if (!session.scene.empty()) names.insert(session.scene);
+  }
+  return names;
+}
+
+void HeadState::status_came(Node& node, const wire::NodeStatus& status) {
+  if (status.draining() && !node.status.draining()) {
+    peers_.notice(fmt::format("{} is about to stop; it gets no more blocks", to_text(node)), about(node));
+  }
+  node.status = status;
+}
+
+Status HeadState::scene_dropped(Node& node, const wire::SceneDropped& dropped) {
+  const auto known = node.scenes.find(dropped.scene());
+  if (known == node.scenes.end()) {
+    return broken(fmt::format("it dropped scene '{}', which nobody gave it", printable(dropped.scene())));
+  }
+  if (known->second.state == Node::SceneState::kLoaded) {
+    known->second.state = Node::SceneState::kDropped;
+    peers_.notice(fmt::format("{} dropped scene '{}': its memory is short", to_text(node), dropped.scene()),
+                  about(node));
+  }
+  return Done{};
+}
+
+Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
+  const auto asked = node.scenes.find(loaded.scene());
+  if (asked == node.scenes.end() || asked->second.state != Node::SceneState::kLoading) {
+    return broken(fmt::format("it loaded scene '{}', which nobody asked for", printable(loaded.scene())));
+  }
+  if (!loaded.error().empty()) {
+    constexpr std::size_t kLongestError = 500;
+    asked->second.state = Node::SceneState::kFailed;
+    asked->second.error = printable(loaded.error(), kLongestError);
+    peers_.notice(fmt::format("{} cannot load scene '{}': {}", to_text(node), loaded.scene(), asked->second.error),
+                  trouble_with(node));
+    return Done{};
+  }
+  TRY(validate(loaded.description()));
+  if (loaded.description().name() != loaded.scene()) return broken("a scene's description has another name");
+  const bool is_first = nodes_with(loaded.scene()) == 0;
+  wire::SceneDescription& known = descriptions_[loaded.scene()];
+  if (is_first) {
+    known = loaded.description();
+    TRY(keep_front(loaded));
+  } else if (!is_same_scene(known, loaded.description())) {
+    // Pictures would be patched together from two scenes.
+    asked->second.state = Node::SceneState::kFailed;
+    asked->second.error = "its copy differs from the other nodes'";
+    peers_.notice(
+        fmt::format("{} has another scene '{}' than the other nodes: copy it anew; not used for it until then",
+                    to_text(node), loaded.scene()),
+        trouble_with(node));
+    return Done{};
+  }
+  asked->second.state = Node::SceneState::kLoaded;
+  asked->second.speed = relative_speed(loaded);
+  peers_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
+                            loaded.scene(), 1e-6 * static_cast<double>(loaded.description().triangles_seen()),
+                            static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()),
+                about(node));
+  return Done{};
+}
+
+double HeadState::relative_speed(const wire::SceneLoaded& loaded) {
+  // A probe trembles with whatever else its host does: hosts of one kind shall count as one kind.
+  constexpr double kAlike = 0.12;
+  constexpr double kMost = 100.0;
+  const double seconds = loaded.probe_cpu_seconds();
+  if (!std::isfinite(seconds) || seconds <= 0.0) return 1.0;
+  const double speed = probes_.emplace(loaded.scene(), seconds).first->second / seconds;
+  return std::abs(speed - 1.0) <= kAlike ? 1.0 : std::clamp(speed, 1.0 / kMost, kMost);
+}
+
+Status HeadState::keep_front(const wire::SceneLoaded& loaded) {
+  fronts_.erase(loaded.scene());
+  if (loaded.front().empty()) return Done{};
+  TRY_ASSIGN(const Front front, parse_front(loaded.front(), "front.toml"));
+  fronts_.emplace(loaded.scene(), front);
+  return Done{};
+}
+
+Status HeadState::tile_came(NodeId, Node& node, wire::BlockTile& message) {
+  const auto place = node.blocks.find(message.block());
+  if (place == node.blocks.end())
+    return broken(fmt::format("it sent a tile of block {}, not its own", message.block()));
+  FrameInFlight* const frame = find_frame(place->second);
+  if (frame == nullptr || frame->failure) return Done{};  // Nobody wants it any more.
+  wire::Tile& tile = *message.mutable_tile();
+  const auto rect = rect_of(tile);
+  const bool belongs = rect && !tile.jpeg().empty() && tile.view_number() == frame->view.number();
+  const auto verdict = belongs ? frame->assembly.accept(message.block(), *rect) : FrameAssembly::Verdict::kForeign;
+  if (verdict == FrameAssembly::Verdict::kForeign) {
+    return broken(fmt::format("it sent a tile that is not in block {}", message.block()));
+  }
+  if (verdict == FrameAssembly::Verdict::kDuplicate) return Done{};
+  const SessionId id = place->second.session;
+  Session& session = sessions_.at(id);
+  frame->bytes += tile.jpeg().size();
+  frame->last_tile_at = clock_.now();
+  session.bytes_waiting += tile.jpeg().size();
+  if (frame->begun) {
+    relay(id, session, std::move(tile));
+  } else {
+    frame->held.push_back(std::move(tile));
+  }
+  if (session.bytes_waiting > limits_.session_bytes) {
+    fail(*frame, "the museum takes pictures more slowly than they are made, or they are too large", session);
+  }
+  advance(id);
+  return Done{};
+}
+
+Status HeadState::block_ended(NodeId id, Node& node, const wire::BlockEnd& end) {
+  const auto found = node.blocks.find(end.block());
+  if (found == node.blocks.end()) return broken(fmt::format("it ended block {}, not its own", end.block()));
+  const BlockPlace place = found->second;
+  node.blocks.erase(found);
+  learn_utilisation(node, end);
+  FrameInFlight* const frame = find_frame(place);
+  if (frame == nullptr || frame->failure) return Done{};
+  Session& session = sessions_.at(place.session);
+  frame->assembly.end(end.block(), end);
+  const std::vector<PixelRect> orphans = frame->assembly.give_up(end.block());
+  if (!orphans.empty()) {
+    peers_.notice(fmt::format("{} did not finish a block: {}; others take over", to_text(node),
+                              end.error().empty() ? "it gave no reason" : printable(end.error(), 200)),
+                  trouble_with(node));
+    give_again(place.session, session, *frame, orphans, id);
+  }
+  help_out(place.session, session, *frame, id);
+  advance(place.session);
+  watch(place.session);
+  return Done{};
+}
+
+void HeadState::node_gone(NodeId id) {
+  const auto found = nodes_.find(id);
+  if (found == nodes_.end()) return;
+  const Node node = std::move(found->second);
+  nodes_.erase(found);  // First, so that its blocks are not given to it again.
+  if (node.threads > 0.0)
+    peers_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()), trouble_with(node));
+  lose_blocks(node.blocks, id);
+}
+
+void HeadState::tick_nodes() {
+  std::vector<NodeId> silent;
+  for (const auto& [id, node] : nodes_) {
+    if (node.threads <= 0.0 && clock_.now() - node.arrived_at > limits_.silence) silent.push_back(id);
+  }
+  for (const NodeId id : silent) {
+    peers_.end_node(id, broken("it did not say hello in time"));
+    node_gone(id);
+  }
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// What HeadState tells of itself, for those who watch.
+#include <algorithm>
+
+#include "renderfarm/coordinator/coordinator_state.h"
+
+namespace cyclorama {
+namespace {
+
+std::string state_of(const Node& node) {
+  const auto any = [&](Node::SceneState state) {
+    return std::ranges::any_of(node.scenes, [state](const auto& entry) { return entry.second.state == state; });
+  };
+  if (node.status.draining()) return "stops";
+  if (node.late) return "late";
+  if (any(Node::SceneState::kLoaded)) return "ready";
+  return any(Node::SceneState::kLoading) ? "loading" : "no scene";
+}
+
+}  // namespace
+
+void HeadState::order_written(NodeId id, std::uint64_t block, TimePoint at) {
+  const auto node = nodes_.find(id);
+  if (node == nodes_.end()) return;
+  const auto place = node->second.blocks.find(block);
+  FrameInFlight* const frame = place == node->second.blocks.end() ? nullptr : find_frame(place->second);
+  if (frame != nullptr && block <= frame->last_planned) frame->fanned_out_at = std::max(frame->fanned_out_at, at);
+}
+
+std::string HeadState::museum_of(SessionId id) const {
+  const auto session = sessions_.find(id);
+  return session == sessions_.end() ? "" : session->second.museum;
+}
+
+FarmOverview HeadState::overview() const {
+  FarmOverview farm;
+  for (const FarmScene& scene : scenes_) farm.scene_nodes[scene.name] = nodes_with(scene.name);
+  for (const auto& [id, session] : sessions_) {
+    if (session.scene.empty()) continue;
+    WatchedVisit& visit = farm.visits.emplace_back();
+    visit.id = static_cast<std::uint64_t>(id);
+    visit.museum = session.museum;
+    visit.scene = session.scene;
+    visit.budget_ms = session.governed ? session.governed->governor.budget_ms() : 0.0;
+  }
+  for (const auto& [id, node] : nodes_) {
+    if (node.threads <= 0.0) continue;
+    WatchedNode& watched = farm.nodes.emplace_back();
+    watched.id = static_cast<std::uint64_t>(id);
+    watched.name = node.name;
+    watched.state = state_of(node);
+    watched.threads = static_cast<int>(node.threads);
+    watched.blocks = node.blocks.size();
+    watched.blocks_waiting = node.status.blocks_waiting();
+    watched.memory_bytes = node.status.memory_bytes();
+    watched.uptime_s = node.status.uptime_s();
+    for (const auto& [name, scene] : node.scenes) {
+      if (scene.state != Node::SceneState::kLoaded) continue;
+      if (watched.scenes.empty()) watched.speed = scene.speed;
+      watched.scenes.push_back(name);
+    }
+  }
+  return farm;
+}
+
+}  // namespace cyclorama

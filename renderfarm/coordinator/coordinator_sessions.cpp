@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// HeadState's dealings with museums.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/base/text.h"
+#include "common/wire/convert.h"
+#include "renderfarm/coordinator/coordinator_state.h"
+
+namespace cyclorama {
+
+void HeadState::visit_came(SessionId id, Grant grant) {
+  if (sessions_.size() >= limits_.sessions) {
+    peers_.end_visit(
+        id, Error(ErrorCode::kBusy, fmt::format("this farm takes {} visits at once and has them", limits_.sessions)),
+        false);
+    return;
+  }
+  Session session;
+  session.share.weight = grant.weight;
+  session.watermark = grant.watermark;
+  session.grant = std::move(grant);
+  session.arrived_at = clock_.now();
+  session.balancer = make_balancer(strategy_);
+  sessions_.emplace(id, std::move(session));
+}
+
+void HeadState::visit_asked(SessionId id, const wire::VisitRequest& request, TimePoint received_at) {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return;
+  Session& session = found->second;
+  Status fine = Done{};
+  if (request.has_open() != session.scene.empty()) {
+    fine = Error(ErrorCode::kInvalidArgument, "a visit must be opened first, and once");
+  } else if (request.has_open()) {
+    fine = open(id, session, request.open());
+  } else if (request.has_view()) {
+    fine = ask(session, request.view(), received_at);
+  } else {
+    fine = Error(ErrorCode::kInvalidArgument, "a message of unknown kind");
+  }
+  if (fine) {
+    advance(id);
+    watch(id);
+    return;
+  }
+  const std::string refusal = fmt::format("the visit of '{}' is refused: {}", session.museum, fine.error().message());
+  // A museum that waits for a scene to be loaded dials again and again: once is enough for the log.
+  if (refusal != last_refusal_) peers_.notice(refusal, {.museum = session.museum, .visit = id, .is_trouble = true});
+  last_refusal_ = refusal;
+  forget_visit(id);
+  peers_.end_visit(id, fine.error(), false);
+}
+
+Result<std::unique_ptr<Governed>> HeadState::governed_by(const wire::OpenVisit& open, const std::string& scene) const {
+  constexpr double kLongestMs = 60000.0;
+  constexpr std::uint32_t kUsualReference = 1024;
+  constexpr std::uint32_t kMostReference = 4096;
+  const double budget_ms = open.frame_budget_ms();
+  if (budget_ms == 0.0) return std::unique_ptr<Governed>();
+  if (!(budget_ms > 0.0 && budget_ms <= kLongestMs)) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("open.frame_budget_ms is {}; it must be 0 to {}", budget_ms, kLongestMs));
+  }
+  if (open.reference_samples() > kMostReference) {
+    return Error(ErrorCode::kInvalidArgument, fmt::format("open.reference_samples is {}; it must be at most {}",
+                                                          open.reference_samples(), kMostReference));
+  }
+  const std::uint32_t samples = open.reference_samples() == 0 ? kUsualReference : open.reference_samples();
+  const auto measured = fronts_.find(scene);
+  return std::make_unique<Governed>(
+      Governor(measured == fronts_.end() ? Front::standard() : measured->second, budget_ms), static_cast<int>(samples));
+}
+
+Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& open) {
+  session.museum = session.grant.museum.empty() ? printable(open.museum()) : session.grant.museum;
+  const std::string& wanted = open.scene();  // Empty: the first.
+  const auto scene = std::ranges::find_if(scenes_, [&](const FarmScene& known) {
+    return (wanted.empty() || known.name == wanted) && session.grant.allows(known.name);
+  });
+  if (scene == scenes_.end() && wanted.empty()) {
+    return Error(ErrorCode::kNotFound, fmt::format("this farm has no scene for '{}'", session.museum));
+  }
+  if (scene == scenes_.end()) {
+    return Error(ErrorCode::kNotFound,
+                 fmt::format("this farm has no scene '{}'; ask for the list of scenes", printable(wanted)));
+  }
+  if (nodes_with(scene->name) == 0) {
+    order_scene_anew(scene->name);
+    return why_not(scene->name);
+  }
+  TRY_ASSIGN(session.governed, governed_by(open, scene->name));
+  session.scene = scene->name;
+  wire::VisitReply reply;
+  *reply.mutable_opened() = descriptions_.at(scene->name);
+  send(id, session, std::move(reply));
+  peers_.notice(fmt::format("'{}' visits scene '{}'", session.museum, scene->name),
+                {.museum = session.museum, .visit = id});
+  return Done{};
+}
+
+Status HeadState::ask(Session& session, const wire::View& view, TimePoint received_at) {
+  TRY(validate(view));
+  const std::int64_t px = std::int64_t{view.panorama().width_px()} * view.panorama().height_px();
+  if (px > limits_.picture_px) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("view.panorama has {} pixels; this farm renders at most {}", px, limits_.picture_px));
+  }
+  if (view.number() <= session.newest_view) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("view.number is {} after {}; it must grow", view.number(), session.newest_view));
+  }
+  if (view.first_sample() != 0) {
+    return Error(ErrorCode::kInvalidArgument, "view.first_sample is not 0; the farm alone refines");
+  }
+  session.newest_view = view.number();
+  session.waiting = view;
+  session.waiting_since = received_at;
+  if (session.governed) stir(session);
+  return Done{};
+}
+
+Error HeadState::why_not(const std::string& scene) const {
+  if (!std::ranges::find(scenes_, scene, &FarmScene::name)->is_ready()) {
+    return Error(ErrorCode::kUnavailable, fmt::format("scene '{}': the head is still reading its files", scene));
+  }
+  std::size_t loading = 0;
+  std::string failure;
+  for (const auto& [id, node] : nodes_) {
+    const auto found = node.scenes.find(scene);
+    if (found == node.scenes.end()) continue;
+    if (found->second.state == Node::SceneState::kLoading) ++loading;
+    if (found->second.state == Node::SceneState::kFailed)
+      failure = fmt::format("'{}': {}", node.name, found->second.error);
+  }
+  std::string why = "no node is connected; start cyclorama-node on the render hosts";
+  if (!nodes_.empty()) why = fmt::format("none of {} nodes has it", nodes_.size());
+  if (!failure.empty()) why = fmt::format("no node could load it; node {}", failure);
+  if (loading > 0) why = fmt::format("{} of {} nodes are loading it; it is ready soon", loading, nodes_.size());
+  return Error(ErrorCode::kUnavailable, fmt::format("scene '{}': {}", scene, why));
+}
+
+void HeadState::visit_gone(SessionId id) {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return;
+  if (!found->second.scene.empty())
+    peers_.notice(fmt::format("'{}' left", found->second.museum), {.museum = found->second.museum, .visit = id});
+  forget_visit(id);
+}
+
+void HeadState::forget_visit(SessionId id) {
+  const auto found = sessions_.find(id);
+  for (const FrameInFlight& frame : found->second.frames) {
+    if (!frame.failure) cancel_blocks(frame);
+  }
+  wire::NodeCommand forget;
+  forget.mutable_forget_visit()->set_visit(static_cast<std::uint64_t>(id));
+  for (const auto& [node, known] : nodes_) {
+    if (known.has(found->second.scene)) peers_.to_node(node, forget);
+  }
+  sessions_.erase(found);
+}
+
+void HeadState::written(SessionId id, const wire::VisitReply& reply) {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return;
+  Session& session = found->second;
+  CHECK(session.messages_waiting > 0);
+  --session.messages_waiting;
+  session.taken_at = clock_.now();
+  if (reply.has_tile()) session.bytes_waiting -= reply.tile().jpeg().size();
+  if (!reply.has_end()) return;
+  const WrittenFrame frame = session.unwritten_ends.front();
+  session.unwritten_ends.pop_front();
+  if (session.governed) learn(*session.governed, frame);
+  advance(id);
+  watch(id);
+}
+
+void HeadState::tick_visits() {
+  std::vector<std::pair<SessionId, Error>> lost;
+  for (auto& [id, session] : sessions_) {
+    if (session.scene.empty() && clock_.now() - session.arrived_at > limits_.silence) {
+      lost.emplace_back(id, Error(ErrorCode::kTimedOut, "the visit was not opened in time"));
+    } else if (session.messages_waiting > 0 && clock_.now() - session.taken_at > limits_.stall) {
+      lost.emplace_back(id, Error(ErrorCode::kTimedOut,
+                                  fmt::format("the museum took nothing for {:.0f} s", to_seconds(limits_.stall))));
+    }
+    refine(id, session);
+  }
+  for (const auto& [id, reason] : lost) {
+    peers_.notice(fmt::format("the visit of '{}' is ended: {}", sessions_.at(id).museum, reason.message()),
+                  {.museum = sessions_.at(id).museum, .visit = id, .is_trouble = true});
+    forget_visit(id);
+    peers_.end_visit(id, reason, true);
+  }
+  std::vector<SessionId> watched;  // Watching may end a visit.
+  for (const auto& [id, session] : sessions_) watched.push_back(id);
+  for (const SessionId id : watched) watch(id);
+}
+
+}  // namespace cyclorama

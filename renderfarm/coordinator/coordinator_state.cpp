@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/coordinator/coordinator_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cyclorama {
+
+HeadState::HeadState(std::vector<FarmScene> scenes, BalanceStrategy strategy, HeadLimits limits, const Clock& clock,
+                     Peers& peers)
+    : scenes_(std::move(scenes)), strategy_(strategy), limits_(limits), clock_(clock), peers_(peers) {
+  CHECK(!scenes_.empty());
+}
+
+void HeadState::tick() {
+  compare_nodes();
+  tick_nodes();
+  tick_visits();
+}
+
+wire::ListScenesReply HeadState::scenes(const Grant& grant) const {
+  wire::ListScenesReply reply;
+  for (const FarmScene& scene : scenes_) {
+    if (!grant.allows(scene.name)) continue;
+    wire::SceneSummary* const summary = reply.add_scenes();
+    summary->set_name(scene.name);
+    const wire::SceneDescription* const known = description(scene.name);
+    summary->set_title(known != nullptr && !known->title().empty() ? known->title() : scene.name);
+  }
+  return reply;
+}
+
+const wire::SceneDescription* HeadState::description(const std::string& scene) const {
+  const auto known = descriptions_.find(scene);
+  return known == descriptions_.end() ? nullptr : &known->second;
+}
+
+std::vector<NodeId> HeadState::nodes_for(const std::string& scene, NodeId not_to) const {
+  std::vector<NodeId> all;
+  std::vector<NodeId> prompt;
+  for (const auto& [id, node] : nodes_) {
+    if (!node.has(scene) || id == not_to) continue;
+    all.push_back(id);
+    if (!node.late && !node.status.draining()) prompt.push_back(id);
+  }
+  return prompt.empty() ? all : prompt;
+}
+
+std::size_t HeadState::nodes_with(const std::string& scene) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(nodes_, [&](const auto& entry) { return entry.second.has(scene); }));
+}
+
+std::string HeadState::summary() const {
+  if (nodes_.empty()) return "no node is connected; start cyclorama-node on the render hosts";
+  for (const FarmScene& scene : scenes_) {
+    if (nodes_with(scene.name) == 0) return why_not(scene.name).message();
+  }
+  std::string sentence = fmt::format("{} visits on {} nodes", sessions_.size(), nodes_.size());
+  if (sessions_.size() == 1) {
+    if (const std::string quality = quality_summary(sessions_.begin()->second); !quality.empty()) {
+      sentence += "; " + quality;
+    }
+  }
+  return sentence;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <array>
+
+#include "common/process/log.h"
+#include "common/process/notify.h"
+#include "common/process/program.h"
+#include "renderfarm/coordinator/coordinator.h"
+#include "renderfarm/coordinator/coordinator_config.h"
+#include "renderfarm/watch/top_command.h"
+
+namespace cyclorama {
+namespace {
+
+struct Arguments {
+  std::string config{};
+  std::vector<std::string> scenes{};
+  std::vector<std::string> own_scenes{};
+  std::string museums{};
+  std::string nodes{};
+  std::string inspect{};
+  std::string balance{};
+  bool insecure = false;
+  bool is_check = false;
+  std::string record{};
+};
+
+struct TopArguments {
+  std::string config{};
+  TopOptions top{};
+};
+
+/// Where the head shows itself: as the command line says, else as the file, else as the package's own file.
+Status run_top_command(TopArguments arguments, const StopSignal& stop) {
+  if (arguments.top.inspect.empty() && !arguments.config.empty()) {
+    TRY_ASSIGN(const HeadOptions head, read_head_config(arguments.config));
+    arguments.top.inspect = head.inspect;
+    if (head.inspect.empty()) {
+      return Error(ErrorCode::kInvalidArgument, arguments.config + " says no inspect, so nobody can look at that head");
+    }
+  }
+  return run_top(arguments.top, stop);
+}
+
+void add_top(CLI::App& app, TopArguments* arguments) {
+  CLI::App* const top = app.add_subcommand("top", "Show the farm that runs: visits, nodes and the steps of a frame");
+  top->add_option("--config", arguments->config, "Ask the head that runs with this farm.toml")
+      ->check(CLI::ExistingFile);
+  top->add_option("--inspect", arguments->top.inspect,
+                  fmt::format("Where the head shows itself (default {})", kPackagedInspect));
+  top->add_flag("--once", arguments->top.once, "Show it once and end; so it is too when the output is no terminal");
+  top->add_flag("--json", arguments->top.json, "Show it once, as JSON");
+}
+
+/// The file first; what the command line says overrules it.
+Result<HeadOptions> options_from(const Arguments& arguments) {
+  HeadOptions options;
+  if (!arguments.config.empty()) {
+    TRY_ASSIGN(options, read_head_config(arguments.config));
+  }
+  if (!arguments.scenes.empty() || !arguments.own_scenes.empty()) options.scenes.clear();
+  for (const auto* const texts : {&arguments.scenes, &arguments.own_scenes}) {
+    for (const std::string& text : *texts) {
+      TRY_ASSIGN(FarmScene scene, parse_farm_scene(text));
+      scene.on_head = texts == &arguments.own_scenes;
+      options.scenes.push_back(std::move(scene));
+    }
+  }
+  if (!arguments.museums.empty()) options.museums = arguments.museums;
+  if (!arguments.nodes.empty()) options.nodes = arguments.nodes;
+  if (!arguments.inspect.empty()) options.inspect = arguments.inspect;
+  if (!arguments.balance.empty()) options.strategy = *balance_strategy_of(arguments.balance);
+  options.trust.insecure = options.trust.insecure || arguments.insecure;
+  options.record = arguments.record;
+  return options;
+}
+
+void log_notice(const std::string& sentence, const NoticeAbout& about) {
+  const bool has_visit = about.visit != SessionId{};
+  const std::array<LogField, 3> fields{
+      {{"CYCLORAMA_NODE", about.node},
+       {"CYCLORAMA_MUSEUM", about.museum},
+       {"CYCLORAMA_VISIT", has_visit ? fmt::format("{}", static_cast<std::uint64_t>(about.visit)) : ""}}};
+  log(about.is_trouble ? LogLevel::kWarning : LogLevel::kInfo, sentence, fields);
+}
+
+Status run(const Arguments& arguments, const StopSignal& stop) {
+  TRY_ASSIGN(HeadOptions options, options_from(arguments));
+  if (arguments.is_check) return validate(options);
+  TRY_ASSIGN(const auto head, Head::start(std::move(options), log_notice));
+  log(LogLevel::kNotice,
+      fmt::format("museums dial port {}, nodes dial port {}", head->museum_port(), head->node_port()));
+  Notify notify;
+  notify.ready();
+  std::string told;
+  constexpr auto kPeriod = std::chrono::milliseconds(500);
+  constexpr auto kHung = std::chrono::seconds(5);
+  const SteadyClock clock;
+  while (!stop.wait_until(clock.now() + kPeriod)) {
+    if (clock.now() - head->alive_at() < kHung) notify.keep_alive(clock.now());
+    if (std::string state = head->state(); state != told) {
+      notify.status(state);
+      told = std::move(state);
+    }
+  }
+  notify.stopping();
+  head->stop();
+  if (head->sent_file_bytes() > 0) {
+    log(LogLevel::kInfo, fmt::format("gave nodes {} bytes of scenes' files", head->sent_file_bytes()));
+  }
+  return Done{};
+}
+
+}  // namespace
+}  // namespace cyclorama
+
+int main(int argc, char** argv) {
+  using namespace cyclorama;
+  Program program("cyclorama-farm",
+                  "The render farm's head: museums and nodes dial it, and it splits each picture among the nodes.");
+  Arguments arguments;
+  CLI::App& app = program.options();
+  app.add_option("--config", arguments.config, "Read this farm.toml; the other options overrule it")
+      ->check(CLI::ExistingFile);
+  app.add_option("--scene", arguments.scenes, "NAME=PATH of a scene on the nodes' disks; the first is the default");
+  app.add_option("--scene-on-head", arguments.own_scenes, "NAME=PATH of a scene on this disk, which nodes fetch");
+  app.add_option("--museums", arguments.museums, "Where museums dial (default [::1]:7401)");
+  app.add_option("--nodes", arguments.nodes, "Where nodes dial (default [::1]:7402)");
+  app.add_option("--inspect", arguments.inspect, "Where `cyclorama-farm top` and the operator look (default: nowhere)");
+  app.add_option("--balance", arguments.balance, "How pictures are split; the others are there for comparison")
+      ->check(CLI::IsMember({"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}));
+  app.add_option("--record", arguments.record, "Write what each frame costs into this folder, for cyclorama-balance");
+  app.add_flag("--insecure", arguments.insecure, "Let others than this machine dial without TLS");
+  app.add_flag("--check", arguments.is_check, "Read the settings and end: 0 if they are good");
+  TopArguments top;
+  add_top(app, &top);
+  return program.run(argc, argv, [&](const StopSignal& stop) {
+    return app.got_subcommand("top") ? run_top_command(top, stop) : run(arguments, stop);
+  });
+}

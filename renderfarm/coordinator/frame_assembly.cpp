@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/coordinator/frame_assembly.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/check.h"
+#include "renderfarm/balance/tiles.h"
+
+namespace cyclorama {
+namespace {
+
+/// What a node says about itself is not believed beyond reason: it goes into the next frame's plan.
+double measured(double seconds) { return std::isfinite(seconds) ? std::clamp(seconds, 0.0, 1e6) : 0.0; }
+
+/// A part renders as many pixels more around it as its JPEG has blocks less to share.
+constexpr int kLeastPartPx = 64;
+
+/// None, unless they are one for each cell that the block touches.
+std::vector<float> measured_cells(const wire::BlockEnd& end, const PixelRect& rect) {
+  const auto touched = [](int from, int length) { return (from + length + kCutPx - 1) / kCutPx - from / kCutPx; };
+  const int cells = touched(rect.x, rect.width) * touched(rect.y, rect.height);
+  if (end.cell_cpu_seconds_size() != cells) return {};
+  std::vector<float> out;
+  for (const float seconds : end.cell_cpu_seconds()) out.push_back(static_cast<float>(measured(seconds)));
+  return out;
+}
+
+}  // namespace
+
+void FrameAssembly::plan(std::uint64_t block, NodeId node, const PixelRect& rect, const BlockForecast& forecast) {
+  const std::vector<PixelRect> tiles = tiles_of(rect);
+  for (const PixelRect& tile : tiles) {
+    ++attempts_[tile];
+    ++missing_[tile];
+  }
+  CHECK(blocks_.emplace(block, Block{node, rect, forecast, tiles}).second);
+}
+
+void FrameAssembly::plan_again(std::uint64_t block, NodeId node, const PixelRect& tile) {
+  CHECK(missing_.contains(tile));
+  given_again_ = true;
+  plan(block, node, tile);
+}
+
+std::vector<PixelRect> FrameAssembly::cut(const PixelRect& tile, std::size_t parts) {
+  const auto missing = missing_.find(tile);
+  CHECK(missing != missing_.end() && missing->second == 0);
+  const bool across = tile.width >= tile.height;
+  const int length = across ? tile.width : tile.height;
+  const int most = std::max(1, length / kLeastPartPx);
+  const int count = static_cast<int>(std::min<std::size_t>(parts, static_cast<std::size_t>(most)));
+  if (count < 2) return {tile};
+  std::vector<PixelRect> out;
+  const int cells = (length + kCutPx - 1) / kCutPx;
+  for (int i = 0; i < count; ++i) {
+    const int from = cells * i / count * kCutPx;
+    const int to = std::min(length, cells * (i + 1) / count * kCutPx);
+    PixelRect part = tile;
+    (across ? part.x : part.y) += from;
+    (across ? part.width : part.height) = to - from;
+    out.push_back(part);
+    attempts_[part] = attempts_[tile];
+    missing_[part] = 0;
+  }
+  missing_.erase(missing);
+  parts_[tile] = out;
+  return out;
+}
+
+void FrameAssembly::move(std::uint64_t from, std::uint64_t block, NodeId node, double speed) {
+  Block& left = blocks_.at(from);
+  CHECK(left.wanted && !left.ended && left.delivered == 0);
+  left.wanted = false;
+  left.moved = true;
+  Block taken{node, left.rect, left.forecast, left.tiles};
+  taken.forecast.speed = speed;
+  CHECK(blocks_.emplace(block, std::move(taken)).second);
+}
+
+bool FrameAssembly::take(const PixelRect& tile) {
+  if (missing_.erase(tile) > 0) return true;
+  const auto cut = parts_.find(tile);
+  if (cut == parts_.end()) return false;
+  // The maker of the whole tile is wanted only if nobody was quicker with a part of it.
+  if (!is_untouched(tile)) return false;
+  for (const PixelRect& part : cut->second) take(part);
+  return true;
+}
+
+bool FrameAssembly::is_untouched(const PixelRect& tile) const {
+  if (missing_.contains(tile)) return true;
+  const auto cut = parts_.find(tile);
+  return cut != parts_.end() &&
+         std::ranges::all_of(cut->second, [this](const PixelRect& part) { return is_untouched(part); });
+}
+
+FrameAssembly::Verdict FrameAssembly::accept(std::uint64_t block, const PixelRect& tile) {
+  const auto found = blocks_.find(block);
+  if (found == blocks_.end() || std::ranges::find(found->second.tiles, tile) == found->second.tiles.end()) {
+    return Verdict::kForeign;
+  }
+  if (!take(tile)) return Verdict::kDuplicate;
+  ++delivered_;
+  ++found->second.delivered;
+  return Verdict::kNew;
+}
+
+void FrameAssembly::end(std::uint64_t block, const wire::BlockEnd& end) {
+  Block& ended = blocks_.at(block);
+  ended.ended = true;
+  ended.end = end;
+}
+
+std::vector<PixelRect> FrameAssembly::give_up(std::uint64_t block) {
+  Block& lost = blocks_.at(block);
+  std::vector<PixelRect> orphans;
+  if (!std::exchange(lost.wanted, false)) return orphans;
+  for (const PixelRect& tile : lost.tiles) {
+    const auto missing = missing_.find(tile);
+    if (missing != missing_.end() && --missing->second == 0) orphans.push_back(tile);
+  }
+  return orphans;
+}
+
+void FrameAssembly::excuse(std::uint64_t block) {
+  for (const PixelRect& tile : blocks_.at(block).tiles) {
+    if (missing_.contains(tile)) --attempts_[tile];
+  }
+}
+
+int FrameAssembly::attempts(const PixelRect& tile) const {
+  const auto found = attempts_.find(tile);
+  return found == attempts_.end() ? 0 : found->second;
+}
+
+bool FrameAssembly::is_complete() const {
+  if (!missing_.empty()) return false;
+  // The times are wanted too, but not from a race that somebody else has won.
+  return given_again_ ||
+         std::ranges::all_of(blocks_, [](const auto& entry) { return entry.second.ended || !entry.second.wanted; });
+}
+
+FrameAssembly::Summary FrameAssembly::summary() const {
+  Summary sum;
+  std::map<NodeId, double> walls;
+  for (const auto& [number, block] : blocks_) {
+    if (!block.ended) continue;
+    const double cpu_seconds = measured(block.end.render_cpu_seconds());
+    const double wall_seconds = measured(block.end.wall_seconds());
+    sum.render_seconds = std::max(sum.render_seconds, walls[block.node] += wall_seconds);
+    sum.away_seconds = std::max(sum.away_seconds, measured(block.end.waited_seconds()) + wall_seconds);
+    sum.encode_seconds = std::max(sum.encode_seconds, measured(block.end.encode_cpu_seconds()));
+    sum.cpu_seconds += cpu_seconds;
+    sum.rays += block.end.rays();
+    if (!block.moved && block.end.error().empty()) {
+      sum.costs.push_back({block.rect, cpu_seconds, measured_cells(block.end, block.rect), block.forecast.speed});
+    }
+    sum.loads[block.node] += cpu_seconds;
+  }
+  return sum;
+}
+
+}  // namespace cyclorama

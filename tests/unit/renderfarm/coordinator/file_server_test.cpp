@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files from a head to a node's cache, over real gRPC on [::1].
+#include "renderfarm/coordinator/file_server.h"
+
+#include <gmock/gmock.h>
+#include <grpcpp/create_channel.h>
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "common/wire/channel.h"
+#include "common/wire/nodes.grpc.pb.h"
+#include "renderfarm/node/scene_fetcher.h"
+#include "tests/doubles/scene_folder.h"
+#include "tests/doubles/test_authority.h"
+
+namespace cyclorama {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// What of the head hands files out.
+class ServingHead {
+ public:
+  explicit ServingHead(const fs::path& scene, FileServer::Options options = {}, int port = 0,
+                       const ServerOptions& serving = {})
+      : library_({{"grotto", scene}}, {}, [this](const SceneLibrary::News& news) { tell(news); }),
+        files_(library_, options) {
+    auto server = WireServer::start("[::1]:" + std::to_string(port), {&service_}, serving);
+    CHECK(server);
+    server_ = *std::move(server);
+  }
+  ~ServingHead() {
+    files_.stop();
+    server_->stop(std::chrono::milliseconds(200));
+  }
+  ServingHead(const ServingHead&) = delete;
+  ServingHead& operator=(const ServingHead&) = delete;
+
+  [[nodiscard]] int port() const { return server_->port(); }
+  [[nodiscard]] std::shared_ptr<grpc::Channel> dial(const std::optional<TlsFiles>& tls = std::nullopt) const {
+    return *make_channel("[::1]:" + std::to_string(port()), tls);
+  }
+  [[nodiscard]] std::string digest() { return digest_.get_future().get(); }
+  [[nodiscard]] std::string complaint() { return complaint_.get_future().get(); }
+  FileServer& files() { return files_; }
+
+ private:
+  class Service final : public wire::Nodes::CallbackService {
+   public:
+    explicit Service(FileServer& files) : files_(files) {}
+    grpc::ServerUnaryReactor* ListFiles(grpc::CallbackServerContext* context, const wire::ListFilesRequest* request,
+                                        wire::SceneFiles* reply) override {
+      return files_.list(context, *request, reply);
+    }
+    grpc::ServerWriteReactor<wire::FileChunk>* FetchFile(grpc::CallbackServerContext* context,
+                                                         const wire::FetchFileRequest* request) override {
+      return files_.fetch(context, *request);
+    }
+
+   private:
+    FileServer& files_;
+  };
+  void tell(const SceneLibrary::News& news) {
+    if (!news.digest.empty()) digest_.set_value(news.digest);
+    if (news.digest.empty()) complaint_.set_value(news.sentence);
+  }
+
+  std::promise<std::string> digest_;
+  std::promise<std::string> complaint_;
+  SceneLibrary library_;
+  FileServer files_;
+  Service service_{files_};
+  std::unique_ptr<WireServer> server_;
+};
+
+/// A head that says what the test wants.
+class LyingHead final : public wire::Nodes::Service {
+ public:
+  explicit LyingHead(wire::SceneFiles list, std::vector<wire::FileChunk> chunks)
+      : list_(std::move(list)), chunks_(std::move(chunks)), server_(*WireServer::start("[::1]:0", {this})) {}
+  ~LyingHead() override { server_->stop(Duration::zero()); }
+  LyingHead(const LyingHead&) = delete;
+  LyingHead& operator=(const LyingHead&) = delete;
+  [[nodiscard]] std::shared_ptr<grpc::Channel> dial() const {
+    return *make_channel("[::1]:" + std::to_string(server_->port()));
+  }
+
+ private:
+  grpc::Status ListFiles(grpc::ServerContext*, const wire::ListFilesRequest*, wire::SceneFiles* reply) override {
+    *reply = list_;
+    return grpc::Status::OK;
+  }
+  grpc::Status FetchFile(grpc::ServerContext*, const wire::FetchFileRequest*,
+                         grpc::ServerWriter<wire::FileChunk>* writer) override {
+    for (const wire::FileChunk& chunk : chunks_) writer->Write(chunk);
+    return grpc::Status::OK;
+  }
+  const wire::SceneFiles list_;
+  const std::vector<wire::FileChunk> chunks_;
+  const std::unique_ptr<WireServer> server_;
+};
+
+wire::LoadScene order(const std::string& digest, const std::string& path = "") {
+  wire::LoadScene load;
+  load.set_scene("grotto");
+  load.set_digest(digest);
+  load.set_path(path);
+  return load;
+}
+
+wire::FileChunk chunk(std::uint64_t offset, const std::string& data) {
+  wire::FileChunk made;
+  made.set_offset(offset);
+  made.set_data(data);
+  return made;
+}
+
+bool never() { return false; }
+/// Between 20 and 30 %.
+bool is_under_way(const std::string& sentence) {
+  return sentence.starts_with("fetching") && sentence.find(": 2") != std::string::npos;
+}
+void silently(const std::string&) {}
+
+/// What of a node fetches files.
+class FetchingNode {
+ public:
+  FetchingNode(std::shared_ptr<grpc::Channel> head, const fs::path& cache)
+      : head_(std::move(head)), fetcher_({cache, 0}) {}
+  Result<SceneCache::Held> find(const wire::LoadScene& order, const std::function<void(std::string)>& tell,
+                                const std::function<bool()>& cancelled) {
+    return fetcher_.find(order, head_, tell, cancelled);
+  }
+
+ private:
+  const std::shared_ptr<grpc::Channel> head_;
+  SceneFetcher fetcher_;
+};
+
+/// A node's call for one file, read as the test wants.
+class Transfer {
+ public:
+  Transfer(const std::shared_ptr<grpc::Channel>& head, const std::string& sha256, std::uint64_t offset = 0)
+      : stub_(wire::Nodes::NewStub(head)), offset_(offset) {
+    wire::FetchFileRequest request;
+    request.set_sha256(sha256);
+    request.set_offset(offset);
+    context_.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(30));
+    stream_ = stub_->FetchFile(&context_, request);
+  }
+  bool read() {
+    wire::FileChunk piece;
+    if (!stream_->Read(&piece)) return false;
+    EXPECT_EQ(piece.offset(), offset_ + bytes_.size());
+    EXPECT_LE(piece.data().size(), std::size_t{1} << 20);
+    bytes_ += piece.data();
+    return true;
+  }
+  grpc::Status end() {
+    while (read()) {
+    }
+    return stream_->Finish();
+  }
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  const std::unique_ptr<wire::Nodes::Stub> stub_;
+  const std::uint64_t offset_;
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReader<wire::FileChunk>> stream_;
+  std::string bytes_;
+};
+
+/// Whether one more transfer finds a place, sooner or later.
+bool finds_a_place(const std::shared_ptr<grpc::Channel>& channel, const std::string& file) {
+  const SteadyClock clock;
+  const TimePoint deadline = clock.now() + std::chrono::seconds(20);
+  const std::uint64_t nothing_left = file.size();
+  while (clock.now() < deadline) {
+    if (Transfer(channel, sha256_of(file), nothing_left).end().ok()) return true;
+    clock.wait_until(clock.now() + std::chrono::milliseconds(20));
+  }
+  return false;
+}
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const auto& [path, bytes] : scene) write_bytes(folder / path, bytes);
+  }
+  [[nodiscard]] FetchingNode fetcher(std::shared_ptr<grpc::Channel> head) const { return {std::move(head), cache}; }
+  /// What one call answers, and how many bytes it brings.
+  static grpc::Status fetch(const ServingHead& head, const std::string& sha256, std::uint64_t offset,
+                            std::string* ret_bytes) {
+    Transfer transfer(head.dial(), sha256, offset);
+    const grpc::Status end = transfer.end();
+    *ret_bytes += transfer.bytes();
+    return end;
+  }
+
+  TemporaryFolder temporary;
+  const fs::path folder = temporary.path() / "scene";
+  const fs::path cache = temporary.path() / "cache";
+  const std::string walls = noise_bytes(5'000'000, 1);
+  const SceneBytes scene{{"scene.toml", "title = \"x\""}, {"walls.ply", walls}, {"a/b.png", "b"}, {"none", ""}};
+};
+
+TEST_F(Files, reach_an_empty_cache_whole) {
+  ServingHead head(folder);
+  FetchingNode node = fetcher(head.dial());
+  std::vector<std::string> told;
+  const auto found = node.find(
+      order(head.digest()), [&](const std::string& s) { told.push_back(s); }, never);
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_EQ(scene_in(found->path), scene);
+  EXPECT_EQ(found->fetched_bytes, bytes_of(files_of(scene)));
+  EXPECT_EQ(head.files().sent_bytes(), found->fetched_bytes);
+  EXPECT_THAT(told, testing::Contains("fetching scene 'grotto': 100 %"));
+}
+
+TEST_F(Files, go_on_where_the_node_was_when_it_died) {
+  ServingHead head(folder);
+  const std::string digest = head.digest();
+  std::atomic<bool> enough = false;
+  {
+    FetchingNode first = fetcher(head.dial());
+    const auto broken = first.find(
+        order(digest), [&](const std::string& sentence) { enough = enough || is_under_way(sentence); },
+        [&] { return enough.load(); });
+    ASSERT_FALSE(broken);
+    EXPECT_EQ(broken.error().code(), ErrorCode::kUnavailable);
+  }
+  const auto came = fs::file_size(cache / "files" / (sha256_of(walls) + ".part"));
+  EXPECT_GT(came, 0u);
+  EXPECT_LT(came, walls.size());
+  FetchingNode second = fetcher(head.dial());
+  const auto found = second.find(order(digest), silently, never);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(scene_in(found->path), scene);
+  std::uint64_t had = came;
+  for (const char* const small : {"a/b.png", "scene.toml"}) {  // The order of the list: what came before the walls.
+    had += scene.at(small).size();
+  }
+  EXPECT_EQ(found->fetched_bytes + had, bytes_of(files_of(scene)));
+}
+
+TEST_F(Files, wait_for_a_head_that_starts_again) {
+  // A low rate, so that the head can be stopped in the middle.
+  auto head = std::make_unique<ServingHead>(folder, FileServer::Options{.bytes_per_second = 20e6});
+  const int port = head->port();
+  const std::string digest = head->digest();
+  FetchingNode node = fetcher(head->dial());
+  std::promise<void> begun;
+  bool is_begun = false;
+  auto found = std::async(std::launch::async, [&] {
+    return node.find(
+        order(digest),
+        [&](const std::string& sentence) {
+          if (!is_begun && is_under_way(sentence)) begun.set_value();
+          is_begun = is_begun || is_under_way(sentence);
+        },
+        never);
+  });
+  begun.get_future().wait();
+  const std::uint64_t sent_before = head->files().sent_bytes();
+  EXPECT_LT(sent_before, bytes_of(files_of(scene)));
+  head.reset();
+  ServingHead again(folder, {}, port);
+  (void)again.digest();
+  const auto held = found.get();
+  ASSERT_TRUE(held) << held.error().message();
+  EXPECT_EQ(scene_in(held->path), scene);
+  EXPECT_LT(again.files().sent_bytes(), walls.size());
+}
+
+TEST_F(Files, of_no_scene_are_given_to_nobody) {
+  ServingHead head(folder);
+  const std::string digest = head.digest();
+  std::string bytes;
+  EXPECT_EQ(fetch(head, sha256_of("other"), 0, &bytes).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(fetch(head, "../scene.toml", 0, &bytes).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(fetch(head, sha256_of(walls), walls.size() + 1, &bytes).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_TRUE(fetch(head, sha256_of(walls), walls.size(), &bytes).ok());
+  EXPECT_EQ(bytes, "");
+  EXPECT_TRUE(fetch(head, sha256_of(walls), walls.size() - 3, &bytes).ok());
+  EXPECT_EQ(bytes, walls.substr(walls.size() - 3));
+  FetchingNode node = fetcher(head.dial());
+  EXPECT_THAT(node.find(order(sha256_of("x")), silently, never).error().message(), HasSubstr("no such scene"));
+}
+
+TEST_F(Files, that_were_changed_on_the_head_are_refused) {
+  ServingHead head(folder);
+  const std::string digest = head.digest();
+  write_bytes(folder / "walls.ply", walls + "!");
+  FetchingNode node = fetcher(head.dial());
+  const auto found = node.find(order(digest), silently, never);
+  ASSERT_FALSE(found);
+  EXPECT_THAT(found.error().message(), HasSubstr("'walls.ply' was changed on the head"));
+  EXPECT_THAT(found.error().message(), HasSubstr("restart the head"));
+}
+
+TEST_F(Files, that_cannot_be_read_are_told_and_tried_again) {
+  fs::rename(folder / "scene.toml", folder / "elsewhere");
+  ServingHead head(folder);
+  EXPECT_THAT(head.complaint(), HasSubstr("scene 'grotto' cannot be given to nodes"));
+  fs::rename(folder / "elsewhere", folder / "scene.toml");
+  EXPECT_EQ(head.digest(), digest_of(files_of(scene)));
+}
+
+TEST_F(Files, are_on_their_way_to_so_many_at_once_and_no_more) {
+  ServingHead head(folder, {.streams = 1});
+  const std::string digest = head.digest();
+  grpc::ChannelArguments narrow;  // Else the window grows until the whole file is on its way, on a fast machine.
+  narrow.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  narrow.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  const auto stub = wire::Nodes::NewStub(
+      grpc::CreateCustomChannel("[::1]:" + std::to_string(head.port()), grpc::InsecureChannelCredentials(), narrow));
+  grpc::ClientContext context;
+  wire::FetchFileRequest request;
+  request.set_sha256(sha256_of(walls));
+  const auto slow = stub->FetchFile(&context, request);
+  wire::FileChunk piece;
+  ASSERT_TRUE(slow->Read(&piece));  // It has its place, and takes no more.
+  std::string bytes;
+  EXPECT_EQ(fetch(head, sha256_of("b"), 0, &bytes).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  FetchingNode node = fetcher(head.dial());
+  int asked = 0;
+  const auto found = node.find(
+      order(digest),
+      [&](const std::string& sentence) {
+        if (sentence.find("on their way already; ask again; trying again") != std::string::npos && ++asked == 2) {
+          context.TryCancel();
+        }
+      },
+      never);
+  ASSERT_TRUE(found) << found.error().message();
+  EXPECT_EQ(scene_in(found->path), scene);
+}
+
+TEST_F(Files, reach_many_nodes_at_once) {
+  ServingHead head(folder);
+  const std::string digest = head.digest();
+  std::vector<std::future<bool>> nodes;
+  for (int i = 0; i < 6; ++i) {
+    nodes.push_back(std::async(std::launch::async, [&, i] {
+      FetchingNode node(head.dial(), temporary.path() / std::to_string(i));
+      const auto found = node.find(order(digest), silently, never);
+      return found && scene_in(found->path) == scene;
+    }));
+  }
+  for (auto& node : nodes) EXPECT_TRUE(node.get());
+}
+
+TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_head_is_silent) {
+  ServingHead head(folder, {.bytes_per_second = 1.0});
+  const std::string digest = head.digest();
+  FetchingNode node = fetcher(head.dial());
+  std::atomic<bool> enough = false;
+  const auto found = node.find(
+      order(digest), [&](const std::string& sentence) { enough = enough || sentence.starts_with("fetching"); },
+      [&] { return enough.load(); });
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code(), ErrorCode::kUnavailable);
+}
+
+TEST_F(Files, of_a_revoked_node_are_cut_in_the_middle_and_those_of_others_are_not) {
+  TestAuthority authority;
+  // So slowly that no file is through before it is cut.
+  ServingHead head(folder, {.bytes_per_second = 5e6, .streams = 2}, 0,
+                   {.tls = authority.head(), .admit = [](const Identity&) { return std::nullopt; }});
+  (void)head.digest();
+  const auto other_node = head.dial(authority.node("n2"));
+  // Neither reads on, so neither comes to an end by itself.
+  Transfer revoked(head.dial(authority.node("n1")), sha256_of(walls));
+  Transfer other(other_node, sha256_of(walls));
+  ASSERT_TRUE(revoked.read());
+  ASSERT_TRUE(other.read());
+  EXPECT_EQ(Transfer(other_node, sha256_of(walls), walls.size()).end().error_code(),
+            grpc::StatusCode::RESOURCE_EXHAUSTED);
+  head.files().cut([](const Identity& who) { return who.name == "n1"; });
+  EXPECT_EQ(revoked.end().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_LT(revoked.bytes().size(), walls.size());
+  EXPECT_TRUE(finds_a_place(other_node, walls));
+  EXPECT_TRUE(other.end().ok());
+  EXPECT_EQ(other.bytes(), walls);
+}
+
+TEST_F(Files, that_are_cut_before_their_turn_hold_no_place) {
+  ServingHead head(folder, {.bytes_per_second = 1.0, .streams = 1});
+  (void)head.digest();
+  Transfer transfer(head.dial(), sha256_of(walls));
+  ASSERT_TRUE(transfer.read()) << "the next piece is due in days";
+  head.files().cut([](const Identity&) { return true; });
+  EXPECT_EQ(transfer.end().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(finds_a_place(head.dial(), walls));
+}
+
+TEST_F(Files, of_a_lying_head_are_refused) {
+  const SceneBytes small{{"scene.toml", "right"}};
+  const wire::SceneFiles list = to_wire(files_of(small));
+  const std::string digest = digest_of(files_of(small));
+  const auto refusal = [&](const wire::SceneFiles& told, const std::vector<wire::FileChunk>& chunks) {
+    fs::remove_all(cache);
+    LyingHead head(told, chunks);
+    FetchingNode node = fetcher(head.dial());
+    const auto found = node.find(order(digest), silently, never);
+    EXPECT_FALSE(found);
+    EXPECT_FALSE(fs::exists(cache / "files" / sha256_of("right")));
+    return found ? "" : found.error().message();
+  };
+  wire::SceneFiles outside = list;
+  outside.mutable_files(0)->set_path("../../etc/passwd");
+  EXPECT_THAT(refusal(outside, {}), HasSubstr("begins with a dot"));
+  EXPECT_THAT(refusal(to_wire({{"scene.toml", 5, sha256_of("wrong")}}), {}), HasSubstr("not the one that was asked"));
+  EXPECT_THAT(refusal({}, {}), HasSubstr("no files"));
+  EXPECT_THAT(refusal(list, {chunk(0, "wrong")}), HasSubstr("other bytes for 'scene.toml'"));
+  EXPECT_THAT(refusal(list, {chunk(0, "right!")}), HasSubstr("more of 'scene.toml'"));
+  EXPECT_THAT(refusal(list, {chunk(0, "ri"), chunk(3, "ght")}), HasSubstr("out of order"));
+  EXPECT_THAT(refusal(list, {chunk(0, "ri")}), HasSubstr("less of 'scene.toml'"));
+  LyingHead honest(list, {chunk(0, "ri"), chunk(2, ""), chunk(2, "ght")});
+  fs::remove_all(cache);
+  FetchingNode node = fetcher(honest.dial());
+  EXPECT_TRUE(node.find(order(digest), silently, never));
+}
+
+TEST_F(Files, need_a_place) {
+  const auto channel = *make_channel("[::1]:1");
+  FetchingNode none(channel, {});
+  EXPECT_THAT(none.find(order(sha256_of("x")), silently, never).error().message(), HasSubstr("'cache' in node.toml"));
+  EXPECT_EQ(none.find(order("", "/srv/x"), silently, never)->path, "/srv/x");
+  FetchingNode node = fetcher(channel);
+  EXPECT_THAT(node.find(order("../x"), silently, never).error().message(), HasSubstr("neither a path nor a digest"));
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/coordinator/frame_assembly.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "renderfarm/balance/tiles.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr NodeId kA{1};
+constexpr NodeId kB{2};
+constexpr PixelRect kLeft{0, 0, 512, 256};
+constexpr PixelRect kRight{512, 0, 256, 256};
+using Verdict = FrameAssembly::Verdict;
+
+FrameAssembly planned() {
+  FrameAssembly frame;
+  frame.plan(1, kA, kLeft);
+  frame.plan(2, kB, kRight);
+  return frame;
+}
+
+wire::BlockEnd end_of(double cpu_seconds) {
+  wire::BlockEnd end;
+  end.set_render_cpu_seconds(cpu_seconds);
+  end.set_wall_seconds(cpu_seconds / 2.0);
+  end.set_rays(100);
+  return end;
+}
+
+TEST(FrameAssembly, is_complete_when_all_tiles_and_ends_came) {
+  FrameAssembly frame = planned();
+  for (const PixelRect& tile : tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
+  frame.end(1, end_of(2.0));
+  EXPECT_EQ(frame.accept(2, kRight), Verdict::kNew);
+  EXPECT_FALSE(frame.is_missing_tiles());
+  EXPECT_FALSE(frame.is_complete());
+  frame.end(2, end_of(1.0));
+  EXPECT_TRUE(frame.is_complete());
+  EXPECT_EQ(frame.delivered(), 3u);
+  const auto sum = frame.summary();
+  EXPECT_DOUBLE_EQ(sum.render_seconds, 1.0);
+  EXPECT_DOUBLE_EQ(sum.cpu_seconds, 3.0);
+  EXPECT_DOUBLE_EQ(sum.loads.at(kA), 2.0);
+  EXPECT_EQ(sum.rays, 200u);
+}
+
+TEST(FrameAssembly, tells_new_from_duplicate_from_foreign) {
+  FrameAssembly frame = planned();
+  const PixelRect tile = tiles_of(kLeft).front();
+  EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
+  EXPECT_EQ(frame.accept(1, tile), Verdict::kDuplicate);
+  EXPECT_EQ(frame.accept(2, tile), Verdict::kForeign);
+  EXPECT_EQ(frame.accept(9, tile), Verdict::kForeign);
+  EXPECT_EQ(frame.accept(1, {0, 0, 16, 16}), Verdict::kForeign);
+}
+
+TEST(FrameAssembly, gives_up_only_what_is_missing_and_takes_it_from_whoever_is_first) {
+  FrameAssembly frame = planned();
+  const auto tiles = tiles_of(kLeft);
+  EXPECT_EQ(frame.accept(1, tiles[0]), Verdict::kNew);
+  EXPECT_EQ(frame.give_up(1), std::vector{tiles[1]});
+  EXPECT_TRUE(frame.give_up(1).empty());
+  frame.plan_again(3, kB, tiles[1]);
+  EXPECT_EQ(frame.attempts(tiles[1]), 2);
+  EXPECT_EQ(frame.accept(1, tiles[1]), Verdict::kNew);
+  EXPECT_EQ(frame.accept(3, tiles[1]), Verdict::kDuplicate);
+  EXPECT_EQ(frame.accept(2, kRight), Verdict::kNew);
+  EXPECT_TRUE(frame.is_complete());
+  EXPECT_TRUE(frame.was_given_again());
+}
+
+/// A frame of one tile whose node is silent, cut in parts.
+std::vector<PixelRect> cut_right(FrameAssembly& frame, std::size_t parts) {
+  EXPECT_EQ(frame.give_up(2), std::vector{kRight});
+  const std::vector<PixelRect> cut = frame.cut(kRight, parts);
+  for (std::size_t i = 0; i < cut.size(); ++i) frame.plan_again(10 + i, kA, cut[i]);
+  return cut;
+}
+
+TEST(FrameAssembly, cuts_a_tile_into_parts_that_make_it_up) {
+  for (const std::size_t parts : {1u, 2u, 3u, 4u, 50u}) {
+    FrameAssembly frame = planned();
+    const auto cut = cut_right(frame, parts);
+    EXPECT_EQ(cut.size(), std::min<std::size_t>(parts, 4));
+    std::int64_t area = 0;
+    for (std::size_t i = 0; i < cut.size(); ++i) {
+      area += cut[i].area();
+      EXPECT_EQ(cut[i].x % kCutPx, 0);
+      EXPECT_EQ(frame.accept(10 + i, cut[i]), Verdict::kNew);
+    }
+    EXPECT_EQ(area, kRight.area());
+    EXPECT_EQ(frame.accept(2, kRight), Verdict::kDuplicate);
+  }
+}
+
+TEST(FrameAssembly, takes_a_cut_tile_from_its_first_node_only_while_no_part_came) {
+  FrameAssembly frame = planned();
+  const auto cut = cut_right(frame, 2);
+  EXPECT_EQ(frame.accept(2, kRight), Verdict::kNew);
+  EXPECT_EQ(frame.accept(10, cut[0]), Verdict::kDuplicate);
+  EXPECT_EQ(frame.accept(11, cut[1]), Verdict::kDuplicate);
+
+  FrameAssembly other = planned();
+  const auto parts = cut_right(other, 2);
+  EXPECT_EQ(other.accept(11, parts[1]), Verdict::kNew);
+  EXPECT_EQ(other.accept(2, kRight), Verdict::kDuplicate);
+  EXPECT_TRUE(other.is_missing_tiles());
+  // The part that is still missing is lost as well, and cut once more.
+  EXPECT_EQ(other.give_up(10), std::vector{parts[0]});
+  const auto again = other.cut(parts[0], 2);
+  ASSERT_EQ(again.size(), 2u);
+  other.plan_again(20, kB, again[0]);
+  other.plan_again(21, kB, again[1]);
+  EXPECT_EQ(other.accept(20, again[0]), Verdict::kNew);
+  EXPECT_EQ(other.accept(10, parts[0]), Verdict::kDuplicate);
+  EXPECT_EQ(other.accept(21, again[1]), Verdict::kNew);
+}
+
+TEST(FrameAssembly, counts_a_moved_block_where_it_went) {
+  FrameAssembly frame = planned();
+  frame.move(2, 3, kA, 2.0);
+  for (const PixelRect& tile : tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
+  frame.end(1, end_of(2.0));
+  EXPECT_EQ(frame.accept(3, kRight), Verdict::kNew);
+  EXPECT_EQ(frame.accept(2, kRight), Verdict::kDuplicate);
+  wire::BlockEnd cancelled = end_of(0.5);
+  cancelled.set_error("cancelled");
+  frame.end(2, cancelled);
+  frame.end(3, end_of(1.0));
+  EXPECT_TRUE(frame.is_complete());
+  EXPECT_FALSE(frame.was_given_again());
+  const auto sum = frame.summary();
+  ASSERT_EQ(sum.costs.size(), 2u);
+  EXPECT_EQ(sum.costs[1].rect, kRight);
+  EXPECT_DOUBLE_EQ(sum.costs[1].cpu_seconds, 1.0);
+  EXPECT_DOUBLE_EQ(sum.costs[1].speed, 2.0);
+}
+
+TEST(FrameAssembly, believes_only_cells_that_are_the_blocks) {
+  FrameAssembly frame = planned();
+  wire::BlockEnd end = end_of(1.0);
+  for (int i = 0; i < 256; ++i) end.add_cell_cpu_seconds(i == 7 ? -1.0f : 0.5f);
+  frame.end(2, end);
+  EXPECT_EQ(frame.summary().costs.at(0).cell_cpu_seconds.size(), 256u);
+  EXPECT_EQ(frame.summary().costs.at(0).cell_cpu_seconds[7], 0.0f);
+  end.add_cell_cpu_seconds(1.0f);
+  frame.end(2, end);
+  EXPECT_TRUE(frame.summary().costs.at(0).cell_cpu_seconds.empty());
+}
+
+TEST(FrameAssembly, does_not_believe_times_that_are_none) {
+  FrameAssembly frame = planned();
+  frame.end(1, end_of(std::numeric_limits<double>::quiet_NaN()));
+  frame.end(2, end_of(-std::numeric_limits<double>::infinity()));
+  const auto sum = frame.summary();
+  EXPECT_EQ(sum.cpu_seconds, 0.0);
+  EXPECT_EQ(sum.render_seconds, 0.0);
+}
+
+}  // namespace
+}  // namespace cyclorama

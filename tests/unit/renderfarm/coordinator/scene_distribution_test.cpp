@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// A head that hands a scene out, nodes that have nothing, and the real ray tracer.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "renderfarm/client/farm_client.h"
+#include "renderfarm/coordinator/coordinator.h"
+#include "renderfarm/node/embree_block_renderer.h"
+#include "renderfarm/node/farm_node.h"
+#include "tests/doubles/recording_farm_listener.h"
+#include "tests/doubles/scene_folder.h"
+
+namespace cyclorama {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScene =
+    "title = \"A tent\"\n[start]\neye_m = [0, 1.6, 0]\n[sky]\nzenith = [1, 1, 1]\nhorizon = [0.5, 0.4, 0.3]\n"
+    "ground = [0, 0, 0]\n[visitor]\nwalkable_m = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n"
+    "[[geometry]]\nfile = \"parts/tent.ply\"\n";
+/// A floor and a slope.
+constexpr const char* kTent =
+    "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    "-4 0 -4\n-4 0 4\n4 0 4\n4 0 -4\n-4 3 -4\n4 3 -4\n4 0 1 2 3\n4 0 3 5 4\n";
+
+wire::View a_view() {
+  wire::View view;
+  view.set_number(1);
+  view.set_samples(4);
+  view.set_jpeg_quality(90);
+  view.mutable_eye_m()->set_y(1.6);
+  view.mutable_panorama()->set_width_px(320);
+  view.mutable_panorama()->set_height_px(160);
+  view.mutable_panorama()->set_azimuth_span_rad(1.5);
+  view.mutable_panorama()->set_tan_elevation_top(0.4);
+  view.mutable_panorama()->set_tan_elevation_bottom(-0.4);
+  return view;
+}
+
+class Distribution : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_bytes(folder / "scene.toml", kScene);
+    write_bytes(folder / "parts/tent.ply", kTent);
+  }
+  void start_head(bool on_head) {
+    HeadOptions options;
+    options.scenes = {{"tent", folder.string(), on_head}};
+    options.museums = options.nodes = "[::1]:0";
+    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
+    ASSERT_TRUE(started) << started.error().message();
+    head = *std::move(started);
+  }
+  [[nodiscard]] std::unique_ptr<FarmNode> add_node(const std::string& cache) const {
+    FarmNodeOptions options{.heads = {"[::1]:" + std::to_string(head->node_port())}, .name = cache};
+    options.cache = {temporary.path() / cache, 0};
+    auto started = FarmNode::start(options, embree_scene_loader(1));
+    EXPECT_TRUE(started);
+    return *std::move(started);
+  }
+  /// The tiles' bytes, by place.
+  [[nodiscard]] std::map<std::pair<std::uint32_t, std::uint32_t>, std::string> picture() const {
+    RecordingFarmListener listener;
+    const auto client =
+        FarmClient::start({.heads = {"[::1]:" + std::to_string(head->museum_port())}, .museum = "test"}, listener);
+    EXPECT_TRUE(client);
+    EXPECT_TRUE(listener.wait([](const auto& seen) { return seen.opened > 0; }))
+        << testing::PrintToString(listener.seen().reasons);
+    (*client)->request(a_view());
+    EXPECT_TRUE(listener.wait([](const auto& seen) { return !seen.frames.empty(); }));
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::string> tiles;
+    const auto seen = listener.seen();
+    if (seen.frames.empty() || !seen.frames.front().end.complete()) return tiles;
+    for (const wire::Tile& tile : seen.frames.front().tiles) tiles[{tile.x_px(), tile.y_px()}] = tile.jpeg();
+    (*client)->stop();
+    return tiles;
+  }
+
+  TemporaryFolder temporary;
+  const fs::path folder = temporary.path() / "scene";
+  std::unique_ptr<Head> head;
+};
+
+TEST_F(Distribution, gives_a_node_with_nothing_the_scene_and_so_the_same_picture) {
+  start_head(false);
+  auto node = add_node("unused");
+  const auto from_disk = picture();
+  EXPECT_FALSE(from_disk.empty());
+  node.reset();
+  head.reset();
+  start_head(true);
+  node = add_node("cache");
+  EXPECT_EQ(picture(), from_disk);
+  EXPECT_EQ(head->sent_file_bytes(), std::string(kScene).size() + std::string(kTent).size());
+  EXPECT_FALSE(fs::exists(temporary.path() / "unused"));
+}
+
+TEST_F(Distribution, loads_a_scene_anew_that_was_changed_while_the_head_was_away) {
+  start_head(true);
+  auto node = add_node("cache");
+  const auto before = picture();
+  node.reset();
+  head.reset();
+  std::string darker = kScene;
+  darker.replace(darker.find("zenith = [1, 1, 1]"), 18, "zenith = [0, 0, 1]");
+  write_bytes(folder / "scene.toml", darker);
+  start_head(true);
+  node = add_node("cache");
+  EXPECT_NE(picture(), before);
+  EXPECT_EQ(head->sent_file_bytes(), darker.size());  // The tent itself was there.
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table and the JSON line of display-decode: decode.py SECONDS.
+"""The table and the JSON line of display-decode: decode.py BUILD_FOLDER SECONDS.
 
 Megapixels per cpu-second. tjbench reports per second of wall time, which is turned into cpu time by its own use of the
 processor; it and ours take short turns, and a ratio is the middle one of the turns'. Its `-yuv` decodes to planes, as we do;
@@ -16,9 +16,9 @@ import sys
 import tempfile
 import time
 
-seconds = sys.argv[1]
+build, seconds = sys.argv[1:]
 TURNS = 15
-BENCH = "build/release/tests/display_bench"
+BENCH = f"{build}/tests/display_bench"
 
 
 def run(*command):

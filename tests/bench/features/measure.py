@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables and the JSON line of tracer-features: measure.py SIZE REPETITIONS NAME=SCENE...
+"""Prints the tables and the JSON line of tracer-features: measure.py BUILD_FOLDER SIZE REPETITIONS INTERIOR GROTTO [--quick]
 
-Every scene is measured as it is; the first two (generated, so always there) also by a sky alone, because a feature is
-measured on scenes without it, and every scene has lights. Time is that of `cyclorama-render features`. Instructions are
-counted by the processor where it can; elsewhere by valgrind, on a small picture, which is exact but emulates a
-processor with AVX2 at most. There the kernels differ by their shading stage alone; the rest is shared out evenly.
+Every scene is measured as it is; the two generated ones also under a sky alone, because a feature is measured on scenes
+without it, and every scene has lights. Without --quick the real scenes follow where their data are there. Time is that of
+`cyclorama-render features`. The processor counts instructions where it can; elsewhere valgrind does, on a small picture:
+exact, but it emulates a processor with AVX2 at most. There the kernels differ by their shading stage alone; the rest is
+shared out evenly.
 """
 import json
+import os
 import pathlib
 import re
 import statistics
@@ -14,8 +16,10 @@ import subprocess
 import sys
 import tempfile
 
-size, repetitions, scenes = sys.argv[1], int(sys.argv[2]), dict(text.split("=", 1) for text in sys.argv[3:])
-RENDER = "build/release/bin/cyclorama-render"
+build, size, repetitions = sys.argv[1], sys.argv[2], int(sys.argv[3])
+scenes = dict(zip(("interior", "grotto"), sys.argv[4:6]))
+RENDER = f"{build}/bin/cyclorama-render"
+REAL = ("scenes/grotto_thousand_buddhas.glb", "scenes/hotel_room.glb", "relics/buddha_head_100k.glb", "relics/Hermes.glb")
 COUNTED_SIZE = "48x18"
 NEEDS = ["textures", "normal_maps", "surface", "lights", "environment"]  # As SceneNeeds has them.
 
@@ -98,7 +102,11 @@ def percent(value):
     return "-" if value is None else f"{100 * value:.1f}"
 
 
-for name in list(scenes)[:2]:
+generated = list(scenes)
+if "--quick" not in sys.argv[6:]:
+    data = pathlib.Path(os.environ.get("CYCLORAMA_SHARED", "../shared")) / "data"
+    scenes |= {pathlib.Path(name).stem: data / name for name in REAL if (data / name).is_file()}
+for name in generated:
     scenes[f"{name}, sky"] = under_sky(scenes[name])
 counted_by = "the processor"
 savings = {}

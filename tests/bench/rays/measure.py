@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table and the JSON line of tracer-rays: measure.py PACKAGE SIZE FRAMES.
+"""The table and the JSON line of tracer-rays: measure.py BUILD_FOLDER PACKAGE SIZE FRAMES.
 
 The three take turns, and a ratio is the middle one of the turns'. The tutorial is Debian's /usr/bin/pathtracer. It
 sends a shadow ray to every lamp at every surface, so it gets one lamp, a point in the middle of the ceiling: then its
@@ -19,7 +19,7 @@ import sys
 import tempfile
 import tomllib
 
-package, size, frames = sys.argv[1], sys.argv[2], int(sys.argv[3])
+build, package, size, frames = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])
 TURNS = 3
 BOUNCES = 2
 SAMPLES = 16
@@ -38,7 +38,7 @@ def run(*command):
 
 def ours(folder):
     figures = os.path.join(folder, "ours.json")
-    run("build/release/bin/cyclorama-render", "picture", package, "--camera", "perspective", "--field-deg", FIELD_DEG,
+    run(f"{build}/bin/cyclorama-render", "picture", package, "--camera", "perspective", "--field-deg", FIELD_DEG,
         "--size", size, "--samples", SAMPLES, "--bounces", BOUNCES, "--threads", 1, "--json", figures,
         "--out", os.path.join(folder, "ours.pfm"))
     values = json.loads(pathlib.Path(figures).read_text())
@@ -46,7 +46,7 @@ def ours(folder):
 
 
 def raw():
-    return json.loads(run("build/release/tests/raw_embree", package, "--size", size, "--samples", SAMPLES,
+    return json.loads(run(f"{build}/tests/raw_embree", package, "--size", size, "--samples", SAMPLES,
                           "--bounces", BOUNCES)[0])
 
 
@@ -68,6 +68,8 @@ def tutorial(scene):
     return rays_per_frame * (frames - 1) / (many - few)
 
 
+if not os.path.exists(package + ".obj"):
+    run(sys.executable, pathlib.Path(__file__).with_name("to_obj.py"), package, package + ".obj")
 with tempfile.TemporaryDirectory() as out:
     with open(os.path.join(package, "scene.toml"), "rb") as file:
         package_text = tomllib.load(file)

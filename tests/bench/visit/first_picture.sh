@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Seconds from a bare Debian to the first picture on the wall, and again (needs root: the bare Debian is made here).
+# Seconds from a bare Debian 12 to the first picture on the wall, then those of a second start. Needs root for the bare Debian.
 set -euo pipefail
 root=$(mktemp -d /var/tmp/cyclorama-bare.XXXXXX)
-# in-debian says so where something is still mounted below: then nothing is deleted.
+# in-debian reports a mount that is left below; then nothing is deleted.
 trap 'grep -qF " $root/" /proc/self/mounts || rm -rf --one-file-system "$root"' EXIT
 measure() {  # Prints the seconds from the start of ./demo.sh to the first picture on the wall.
   KEEP=$root scripts/in-debian bookworm bash -c './demo.sh --headless --seconds 5 --out out >&2 &&

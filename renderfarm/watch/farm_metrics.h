@@ -20,7 +20,7 @@ struct FrameFigures {
   int moved = 0;             ///< Blocks that a node that was done took from others.
 };
 
-/// The farm's numbers in Prometheus' text format 0.0.4, on prometheus-cpp. docs/guides/watch.md lists them.
+/// The farm's numbers in Prometheus' text format 0.0.4, on prometheus-cpp. docs/reference/metrics.md lists them.
 ///
 /// Series are bounded: museums beyond the first kMostMuseums names are counted as "(others)", of several visits of one
 /// museum the worst is shown, and nodes of one name are numbered. Thread-safe.

@@ -172,7 +172,7 @@ TEST(FarmMetrics, the_dashboard_asks_for_nothing_that_is_not_there) {
 }
 
 TEST(FarmMetrics, the_operators_page_lists_exactly_what_is_there) {
-  EXPECT_EQ(names_in(document("docs/guides/watch.md")), all_families());
+  EXPECT_EQ(names_in(document("docs/reference/metrics.md")), all_families());
 }
 
 }  // namespace

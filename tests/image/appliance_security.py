@@ -4,15 +4,18 @@ with their capabilities, and what listens against the checked lists beside this 
 import pathlib
 import re
 import socket
-import subprocess
+import sys
 import time
 
 from appliance import Appliance
 from appliance_boot import attract_pictures, computer, wait_for_pictures
 
 HERE = pathlib.Path(__file__).resolve().parent
-MOST_EXPOSED = 2.0
-# Root's own, which end as soon as they have done what only root can: mount and divide disks, write partitions, restart the computer.
+sys.path.insert(0, str(HERE.parent / "tools"))
+from installed_units import exposure, install_units  # noqa: E402
+
+MAX_EXPOSURE = 2.0
+# Services of root, which end as soon as they have mounted or divided disks, written partitions or restarted the computer.
 ROOTS = {"cyclorama-var": 9.6, "cyclorama-keyboard": 9.6, "cyclorama-update@": 4.5, "cyclorama-update-from-farm@": 4.5, "cyclorama-health": 2.5}
 OPERATOR_PORT = 8443
 SCANNED = [*range(1, 1025), 2049, 3306, 3389, 4352, 5355, 5432, 5900, 6000, *range(7380, 7430), 8000, 8080, OPERATOR_PORT, 9090, 19531, 50051]
@@ -26,12 +29,6 @@ PROCESSES = """for p in /proc/[0-9]*; do
   caps=$(capsh --decode=$(sed -n 's/^CapEff:.//p' $p/status))
   echo "$(stat -c %U $p) $(cat $p/comm) ${caps#*=}"
 done 2>/dev/null | sort -u"""
-
-
-def exposure(unit):
-    report = subprocess.run(["systemd-analyze", "security", "--offline=yes", "--no-pager", str(unit)], capture_output=True, text=True)
-    (line,) = [line for line in report.stdout.splitlines() if "Overall exposure level" in line]
-    return float(line.split(":")[1].split()[0])
 
 
 def compare(name, found, failed):
@@ -100,12 +97,12 @@ def look_at_running(machine, figures, lists="", ports=(OPERATOR_PORT,)):
 
 def run(options, folder):
     figures = {"failed": []}
-    root = HERE.parent.parent
-    own = [unit for tree in ("mkosi.extra", "mkosi.profiles/museum/mkosi.extra") for unit in (root / "image" / tree).rglob("cyclorama-*.service")]
-    for unit in sorted([*(root / "systemd/units").glob("*.service"), *own]):
-        figures[unit.stem] = exposure(unit)
-        if figures[unit.stem] > ROOTS.get(unit.stem, MOST_EXPOSED):
-            figures["failed"].append(f"{unit.stem}: exposed {figures[unit.stem]}, at most {ROOTS.get(unit.stem, MOST_EXPOSED)}")
+    root = folder / "units"
+    for service in install_units(root, ("mkosi.extra", "mkosi.profiles/museum/mkosi.extra")):
+        name = service.removesuffix(".service")
+        figures[name] = exposure(root, service)
+        if figures[name] > ROOTS.get(name, MAX_EXPOSURE):
+            figures["failed"].append(f"{name}: exposed {figures[name]}, at most {ROOTS.get(name, MAX_EXPOSURE)}")
     shipped = options.out / "cyclorama-museum"
     for name in ("setuid", "users") if shipped.exists() else ():
         compare(name, (shipped / name).read_text().splitlines(), figures["failed"])

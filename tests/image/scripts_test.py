@@ -25,7 +25,7 @@ class Computer:
         folder.mkdir(exist_ok=True)
         over = folder / "over"
         for tree in (source / "image/mkosi.extra", source / "kiosk/lockdown", source / f"image/mkosi.profiles/{profile}/mkosi.extra"):
-            shutil.copytree(tree, over, dirs_exist_ok=True)
+            shutil.copytree(tree, over, symlinks=True, dirs_exist_ok=True)
         self.over = over
         self.scripts = over / "usr/lib/cyclorama"
         self.state = folder / "state"

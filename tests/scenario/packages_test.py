@@ -96,6 +96,9 @@ def check_files(component, root):
 
 def check_units(component, root):
     units = [Unit(path) for path in sorted(root.glob("usr/lib/systemd/system/*.service"))]
+    for unit in units:
+        sandbox = root / f"usr/lib/systemd/system/{unit.name}.d/10-hardening.conf"
+        expect(sandbox.exists() and "NoNewPrivileges=yes" in sandbox.read_text(), f"{unit.name}: has no sandbox")
     helpers = {f"cyclorama-{h}.service" for h in HELPERS.get(component, [])}
     expect({u.name for u in units} == {f"cyclorama-{s}.service" for s in SERVICES[component]} | helpers, f"{component}: units")
     for unit in (u for u in units if u.name in helpers):

@@ -42,7 +42,7 @@ struct TrackerSettings {
   std::string osc;   ///< Poses go here as well, as Open Sound Control; empty: nowhere.
   std::string vrpn;  ///< And as VRPN's datagrams.
 
-  /// tracker.toml, whose keys docs/design/tracker.md lists; the wand files that it names lie beside it.
+  /// tracker.toml, whose keys docs/reference/settings.md lists; the wand files that it names lie beside it.
   /// kBadData  file, line and remedy.     Others as read_file().
   static Result<TrackerSettings> read(const std::filesystem::path& path);
   static Result<TrackerSettings> parse(std::string_view text, std::string name);

@@ -31,7 +31,7 @@ struct Simulation {
   Wand wand = standard_wand(0);
   HandPath path = HandPath::demo();
 
-  /// From TOML; docs/design/tracker.md lists the keys, and an absent key has the value above.
+  /// From TOML; docs/reference/settings.md lists the keys, and an absent key has the value above.
   /// kBadData  file, line and remedy.     Others as read_file().
   static Result<Simulation> read(const std::filesystem::path& path);
   static Result<Simulation> parse(std::string_view text, std::string name);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -D OUTPUT=page_files.cpp -D FOLDER=page -D HEADER=kiosk/operator/page_files.h -D FUNCTION=page_files
-#       -D FILES=index.html,page.css -P embed_page.cmake: a page's files as one C++ source, in the build folder.
+# cmake -D OUTPUT=page_files.cpp -D HEADER=kiosk/operator/page_files.h -D FUNCTION=page_files
+#       -D FILES=page/index.html,page/page.css -P embed_page.cmake: writes a page's files as one C++ source.
 set(types_html "text/html; charset=utf-8")
 set(types_css "text/css; charset=utf-8")
 set(types_js "text/javascript; charset=utf-8")
@@ -8,9 +8,10 @@ set(types_svg "image/svg+xml")
 set(arrays "")
 set(entries "")
 set(count 0)
-string(REPLACE "," ";" names "${FILES}")
-foreach(name IN LISTS names)
-  file(READ "${FOLDER}/${name}" bytes HEX)
+string(REPLACE "," ";" files "${FILES}")
+foreach(file IN LISTS files)
+  cmake_path(GET file FILENAME name)
+  file(READ "${file}" bytes HEX)
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
   string(APPEND arrays "const char kFile${count}[] = {${bytes}};\n")
   cmake_path(GET name EXTENSION LAST_ONLY extension)

@@ -223,7 +223,7 @@ def check_hours(browser, museum, pictures, name):
     (museum.state / "hours/override").write_text("open for ever\n")
     wait_until(lambda: "damaged" in browser.text("#hours-problem"), 30, "a word on the broken file")
     browser.click("#hours-settings")
-    wait_until(lambda: "of the settings again" in browser.text("#care-note"), 30, "the hours of the settings")
+    wait_until(lambda: "of the settings apply again" in browser.text("#care-note"), 30, "the hours of the settings")
     assert not (museum.state / "hours/override").exists()
 
 
@@ -231,7 +231,7 @@ def check_work(browser, museum, pictures, name):
     browser.run("document.getElementById('healing-card').scrollIntoView({block: 'center'})")
     browser.picture(pictures / f"healing-{name}.png", whole=False)
     browser.click("#realign")
-    wait_until(lambda: "looked for anew" in browser.text("#care-note"), 30, "the realignment")
+    wait_until(lambda: "measured anew" in browser.text("#care-note"), 30, "the realignment")
     browser.click("#calibrate")
     wait_until(lambda: "Turn the plate to 30.0 degrees" in browser.text("#calibration-question"), 30, "what is asked")
     browser.type("#calibration-answer", "30.5")

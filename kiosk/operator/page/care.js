@@ -1,55 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a museum asks of its people, and what they may ask of it. byId() and make() are page.js's.
-"use strict";
-
-const say = (text, isWrong) => {
-  byId("care-note").textContent = text;
-  byId("care-note").classList.toggle("wrong", Boolean(isWrong));
-};
-
-async function ask(path, body, seconds = 10) {
-  const answer = await fetch(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body),
-                                     signal: AbortSignal.timeout(1000 * seconds) });
-  if (answer.status === 401) location.replace("/login.html");
-  const text = await answer.text();
-  const json = text ? JSON.parse(text) : {};
-  if (!answer.ok) throw new Error(json.error);
-  return json;
-}
-
-// One request at a time from one button, and its refusal in words.
-function press(id, work) {
-  const button = byId(id);
-  button.addEventListener("click", async () => {
-    button.disabled = true;
-    say("");
-    try {
-      await work(button);
-    } catch (problem) {
-      say(`That did not work: ${problem.message}`, true);
-    }
-    button.disabled = false;
-  });
-}
-
-// What cannot be undone is pressed twice.
-function pressTwice(id, question, work) {
-  const words = byId(id).textContent;
-  let sureUntil = 0;
-  const calm = (button) => { button.textContent = words; button.classList.remove("sure"); };
-  press(id, async (button) => {
-    if (Date.now() > sureUntil) {
-      sureUntil = Date.now() + 6000;
-      button.textContent = question;
-      button.classList.add("sure");
-      setTimeout(calm, 6000, button);
-      return;
-    }
-    sureUntil = 0;
-    calm(button);
-    await work();
-  });
-}
+// The museum: what needs attention, and what its people can do here.
+import { showHealing } from "./healing.js";
+import { byId, get, isNumber, make, repeat } from "./helpers.js";
+import { projectorNames } from "./page.js";
+import { ask, press, pressTwice, say } from "./requests.js";
 
 // ---- Checks ----
 function checkLine(check) {
@@ -70,7 +24,7 @@ function showChecks(checks) {
     if (check.remedy) item.append(make("p", check.remedy, "remedy"));
     return item;
   }));
-  byId("checks-summary").textContent = `Everything that is looked at: ${checks.length - wrong.length} of ${checks.length} are well`;
+  byId("checks-summary").textContent = `All checks: ${checks.length - wrong.length} of ${checks.length} are well`;
   byId("checks").replaceChildren(...checks.map(checkLine));
 }
 
@@ -83,11 +37,11 @@ function showCalibration(calibration) {
   const isRunning = calibration.state === "running";
   const isOfWall = calibration.what === "wall";
   const words = {
-    idle: "The wall is measured with a camera, so that the projectors make one picture. Nobody should stand in it meanwhile.",
+    idle: "A camera measures the wall so that the projectors make one picture. Nobody should stand before the wall meanwhile.",
     running: isOfWall ? `${Math.round(100 * calibration.fraction)} %: ${calibration.step}` : `It ${calibration.step}.`,
-    done: !isOfWall ? "Where the fixed cameras stand:" : `Measured on ${calibration.date}.` + (isNumber(calibration.registration_p95_px)
-      ? ` Neighbouring pictures meet within ${calibration.registration_p95_px.toFixed(2)} px in 95 of 100 places.` : ""),
-    cancelled: !isOfWall ? "Cancelled; the fixed cameras count as before." : "Cancelled; the wall shows the calibration of before. What was photographed is kept: the next one can go on from there.",
+    done: !isOfWall ? "The positions of the fixed cameras:" : `Measured on ${calibration.date}.` + (isNumber(calibration.registration_p95_px)
+      ? ` Neighbouring pictures meet within ${calibration.registration_p95_px.toFixed(2)} px in 95 % of the overlap.` : ""),
+    cancelled: !isOfWall ? "Cancelled; the previous positions of the fixed cameras stay in use." : "Cancelled; the previous calibration stays in use. The photographs are kept, so that the next calibration can resume.",
     failed: `It failed: ${calibration.error}`,
   };
   byId("calibration-state").textContent = words[calibration.state] || calibration.state;
@@ -107,9 +61,9 @@ function showCalibration(calibration) {
   if (!picture.hidden) picture.src = `/calibration.jpg?${++calibrationPicture}`;
 }
 
-// One projector that was pushed; page.js knows their names.
+// Offers to correct one displaced projector alone.
 function showPieces(isRunning) {
-  const names = [...projectors.keys()].map((key) => key.slice(key.indexOf("/projector/") + "/projector/".length));
+  const names = projectorNames();
   const select = byId("quick-projector");
   if (names.join("\n") !== [...select.options].map((option) => option.value).join("\n")) {
     select.replaceChildren(...names.map((name) => make("option", name)));
@@ -130,16 +84,16 @@ byId("calibration-answer").addEventListener("keydown", (event) => {
   if (event.key === "Enter") byId("calibration-done").click();
 });
 press("calibrate-cancel", () => ask("/calibration", { do: "cancel" }));
-pressTwice("calibrate-restore", "Really bring it back?", async () => {
+pressTwice("calibrate-restore", "Really restore it?", async () => {
   const answer = await ask("/calibration", { do: "restore" }, 35);
   say(`The calibration of ${answer.date} is in use again.`);
 });
 
 // ---- Settings, hours, software ----
 function showSettings(provisioning) {
-  const words = { installed: "Those of the last stick are in use.", unchanged: "The last stick had the same settings as those in use.",
-                  restored: "Those of before are in use again.", refused: "The last stick was refused." };
-  byId("settings-state").textContent = provisioning === null ? "No stick was ever plugged in."
+  const words = { installed: "The settings of the last USB stick are in use.", unchanged: "The last USB stick had the settings that were already in use.",
+                  restored: "The previous settings are in use again.", refused: "The last USB stick was refused." };
+  byId("settings-state").textContent = provisioning === null ? "No USB stick has been plugged in yet."
     : `${words[provisioning.verdict]} ${provisioning.museum ? `Museum “${provisioning.museum}”, ` : ""}${provisioning.projectors} projectors.`;
   const sentences = provisioning === null ? [] : [...provisioning.problems, ...provisioning.remarks];
   byId("settings-remarks").replaceChildren(...sentences.map((sentence) => make("li", sentence)));
@@ -147,50 +101,50 @@ function showSettings(provisioning) {
 
 function showHours(schedule) {
   const state = byId("hours-state");
-  if (schedule === null) state.textContent = "This computer has no settings of a museum.";
+  if (schedule === null) state.textContent = "This computer has no museum's settings.";
   else if (schedule.problem) state.textContent = schedule.problem;
   else if (schedule.override) {
-    state.textContent = schedule.override.open ? `Open until ${schedule.override.until}, for this once. Then as the settings say.`
-      : `Closed until ${schedule.override.until}, for this once: the projectors are off. Then as the settings say.`;
+    state.textContent = schedule.override.open ? `Open until ${schedule.override.until}, as an exception. Then the settings apply again.`
+      : `Closed until ${schedule.override.until}, as an exception: the projectors are off. Then the settings apply again.`;
   } else state.textContent = (schedule.open ? "Open now." : "Closed now: the projectors are off.") + (schedule.lines.length ? "" : " Always open.");
   const problem = schedule ? schedule.override_problem : "";
   byId("hours-problem").hidden = !problem;
-  byId("hours-problem").textContent = `As the settings say: ${problem}.`;
+  byId("hours-problem").textContent = `The settings apply: ${problem}.`;
   byId("hours-buttons").hidden = schedule === null || Boolean(schedule.problem);
   byId("hours-settings").hidden = !(schedule && (schedule.override || problem));
-  byId("hours-until").title = schedule ? `By the clocks of ${schedule.zone}` : "";
+  byId("hours-until").title = schedule ? `In the time zone ${schedule.zone}` : "";
   byId("hours").replaceChildren(...(schedule ? schedule.lines : []).map((line) => make("li", line)));
 }
 
 press("hours-open", async () => {
   await ask("/hours", { do: "open", until: byId("hours-until").value });
-  say("The museum is open until then, whatever the settings say; after that as they say.");
+  say("The museum is open until then; after that the settings apply again.");
 });
 pressTwice("hours-closed", "Really close now?", async () => {
   await ask("/hours", { do: "closed" });
-  say("The museum is closed until it opens on another day. “As the settings say” takes that back.");
+  say("The museum is closed until it opens on another day. “Back to the settings” undoes that.");
 });
 press("hours-settings", async () => {
   await ask("/hours", { do: "settings" });
-  say("The hours are those of the settings again.");
+  say("The hours of the settings apply again.");
 });
 
 function showSoftware(update, page) {
-  const words = { current: "It is the newest.", checking: "Looks for a newer one.", loading: "A newer one is being fetched.",
-                  ready: "A newer one begins with the next start, at night.", failed: "The newer one could not be had.",
-                  "rolled-back": "The newer one did not start well, so this one was taken back." };
-  byId("software-state").textContent = update === null ? `Version ${page.version} of this page; the image's updater has not said anything.`
+  const words = { current: "It is the newest.", checking: "Checking for a newer one.", loading: "A newer one is being fetched.",
+                  ready: "A newer one starts with the next restart, at night.", failed: "The newer one could not be fetched.",
+                  "rolled-back": "The newer one did not start well, so this one is in use again." };
+  byId("software-state").textContent = update === null ? `Version ${page.version} of this page; the image's updater has not reported anything.`
     : `Version ${update.version}. ${words[update.state]}${update.available ? ` (${update.available})` : ""}`;
   byId("software-buttons").hidden = !page.wishes;
 }
 
 press("update", async () => {
   await ask("/wish", { wish: "update" });
-  say("It looks for an update now; the show goes on.");
+  say("Checking for an update; the show goes on.");
 });
-pressTwice("factory-reset", "Really forget settings and calibrations?", async () => {
+pressTwice("factory-reset", "Really delete settings and calibrations?", async () => {
   await ask("/wish", { wish: "factory-reset" });
-  say("The computer starts again and forgets everything.");
+  say("The computer restarts and deletes everything.");
 });
 
 // ---- Network, this page ----
@@ -208,8 +162,8 @@ press("network-test", async (button) => {
 function showPage(page) {
   byId("logout").hidden = !page.has_pin;
   const state = byId("page-state");
-  state.textContent = page.has_pin ? "The way to it is encrypted. Its certificate's SHA-256 fingerprint, to compare with what the browser shows:"
-                                   : "It asks for no PIN, and answers on this computer alone.";
+  state.textContent = page.has_pin ? "The connection is encrypted. The SHA-256 fingerprint of its certificate, to compare with what the browser shows:"
+                                   : "It has no PIN and answers only on this computer.";
   if (page.fingerprint) state.append(make("span", " " + page.fingerprint, "print"));
 }
 press("logout", async () => {
@@ -217,27 +171,22 @@ press("logout", async () => {
   location.replace("/login.html");
 });
 
-async function watchMuseum() {
-  for (;;) {
-    if (!document.hidden) {
-      try {
-        const answer = await fetch("/museum", { signal: AbortSignal.timeout(5000) });
-        if (answer.status === 401) location.replace("/login.html");
-        if (answer.status === 404) return;  // A demo without a museum.
-        const museum = await answer.json();
-        byId("care").hidden = false;
-        showChecks(museum.checks);
-        showCalibration(museum.calibration);
-        showHealing(museum.watched);
-        showSettings(museum.provisioning);
-        showHours(museum.schedule);
-        showSoftware(museum.update, museum.page);
-        showPage(museum.page);
-      } catch {
-        // page.js says that the page does not answer.
-      }
-    }
-    await new Promise((done) => setTimeout(done, 1000));
+repeat(1000, async () => {
+  try {
+    const answer = await get("/museum");
+    if (answer.status === 401) location.replace("/login.html");
+    if (answer.status === 404) return false;  // A demo has no museum.
+    const museum = await answer.json();
+    byId("care").hidden = false;
+    showChecks(museum.checks);
+    showCalibration(museum.calibration);
+    showHealing(museum.watched);
+    showSettings(museum.provisioning);
+    showHours(museum.schedule);
+    showSoftware(museum.update, museum.page);
+    showPage(museum.page);
+  } catch {
+    // page.js shows that the page does not answer.
   }
-}
-watchMuseum();
+  return true;
+});

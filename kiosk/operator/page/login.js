@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-"use strict";
+import { byId, get, make, pause, post } from "./helpers.js";
 
-const pin = document.getElementById("pin");
-const note = document.getElementById("note");
+const pin = byId("pin");
+const note = byId("note");
 const button = document.querySelector("button");
 
-document.getElementById("form").addEventListener("submit", async (event) => {
+byId("form").addEventListener("submit", async (event) => {
   event.preventDefault();
   button.disabled = true;
   note.textContent = "";
   try {
-    const answer = await fetch("/login", { method: "POST", headers: { "Content-Type": "application/json" },
-                                           body: JSON.stringify({ pin: pin.value }), signal: AbortSignal.timeout(15000) });
+    const answer = await post("/login", { pin: pin.value }, 15000);
     if (answer.ok) {
       location.replace("/");
       return;
@@ -20,32 +19,25 @@ document.getElementById("form").addEventListener("submit", async (event) => {
     note.textContent = why.charAt(0).toUpperCase() + why.slice(1) + (why.endsWith(".") ? "" : ".");
     watchTheDoor();
   } catch {
-    note.textContent = "The operator page does not answer. See that this phone or computer is on the museum's network.";
+    note.textContent = "The operator page does not answer. Check that this phone or computer is on the museum's network.";
   }
   button.disabled = false;
   pin.select();
 });
 
-// While no PIN is in use the page tells everybody why, and looks again until a stick has brought one.
-function make(name, text, kind) {
-  const element = document.createElement(name);
-  element.textContent = text;
-  if (kind) element.className = kind;
-  return element;
-}
-
+// While no PIN is in use the page shows everybody why, and looks again until a USB stick has brought one.
 let isWatching = false;
 async function watchTheDoor() {
   if (isWatching) return;
   isWatching = true;
   for (let told = true; told;) {
     try {
-      const answer = await fetch("/door", { signal: AbortSignal.timeout(10000) });
+      const answer = await get("/door", 10000);
       const { checks } = await answer.json();
       told = checks.length > 0;
-      document.getElementById("door").hidden = !told;
-      document.getElementById("form").hidden = told;
-      document.getElementById("told").replaceChildren(...checks.map((check) => {
+      byId("door").hidden = !told;
+      byId("form").hidden = told;
+      byId("told").replaceChildren(...checks.map((check) => {
         const item = make("li", "", check.level);
         item.append(make("h2", check.title), make("p", check.sentence));
         if (check.remedy) item.append(make("p", check.remedy, "remedy"));
@@ -53,9 +45,9 @@ async function watchTheDoor() {
       }));
       if (!told) pin.focus();
     } catch {
-      // Whoever enters a PIN is told that the page does not answer.
+      // Entering a PIN shows that the page does not answer.
     }
-    if (told) await new Promise((done) => setTimeout(done, 3000));
+    if (told) await pause(3000);
   }
   isWatching = false;
 }

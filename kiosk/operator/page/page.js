@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-"use strict";
+// The visit: pictures, numbers, every part, steering.
+import { byId, duration, fixed, get, isNumber, large, make, makeSvg, pause, post, repeat } from "./helpers.js";
 
-const byId = (id) => document.getElementById(id);
-const make = (tag, text, className) => {
-  const element = document.createElement(tag);
-  if (text !== undefined) element.textContent = text;
-  if (className) element.className = className;
-  return element;
-};
-
-// ---- Numbers in words ----
-const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
-const fixed = (x, digits) => (isNumber(x) ? x.toFixed(digits) : "–");
 const milliseconds = (x) => (!isNumber(x) ? "–" : x < 10 ? x.toFixed(1) : Math.round(x).toString());
 const bytes = (x) => (!isNumber(x) ? "–" : x >= 1e6 ? (x / 1e6).toFixed(1) + " MB" : Math.round(x / 1e3) + " kB");
-const large = (x) => (!isNumber(x) ? "–" : x >= 1e6 ? (x / 1e6).toFixed(1) + " M" : x >= 1e4 ? Math.round(x / 1e3) + " k" : String(x));
 const figure = (id, number, unit) => {
   const element = byId(id);
   element.textContent = number;
   if (unit && number !== "–") element.append(" ", make("small", unit));
 };
 
-// ---- Pictures: each asks for its next one when the last has come, while it can be seen ----
+// ---- Pictures: while one is visible, it requests the next picture when the last has arrived ----
 class LivePicture {
   constructor(element) {
     this.frame = element.querySelector(".frame");
@@ -43,28 +32,28 @@ class LivePicture {
   async run() {
     for (;;) {
       const begun = performance.now();
-      let pause = 120;
+      let interval = 120;
       if (this.address && this.visible && !document.hidden) {
         try {
           await this.load();
           this.explain("");
         } catch (problem) {
           this.explain(problem.message);
-          pause = 1000;
+          interval = 1000;
         }
       }
-      await new Promise((done) => setTimeout(done, Math.max(20, pause - (performance.now() - begun))));
+      await pause(Math.max(20, interval - (performance.now() - begun)));
     }
   }
   async load() {
     let answer;
     try {
-      answer = await fetch(this.address, { signal: AbortSignal.timeout(5000) });
+      answer = await get(this.address);
     } catch {
       throw new Error("The operator page does not answer.");
     }
     if (answer.status === 404) throw new Error("There is no picture yet.");
-    if (!answer.ok) throw new Error("The part that makes this picture is away.");
+    if (!answer.ok) throw new Error("The part that makes this picture does not answer.");
     const address = URL.createObjectURL(await answer.blob());
     const old = this.image.src;
     this.image.src = address;
@@ -97,11 +86,11 @@ function showProjector(process, name) {
 }
 
 function findPictures(processes) {
-  // Only a simulated room can look at the wall; a museum's people see it themselves.
+  // Only a simulated room has a picture of the wall; a museum's people see the wall itself.
   byId("wall").hidden = !processes.some((process) => process.name === "simulated-room");
   const order = ["left", "middle", "centre", "center", "right"];
   const rank = (name) => { const at = order.indexOf(name.split("/").pop()); return at < 0 ? order.length : at; };
-  const found = { wall: "The simulated room is not watched, or has no picture of the wall yet.",
+  const found = { wall: "The simulated room is not watched or has no picture of the wall yet.",
                   panorama: "The display has no picture yet.", camera: "The tracker has no picture yet." };
   for (const process of processes) {
     for (const name of process.pictures.slice().sort((a, b) => rank(a) - rank(b))) {
@@ -117,7 +106,9 @@ function findPictures(processes) {
   }
 }
 
-// ---- Shutter to photon: one row per step, each beginning where the one before ended ----
+export const projectorNames = () => [...projectors.keys()].map((key) => key.slice(key.indexOf("/projector/") + "/projector/".length));
+
+// ---- Shutter to photon: one row per step, each beginning where the previous one ended ----
 const stageNames = { capture: "capture", detect: "detect the tag", pose: "pose", steer: "steer", farm_round_trip: "farm and network",
   farm: "farm", queue: "wait for a turn", plan: "plan", fan_out: "fan out", render: "ray trace", encode: "encode", decode: "decode", wait: "wait for refresh", draw: "draw",
   heading_to_photon: "heading to photon", shutter_to_photon: "shutter to photon" };
@@ -133,7 +124,7 @@ function flowRows(flow) {
     if (stage.name === "farm_round_trip") farmBegin = at;
     if (stage.where === "whole") begin = 0;
     else if (stage.name === "decode") {
-      // Tiles are decoded while the farm still traces others, so the step ends soon after the farm's.
+      // Tiles are decoded while the farm still renders others, so this step ends soon after the farm's.
       begin = Math.max(farmBegin, at - stage.p50_ms);
       at = begin + Math.max(stage.p50_ms, at - begin);
     } else if (stage.inside && begins.has(stage.inside)) {
@@ -148,18 +139,13 @@ function flowRows(flow) {
 }
 
 function bar(row, whole) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 1000 10");
-  svg.setAttribute("preserveAspectRatio", "none");
-  svg.setAttribute("role", "img");
-  svg.setAttribute("aria-label", `${milliseconds(row.stage.p50_ms)} ms, 95 of 100 within ${milliseconds(row.stage.p95_ms)} ms`);
+  const svg = makeSvg("svg", { viewBox: "0 0 1000 10", preserveAspectRatio: "none", role: "img",
+    "aria-label": `${milliseconds(row.stage.p50_ms)} ms, 95 of 100 within ${milliseconds(row.stage.p95_ms)} ms` });
   const colour = `var(--${row.stage.where})`;
   for (const [ms, opacity] of [[row.stage.p99_ms, 0.2], [row.stage.p95_ms, 0.45], [row.stage.p50_ms, 1]]) {
-    const rect = document.createElementNS("http://www.w3.org/2000/svg", "rect");
-    rect.setAttribute("x", (1000 * row.begin) / whole);
-    rect.setAttribute("y", row.depth === 0 ? 1 : 3);
-    rect.setAttribute("width", Math.max(1.5, (1000 * ms) / whole));
-    rect.setAttribute("height", row.depth === 0 ? 8 : 4);
+    const isOuter = row.depth === 0;
+    const rect = makeSvg("rect", { x: (1000 * row.begin) / whole, y: isOuter ? 1 : 3, width: Math.max(1.5, (1000 * ms) / whole),
+                                   height: isOuter ? 8 : 4 });
     rect.style.fill = colour;
     rect.style.opacity = opacity;
     svg.append(rect);
@@ -202,7 +188,7 @@ function showParts(processes) {
   byId("parts").replaceChildren(...processes.map((process) => {
     const item = make("li", undefined, process.healthy ? "well" : process.asked ? "wrong" : "");
     const heading = make("h3", partNames[process.name] || process.name);
-    heading.append(make("b", process.away ? (process.asked ? "away" : "asking") : process.healthy ? "well" : "needs you"));
+    heading.append(make("b", process.away ? (process.asked ? "no answer" : "connecting") : process.healthy ? "well" : "needs attention"));
     item.append(heading, make("p", process.state));
     const uptime = !process.away && isNumber(process.uptime_s) ? `, up ${duration(process.uptime_s)}` : "";
     item.append(make("p", process.address + uptime, "where"));
@@ -222,7 +208,6 @@ function showParts(processes) {
     return item;
   }));
 }
-const duration = (s) => (s < 120 ? `${Math.round(s)} s` : s < 7200 ? `${Math.round(s / 60)} min` : s < 172800 ? `${Math.round(s / 3600)} h` : `${Math.round(s / 86400)} days`);
 
 function showDrops(gauges) {
   const drops = Object.entries(gauges).filter(([name, value]) => name.startsWith("dropped: ") && value > 0);
@@ -260,105 +245,98 @@ function showVisit(status) {
   showDrops(tour.gauges);
 }
 
-async function watchStatus() {
-  for (;;) {
-    if (!document.hidden) {
-      try {
-        const status = await (await fetch("/status", { signal: AbortSignal.timeout(5000) })).json();
-        findPictures(status.processes);
-        showVisit(status);
-        showParts(status.processes);
-      } catch (problem) {
-        const state = byId("state");
-        state.classList.add("wrong");
-        state.textContent = "The operator page does not answer. See that cyclorama-operator runs; this page tries again by itself.";
-      }
-    }
-    await new Promise((done) => setTimeout(done, 500));
+repeat(500, async () => {
+  try {
+    const status = await (await get("/status")).json();
+    findPictures(status.processes);
+    showVisit(status);
+    showParts(status.processes);
+  } catch {
+    const state = byId("state");
+    state.classList.add("wrong");
+    state.textContent = "The operator page does not answer. Check that cyclorama-operator runs; this page tries again by itself.";
   }
-}
-watchStatus();
+});
 
-// ---- Steering: what is held is sent ten times a second; the tour forgets it after 300 ms ----
-const keyWishes = { ArrowUp: "forward+", KeyW: "forward+", ArrowDown: "forward-", KeyS: "forward-", KeyA: "right-", KeyD: "right+",
+// ---- Steering: held keys and buttons are sent ten times a second; the tour forgets them after 300 ms ----
+const keyCommands = { ArrowUp: "forward+", KeyW: "forward+", ArrowDown: "forward-", KeyS: "forward-", KeyA: "right-", KeyD: "right+",
   ArrowLeft: "turn-", KeyQ: "turn-", ArrowRight: "turn+", KeyE: "turn+" };
-const held = new Map();  // What is held (a key's or button's name) to its wish.
+const held = new Map();  // From the name of a held key or button to its steering command.
 let steering = null;
 let isSending = false;
 let sendAgain = false;
 const steerNote = byId("steer-note").textContent;
 
-const buttonWish = (button) => {
+const buttonCommand = (button) => {
   const [axis, value] = Object.entries(button.dataset)[0];
   return axis + (Number(value) > 0 ? "+" : "-");
 };
 function markHeld() {
-  const wishes = new Set(held.values());
-  for (const button of document.querySelectorAll(".pad button")) button.classList.toggle("held", wishes.has(buttonWish(button)));
+  const commands = new Set(held.values());
+  for (const button of document.querySelectorAll(".pad button")) button.classList.toggle("held", commands.has(buttonCommand(button)));
 }
-// One request at a time, always with what is held now: an old wish never arrives after a newer one, and a tour that hangs
-// does not take the browser's connections from the pictures.
-async function sendWish() {
+// Sends one request at a time, with what is held now: an old command never arrives after a newer one, and a tour that
+// hangs does not occupy the browser's connections, which the pictures need.
+async function sendCommand() {
   if (isSending) {
     sendAgain = true;
     return;
   }
   isSending = true;
-  const wish = { forward: 0, right: 0, turn: 0 };
-  for (const name of new Set(held.values())) wish[name.slice(0, -1)] += name.endsWith("+") ? 1 : -1;
+  const command = { forward: 0, right: 0, turn: 0 };
+  for (const name of new Set(held.values())) command[name.slice(0, -1)] += name.endsWith("+") ? 1 : -1;
   const note = byId("steer-note");
   try {
-    const answer = await fetch("/steer", { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(wish),
-                                           signal: AbortSignal.timeout(2000) });
+    const answer = await post("/steer", command, 2000);
     if (!answer.ok) throw new Error((await answer.json()).error);
     note.classList.remove("wrong");
     note.textContent = steerNote;
   } catch (problem) {
     note.classList.add("wrong");
-    note.textContent = `The tour was not reached, so nothing moves: ${problem.message}`;
+    note.textContent = `The tour does not answer, so nothing moves: ${problem.message}`;
   }
   isSending = false;
   if (!sendAgain) return;
   sendAgain = false;
-  sendWish();
+  sendCommand();
 }
-function hold(what, wish) {
-  held.set(what, wish);
+function hold(name, command) {
+  held.set(name, command);
   markHeld();
   if (steering === null) {
-    sendWish();
-    steering = setInterval(sendWish, 100);
+    sendCommand();
+    steering = setInterval(sendCommand, 100);
   }
 }
-function release(what) {
-  if (!held.delete(what)) return;
+function release(name) {
+  if (!held.delete(name)) return;
   markHeld();
   if (held.size > 0) return;
   clearInterval(steering);
   steering = null;
-  sendWish();
+  sendCommand();
 }
-const releaseAll = () => { for (const what of [...held.keys()]) release(what); };
+const releaseAll = () => { for (const name of [...held.keys()]) release(name); };
 
 addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.altKey || event.metaKey || !(event.code in keyWishes)) return;
+  if (event.ctrlKey || event.altKey || event.metaKey || !(event.code in keyCommands)) return;
   event.preventDefault();
-  if (!event.repeat) hold(event.code, keyWishes[event.code]);
+  if (!event.repeat) hold(event.code, keyCommands[event.code]);
 });
 addEventListener("keyup", (event) => release(event.code));
 addEventListener("blur", releaseAll);
 document.addEventListener("visibilitychange", () => { if (document.hidden) releaseAll(); });
 for (const button of document.querySelectorAll(".pad button")) {
-  const name = "button " + buttonWish(button);
+  const name = "button " + buttonCommand(button);
   button.addEventListener("pointerdown", (event) => {
     event.preventDefault();
     button.setPointerCapture(event.pointerId);
-    hold(name, buttonWish(button));
+    hold(name, buttonCommand(button));
   });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) button.addEventListener(end, () => release(name));
   button.addEventListener("contextmenu", (event) => event.preventDefault());
-  // Space and Enter hold a focused button as a finger does.
-  button.addEventListener("keydown", (event) => { if ((event.code === "Space" || event.code === "Enter") && !event.repeat) { event.preventDefault(); hold(name, buttonWish(button)); } });
+  // Space and Enter hold a focused button as a finger would.
+  button.addEventListener("keydown", (event) => { if ((event.code === "Space" || event.code === "Enter") && !event.repeat) { event.preventDefault(); hold(name, buttonCommand(button)); } });
   button.addEventListener("keyup", () => release(name));
   button.addEventListener("blur", () => release(name));
 }

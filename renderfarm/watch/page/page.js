@@ -1,30 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-"use strict";
+import { byId, duration, fixed, get, large, make, makeSvg, repeat } from "./helpers.js";
 
-const byId = (id) => document.getElementById(id);
-const make = (tag, text, className) => {
-  const element = document.createElement(tag);
-  if (text !== undefined) element.textContent = text;
-  if (className) element.className = className;
-  return element;
-};
-const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
-const fixed = (x, digits) => (isNumber(x) ? x.toFixed(digits) : "–");
-const large = (x) => (!isNumber(x) ? "–" : x >= 1e9 ? fixed(x / 1e9, 2) + " G" : x >= 1e6 ? fixed(x / 1e6, 1) + " M" : x >= 1e4 ? fixed(x / 1e3, 0) + " k" : fixed(x, 0));
-const duration = (s) => (s < 120 ? `${Math.round(s)} s` : s < 7200 ? `${Math.round(s / 60)} min` : s < 172800 ? `${Math.round(s / 3600)} h` : `${Math.round(s / 86400)} days`);
-
-// ---- Tables: a column is a heading, how to show a row, and whether it is a number ----
+// ---- Tables: a column is [heading, function that shows a row, class of the cells, function for a cell's own class] ----
 const loadBar = (share) => {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("class", "load");
-  svg.setAttribute("viewBox", "0 0 100 10");
-  svg.setAttribute("preserveAspectRatio", "none");
-  svg.setAttribute("role", "img");
-  svg.setAttribute("aria-label", `${Math.round(100 * share)} % of the largest load`);
-  const bar = document.createElementNS("http://www.w3.org/2000/svg", "rect");
-  bar.setAttribute("width", String(Math.min(100, 100 * share)));
-  bar.setAttribute("height", "10");
-  svg.append(bar);
+  const svg = makeSvg("svg", { class: "load", viewBox: "0 0 100 10", preserveAspectRatio: "none", role: "img",
+    "aria-label": `${Math.round(100 * share)} % of the largest load` });
+  svg.append(makeSvg("rect", { width: Math.min(100, 100 * share), height: 10 }));
   return svg;
 };
 const visitColumns = [
@@ -49,14 +30,14 @@ const nodeColumns = [
   ["memory", (n) => (n.memory_bytes > 0 ? large(n.memory_bytes) + "B" : "–"), "number"],
   ["scenes", (n) => n.scenes, "", () => "quiet"],
 ];
-// What the farm promises, in milliseconds at the 99th percentile.
-const promised = { plan: 1, fan_out: 1, relay: 1, overhead: 5 };
+// The farm's goals, in milliseconds at the 99th percentile.
+const goals = { plan: 1, fan_out: 1, relay: 1, overhead: 5 };
 const stageNames = { queue: "wait for a turn", plan: "plan", fan_out: "fan out", render: "ray trace", encode: "encode", relay: "relay a tile",
   overhead: "all but the rays", farm: "whole frame" };
 const stageColumns = [
   ["", (s) => stageNames[s.name] || s.name], ["p50 ms", (s) => fixed(s.p50_ms, 2), "number"], ["p95 ms", (s) => fixed(s.p95_ms, 2), "number"],
-  ["p99 ms", (s) => fixed(s.p99_ms, 2), "number", (s) => (s.name in promised ? (s.p99_ms <= promised[s.name] ? "well" : "wrong") : "")],
-  ["promised", (s) => (s.name in promised ? "≤ " + promised[s.name] : ""), "number", () => "quiet"],
+  ["p99 ms", (s) => fixed(s.p99_ms, 2), "number", (s) => (s.name in goals ? (s.p99_ms <= goals[s.name] ? "well" : "wrong") : "")],
+  ["goal", (s) => (s.name in goals ? "≤ " + goals[s.name] : ""), "number", () => "quiet"],
 ];
 
 function showTable(id, columns, rows, none, decorate) {
@@ -89,7 +70,7 @@ function showTable(id, columns, rows, none, decorate) {
   if (focused) for (const line of body.children) if (line.dataset.id === focused) line.focus();
 }
 
-// ---- The picture of one visit, as a stream that lasts as long as the visit ----
+// ---- The picture of one session, as a stream that lasts as long as the session ----
 let chosen = null;
 let shown = null;
 const picture = byId("picture");
@@ -99,11 +80,11 @@ function watchVisit(id, half) {
   shown = id;
   picture.hidden = id === null;
   if (id === null) picture.removeAttribute("src"); else picture.src = `/visits/${id}.mjpeg${half ? "?half" : ""}`;
-  byId("missing").textContent = id === null ? "No visit is open." : "";
+  byId("missing").textContent = id === null ? "No session is open." : "";
 }
 picture.addEventListener("error", () => {
   if (shown === null) return;
-  byId("missing").textContent = "Its picture cannot be shown: too many watch, or it has none yet.";
+  byId("missing").textContent = "Its picture cannot be shown: too many clients watch it, or it has none yet.";
   picture.hidden = true;
   const lost = shown;
   setTimeout(() => { if (shown === lost) shown = undefined; }, 2000);  // The next status tries again.
@@ -111,7 +92,7 @@ picture.addEventListener("error", () => {
 
 function showVisits(visits) {
   if (!visits.some((visit) => visit.id === chosen)) chosen = visits.length > 0 ? visits[0].id : null;
-  showTable("visits", visitColumns, visits, "No museum visits.", (line, visit) => {
+  showTable("visits", visitColumns, visits, "No museum is connected.", (line, visit) => {
     line.tabIndex = 0;
     line.dataset.id = visit.id;
     if (visit.id === chosen) line.className = "chosen";
@@ -145,19 +126,13 @@ function show(status) {
   byId("foot").textContent = `${status.process} ${status.version}, up ${duration(status.uptime_s)}`;
 }
 
-async function watch() {
-  for (;;) {
-    if (!document.hidden) {
-      try {
-        const answer = await fetch("/status", { signal: AbortSignal.timeout(5000) });
-        if (!answer.ok) throw new Error(`it answers ${answer.status}`);
-        show(await answer.json());
-      } catch (problem) {
-        byId("state").textContent = `The farm's head does not answer (${problem.message}). This page tries again by itself.`;
-        byId("state").classList.add("wrong");
-      }
-    } else watchVisit(null);
-    await new Promise((done) => setTimeout(done, 1000));
+repeat(1000, async () => {
+  try {
+    const answer = await get("/status");
+    if (!answer.ok) throw new Error(`it answers ${answer.status}`);
+    show(await answer.json());
+  } catch (problem) {
+    byId("state").textContent = `The farm's coordinator does not answer (${problem.message}). This page tries again by itself.`;
+    byId("state").classList.add("wrong");
   }
-}
-watch();
+}, () => watchVisit(null));

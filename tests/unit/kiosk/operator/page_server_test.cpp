@@ -51,7 +51,7 @@ struct Operator {
 
 TEST(PageServer, serves_the_page_and_all_that_it_refers_to) {
   Operator op;
-  EXPECT_EQ(page_files().size(), 7u);
+  EXPECT_EQ(page_files().size(), 9u);
   for (const PageFile& file : page_files()) {
     const auto answer = op.client->Get(std::string(file.path).c_str());
     ASSERT_TRUE(answer);

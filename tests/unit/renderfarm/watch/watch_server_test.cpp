@@ -84,7 +84,7 @@ struct Farm {
 
 TEST(WatchServer, serves_the_page_and_all_that_it_refers_to_and_nothing_from_elsewhere) {
   Farm farm;
-  EXPECT_EQ(watch_page_files().size(), 4u);
+  EXPECT_EQ(watch_page_files().size(), 5u);
   for (const PageFile& file : watch_page_files()) {
     const auto answer = farm.client->Get(std::string(file.path).c_str());
     ASSERT_TRUE(answer);

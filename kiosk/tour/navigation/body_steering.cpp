@@ -6,7 +6,7 @@
 namespace cyclorama {
 
 double lean_of(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body) {
-  // Where the body's upwards points: the camera's y is down.
+  // The body's upward direction; the camera's y points down.
   const Eigen::Vector3d up = T_camera_body.rotation() * Eigen::Vector3d(0.0, -1.0, 0.0);
   constexpr double kLying = 0.26;
   return std::hypot(up.x(), up.y()) > kLying ? std::atan2(-up.x(), -up.y()) : 0.0;

@@ -7,10 +7,10 @@
 namespace cyclorama {
 namespace {
 
-// Near the edge the speed is proportional to the distance that is left: e-fold in a quarter of a second, well slower
-// than the ramp that has to follow it (WalkLimits: full acceleration within 0.12 s).
+// Near the edge the speed is proportional to the remaining distance: it falls by a factor e in a quarter of a second,
+// well slower than the ramp that has to follow it (WalkLimits: full acceleration within 0.12 s).
 constexpr double kPerSecond = 4.0;
-constexpr int kRounds = 3;  // In a corner, taking away the part to one wall gives some to the other.
+constexpr int kRounds = 3;  // In a corner, removing the component towards one wall adds one towards the other.
 
 }  // namespace
 
@@ -18,7 +18,8 @@ double approach_speed(double distance_m, double deceleration) {
   if (!(distance_m > 0.0)) return 0.0;
   const double linear_m = deceleration / (kPerSecond * kPerSecond);
   if (distance_m <= linear_m) return kPerSecond * distance_m;
-  return std::sqrt(2.0 * deceleration * (distance_m - 0.5 * linear_m));  // Meets the line with the line's slope.
+  // Continues the linear part with the same slope.
+  return std::sqrt(2.0 * deceleration * (distance_m - 0.5 * linear_m));
 }
 
 Eigen::Vector2d braked(const WalkableArea& area, const Eigen::Vector2d& place, const Eigen::Vector2d& wished,
@@ -26,7 +27,7 @@ Eigen::Vector2d braked(const WalkableArea& area, const Eigen::Vector2d& place, c
   Eigen::Vector2d left = wished;
   const double speed = std::max(wished.norm(), motion.velocity_m_per_s.norm());
   if (!(speed > 0.0) || !(braking.acceleration > 0.0)) return left;
-  // Beyond it, even the whole speed can be stopped, after the longest reaction.
+  // Beyond this distance even the full speed can be stopped after the maximum reaction time.
   const double reaction_s = (braking.acceleration + motion.acceleration_m_per_s2.norm()) / braking.jerk;
   const double far_m = kSoftM + 0.5 * speed * speed / braking.acceleration +
                        0.5 * braking.acceleration / (kPerSecond * kPerSecond) + 2.0 * speed * reaction_s;
@@ -39,8 +40,8 @@ Eigen::Vector2d braked(const WalkableArea& area, const Eigen::Vector2d& place, c
       const double gaining = std::max(0.0, motion.acceleration_m_per_s2.dot(towards));
       const double seconds = (braking.acceleration + gaining) / braking.jerk;
       const double reacted_m = free_m - (closing + 0.5 * gaining * seconds) * seconds;
-      // Led away at first only: between two edges that are too near to each other, nobody is pushed from one to the
-      // other.
+      // Leads away from an edge in the first round only, so that between two edges that are too near to each other
+      // nobody is pushed back and forth.
       const double most =
           free_m < 0.0 ? (round == 0 ? kPerSecond * free_m : 0.0) : approach_speed(reacted_m, braking.acceleration);
       const double excess = left.dot(towards) - most;

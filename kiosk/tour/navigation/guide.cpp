@@ -13,16 +13,18 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPace = 0.6;               // Of the speed limit: a stroll.
-constexpr double kTurnPace = 0.45;          // Of the turn limit.
-constexpr double kSlowDownPerSecond = 0.9;  // Speed per metre that is left: arrives softly.
-constexpr double kPassedM = 0.25;           // A place on the way counts as reached, in the visitor's metres.
+constexpr double kPace = 0.6;               // Fraction of the speed limit: a stroll.
+constexpr double kTurnPace = 0.45;          // Fraction of the turn limit.
+constexpr double kSlowDownPerSecond = 0.9;  // Speed per remaining metre, for a soft arrival.
+// Distance at which a position on the path counts as passed, in the visitor's metres.
+constexpr double kPassedM = 0.25;
 constexpr double kArrivedM = 0.05;
-constexpr double kAlmostM = 0.15;  // Of a stop right beside a wall, which is not walked up to any further (brake.h),
-constexpr auto kAlmost = std::chrono::milliseconds(500);  // after so long.
+// Distance that counts as arrived after kAlmost: braking (brake.h) keeps a stop beside a wall out of reach.
+constexpr double kAlmostM = 0.15;
+constexpr auto kAlmost = std::chrono::milliseconds(500);
 constexpr double kGlanceRad = 0.14;
 constexpr double kLookAroundRadPerSecond = 0.10;
-constexpr std::size_t kMostWayCorners = 128;  // Some milliseconds, once for each stop.
+constexpr std::size_t kMostWayCorners = 128;  // Takes some milliseconds, once for each stop.
 constexpr auto kDwell = std::chrono::seconds(8);
 constexpr auto kPatience = std::chrono::seconds(4);
 
@@ -104,8 +106,8 @@ SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& sit
 
 std::vector<Vector2d> shortest_way(const WalkableArea& area, const Vector2d& from, const Vector2d& to) {
   if (area.sees(from, to) || area.corners().size() > kMostWayCorners) return {to};
-  // Dijkstra over the two ends and a place beside every corner; those beside corners that do not jut in are never on a
-  // shortest way, so they need no sorting out.
+  // Dijkstra over the two ends and a position beside every corner. Corners that do not jut in are never on a shortest
+  // path, so they need not be removed.
   std::vector<Vector2d> places{from, to};
   for (const Vector2d& corner : area.corners()) places.push_back(area.nearest_allowed(corner));
   std::vector<double> lengths(places.size(), std::numeric_limits<double>::infinity());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The guide that leads from stop to stop while nobody steers, so that an empty room still invites. It only has wishes,
-/// as a visitor has; the limits of walk.h make it, and taking over from it, smooth.
+/// The guide leads from stop to stop while nobody steers, so that an empty room still attracts visitors. It only issues
+/// steering commands, as a visitor does; the limits of walk.h keep its motion, and taking over from it, smooth.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,32 +19,33 @@ struct GuideStop {
   double heading_rad = 0.0;
 };
 
-/// Of a scene, what a walk in it needs. A value.
+/// Properties of a scene that a walk in it needs. A value.
 struct Site {
-  std::shared_ptr<const WalkableArea> area;  ///< Null: the visitor stands and turns.
+  std::shared_ptr<const WalkableArea> area;  ///< Null: the visitor cannot walk, only turn.
   Walker start;
   double walking_scale = 1.0;
-  std::vector<GuideStop> stops;  ///< Their places are allowed.
+  std::vector<GuideStop> stops;  ///< Their positions lie in the walkable area.
 };
 
-/// Where the guide is on its round. A value; a new one starts with the way to the nearest stop.
+/// Progress of the guide's round. A value; a new one starts with the path to the nearest stop.
 struct GuideState {
   bool started = false;
   std::size_t stop = 0;
-  std::vector<Eigen::Vector2d> way;  ///< Places still to pass; the last one is the stop.
+  std::vector<Eigen::Vector2d> way;  ///< Positions still to be passed; the last one is the stop.
   bool dwelling = false;
-  TimePoint since{};       ///< When it came to the stop, or set out for it.
-  TimePoint nearer_at{};   ///< When it last came nearer to the next place.
-  double nearest_m = 0.0;  ///< How near it came.
+  TimePoint since{};       ///< Time of arrival at the stop, or of departure for it.
+  TimePoint nearer_at{};   ///< Last time at which the distance to the next position fell.
+  double nearest_m = 0.0;  ///< Minimum distance to the next position so far, in metres.
 };
 
-/// The guide's wish now. It looks where it walks and then where the stop looks, stays there for some seconds with a
-/// slow glance around, and goes on. A stop that it cannot reach is passed over. Without stops it slowly looks around.
+/// Returns the guide's steering command at `now`. The guide faces where it walks and then the stop's heading, stays
+/// there for some seconds with a slow glance around, and goes on. It skips a stop that it cannot reach. Without stops
+/// it slowly looks around.
 [[nodiscard]] SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& site,
                                       const WalkLimits& limits, TimePoint now);
 
-/// The shortest way from one allowed place to another, round the corners that jut in; ends with `to`. In an area of
-/// very many corners, or when there is no way, just `to`.
+/// Returns the shortest path between two allowed positions, round the corners that jut in; it ends with `to`. In an
+/// area with very many corners, or without a path, it is just `to`.
 [[nodiscard]] std::vector<Eigen::Vector2d> shortest_way(const WalkableArea& area, const Eigen::Vector2d& from,
                                                         const Eigen::Vector2d& to);
 

@@ -14,7 +14,7 @@ bool held(const std::optional<TimePoint>& since, Duration how_long, TimePoint no
   return since && now - *since <= how_long;
 }
 
-/// Below a thousandth of the limit nothing is asked for: the filter's tail would otherwise keep the view creeping.
+/// Sets commands below a thousandth of the limit to zero: the filter's tail would otherwise keep the view creeping.
 double settled(double wish) { return std::abs(wish) < kLeastWish ? 0.0 : wish; }
 
 /// Begins and ends the turns of visitors.
@@ -50,7 +50,7 @@ bool is_sane(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag) {
          place.norm() < kFarthestTagM && std::abs(T_camera_tag.rotation().norm() - 1.0) < 1e-3;
 }
 
-/// What the tag, or the body, in the newest picture asks for, smoothed.
+/// Applies the command from the tag or body in the newest picture, smoothed.
 Navigation with_wish(Navigation state, const SteeringWish& seen, TimePoint arrived_at,
                      const NavigationSettings& settings) {
   if (state.tag_seen_at && arrived_at <= *state.tag_seen_at) return state;

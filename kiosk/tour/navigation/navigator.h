@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Who steers, and where that leads: keys, else the pattern in the visitor's hand, else the guide, else nobody.
+/// Decides who steers, and moves the visitor accordingly: keys, else the visitor's tag, else the guide, else nobody.
 ///
-/// Everything here is a function of (state, measurement, time), so that tests move the time. Time is the tour's own
+/// Everything here is a function of (state, measurement, time), so that tests control the time. Time is the tour's own
 /// clock when a measurement ARRIVED: a tracker's shutter times may come from another machine.
 ///
 ///       keys pressed ───────────────► kKeys     wins while pressed; each request holds for kKeysHeld
-///       tag seen within kTagHeld ───► kTag      several trackers are sorted out before (wand_choice.h)
+///       tag seen within kTagHeld ───► kTag      wand_choice.h has chosen between several trackers before
 ///       nobody for guide_after ─────► kGuide    never while a tag is in sight, unless it lies still very long
 ///       otherwise ──────────────────► kNobody   glides to rest
 ///
-/// Where people queue, a turn is limited:
+/// Where visitors queue, a turn is limited:
 ///
-///       no turn ── a tag asks for something ──► turn ── turn_longest is over ──► pause (the guide leads) ──► no turn
-///          ◄────────── no tag for kTurnOver ─────┘                 turn_pause, or the tag was away for a second
+///       no turn ── a tag steers ──► turn ── turn_longest is over ──► pause (the guide leads) ──► no turn
+///          ◄── no tag for kTurnOver ──┘           ended by turn_pause, or by a tag that is away for a second
 ///
-/// All four are wishes under the same limits, so a change of hands is never a jump.
+/// All four produce commands under the same limits, so that a change of control is never a jump.
 #pragma once
 
 #include <optional>
@@ -32,28 +32,30 @@ enum class Steerer { kNobody, kKeys, kTag, kGuide };
 struct NavigationSettings {
   WalkLimits limits;
   TagSteeringSettings tag;
-  BodySteeringSettings body;  ///< Of visitors without a pattern.
-  /// Time constant of the low-pass filter on the tag's wish; the tracker has filtered the pose before.
+  BodySteeringSettings body;  ///< Settings for visitors without a tag.
+  /// Time constant of the low-pass filter on the tag's command; the tracker has filtered the pose before.
   Duration tag_smoothing = std::chrono::milliseconds(60);
   /// Zero: no guide.
   Duration guide_after = std::chrono::seconds(45);
-  /// Of one visitor, where others wait. Zero: no limit. Keys, which are the operator's, have none.
+  /// Limit for one visitor where others wait; zero: no limit. The keys belong to the operator and have none.
   Duration turn_longest = Duration::zero();
-  /// Between two turns, so that it is felt that one is over, also when the wand changes hands in sight of the camera.
+  /// Pause between two turns, so that visitors notice the end of a turn even when the wand changes hands in sight of
+  /// the camera.
   Duration turn_pause = std::chrono::seconds(10);
 };
 
-/// As museum.proto says of Steer.
+/// Time for which a request holds, as museum.proto defines for Steer.
 inline constexpr Duration kKeysHeld = std::chrono::milliseconds(300);
-/// A tag is still held this long after it was last seen: missed pictures, and a tracker that makes only five a second,
-/// must not be felt. With the longest glide (kLongestGlide) it stays below one second from lost to rest.
+/// A tag counts as held for this long after it was last seen, so that missed pictures, or a tracker with only five
+/// pictures a second, are not felt. Together with kLongestGlide, the time from losing the tag to rest stays below one
+/// second.
 inline constexpr Duration kTagHeld = std::chrono::milliseconds(250);
-/// Without a tag for so long, the next one is another visitor's.
+/// After this long without a tag, the next tag belongs to another visitor.
 inline constexpr Duration kTurnOver = std::chrono::seconds(10);
-/// In a pause, a wand that was put down for so long ends it.
+/// During a pause, a wand that was put down for this long ends the pause.
 inline constexpr Duration kPutDown = std::chrono::seconds(1);
-/// A tag that lies in sight and asks for nothing keeps the guide away this many times longer: somebody may just be
-/// looking, but a tag forgotten on its stand must not silence the guide for good.
+/// A tag that is in sight but at rest delays the guide by this factor: somebody may just be looking, but a tag
+/// forgotten on its stand must not stop the guide for good.
 inline constexpr int kQuietTagPatience = 8;
 
 /// A value.
@@ -65,31 +67,31 @@ struct Navigation {
   SteeringWish tag_wish;  ///< Filtered.
   std::optional<TimePoint> keys_at;
   SteeringWish keys_wish;
-  std::optional<TimePoint> steered_at;  ///< When a visitor last asked for anything; at first, the start.
+  std::optional<TimePoint> steered_at;  ///< Last time at which a visitor steered; initially the start.
   std::optional<TimePoint> turn_began_at;
-  std::optional<TimePoint> turn_ended_at;  ///< While it pauses.
+  std::optional<TimePoint> turn_ended_at;  ///< Set during a pause.
   GuideState guide;
 };
 
-/// What is left of the visitor's turn; nothing without a limit or a turn. Below zero: the pause.
+/// Returns what is left of the visitor's turn; nothing without a limit or a turn. Negative during the pause.
 [[nodiscard]] std::optional<Duration> turn_left(const Navigation& state, const NavigationSettings& settings,
                                                 TimePoint now);
 
 [[nodiscard]] Navigation started(const Site& site);
 
-/// A tag was seen. A time before the last one's, and a pose that is not finite, not in front of the camera or beyond
-/// 50 m, are ignored. (A picture without a tag is no measurement: do not call.)
+/// Applies a tag that was seen. Ignores a time before the last one, and a pose that is not finite, not in front of the
+/// camera or beyond 50 m. Must not be called for a picture without a tag, which is no measurement.
 [[nodiscard]] Navigation with_tag(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
                                   TimePoint arrived_at, const NavigationSettings& settings);
 
-/// The same for a visitor who steers by the body.
+/// Applies the pose of a visitor who steers by the body; otherwise as with_tag().
 [[nodiscard]] Navigation with_body(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
                                    TimePoint arrived_at, const NavigationSettings& settings);
 
-/// A request for keys; one at rest releases them at once.
+/// Applies a request from the keys; a request at rest releases them at once.
 [[nodiscard]] Navigation with_keys(Navigation state, const SteeringWish& wish, TimePoint arrived_at);
 
-/// Moves on to `now`; a time before the last one moves nothing. `site` is the one given to started().
+/// Advances to `now`; a time before the last one changes nothing. `site` is the one passed to started().
 [[nodiscard]] Navigation advanced(Navigation state, const Site& site, const NavigationSettings& settings,
                                   TimePoint now);
 

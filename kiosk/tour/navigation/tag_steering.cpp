@@ -14,7 +14,7 @@ double GainCurve::at(double offset) const {
 
 double pointing_yaw(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag) {
   const Eigen::Vector3d z = T_camera_tag.rotation() * Eigen::Vector3d::UnitZ();
-  // Nearer to lying flat than 15 degrees, the direction is mostly noise.
+  // Within 15 degrees of lying flat, the direction is mostly noise.
   constexpr double kFlat = 0.26;
   return std::hypot(z.x(), z.z()) > kFlat ? std::atan2(z.x(), z.z()) : 0.0;
 }

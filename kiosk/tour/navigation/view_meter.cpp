@@ -23,7 +23,7 @@ void ViewMeter::add(const Eigen::Vector2d& place_m, double heading_rad, TimePoin
   const Eigen::Vector2d moved = (place_m - before.place_m) / scale_;
   const double turned = heading_rad - before.heading_rad;
   if (at <= before.at) {
-    // A jump: it took no time.
+    // A jump, which took no time.
     if (!moved.isZero(0.0)) peaks_.speed_m_per_s = std::numeric_limits<double>::infinity();
     if (turned != 0.0) peaks_.turn_rad_per_s = std::numeric_limits<double>::infinity();
     return;

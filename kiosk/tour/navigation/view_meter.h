@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How the view moved, measured on nothing but the views: for replays, and for tests of the comfort limits.
+/// Measures how the view moved, from the views alone: for replays, and for tests of the comfort limits.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,8 +9,8 @@
 
 namespace cyclorama {
 
-/// In the visitor's metres and the visitor's own axes, along the worse of forward and sideways: walking in a curve is
-/// no acceleration.
+/// Maxima in the visitor's metres and own axes, of forward or sideways, whichever is larger: walking in a curve is no
+/// acceleration.
 struct ViewPeaks {
   double speed_m_per_s = 0.0;
   double acceleration_m_per_s2 = 0.0;
@@ -22,14 +22,14 @@ struct ViewPeaks {
   bool finite = true;
 };
 
-/// Differences of places over time, first to third. Views must come in even steps for the second and third to mean
-/// much; where a step's length changes, those differences start anew. A value.
+/// Computes the first to third differences of positions over time. The second and third require views at even steps;
+/// where a step's length changes, those differences start anew. A value.
 class ViewMeter {
  public:
   explicit ViewMeter(double walking_scale) : scale_(walking_scale) {}
-  /// Views of the same or an earlier time count as a step of no length: they must not have moved.
+  /// Adds a view. A view at the same or an earlier time counts as a step of length zero and must not have moved.
   void add(const Eigen::Vector2d& place_m, double heading_rad, TimePoint at);
-  /// The next view is somewhere else, and nobody walked there.
+  /// Starts a new measurement: the next view is elsewhere without a walk.
   void restart(double walking_scale) {
     scale_ = walking_scale;
     last_.reset();
@@ -44,7 +44,7 @@ class ViewMeter {
     double heading_rad;
     TimePoint at;
   };
-  struct Motion {  ///< Right, forward, turn.
+  struct Motion {  ///< Components: right, forward, turn.
     Eigen::Vector3d value;
     Duration step;
   };

@@ -7,7 +7,7 @@
 namespace cyclorama {
 namespace {
 
-/// What each event does; the rest of the walk stays as it is.
+/// Applies each event to the parts of the walk that it changes.
 struct Apply {
   VisitWalk& walk;
   TimePoint at;
@@ -55,7 +55,7 @@ std::optional<RigidTransform<frame::Camera, frame::Tag>> tag_pose_of(const PoseS
   if (!seen.found) return std::nullopt;
   const Eigen::Vector3d position(seen.position_m[0], seen.position_m[1], seen.position_m[2]);
   const Eigen::Quaterniond rotation(seen.rotation[0], seen.rotation[1], seen.rotation[2], seen.rotation[3]);
-  // A unit quaternion up to rounding; anything else is a tracker's fault and no pose.
+  // Requires a unit quaternion up to rounding; anything else is a tracker's error.
   if (!position.allFinite() || !(std::abs(rotation.norm() - 1.0) < 1e-3)) return std::nullopt;
   return RigidTransform<frame::Camera, frame::Tag>(rotation, position);
 }

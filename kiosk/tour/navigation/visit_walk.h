@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// All that decides where a visitor stands and looks, as one value that events change. Whoever has the events has the
-/// walk, bit by bit: that is what a recording is (walk_record.h).
+/// The complete state that decides where a visitor stands and looks, as one value that events change. The same events
+/// give the same walk, bit by bit; a recording is based on this (walk_record.h).
 ///
 ///   VisitWalk ── event, time ──► VisitWalk        no clock, no thread, no device, nothing random
 #pragma once
@@ -16,12 +16,12 @@
 
 namespace cyclorama {
 
-/// A scene is there, for the first time or again.
+/// A scene became available, for the first time or again.
 struct SceneOpened {
   std::string name;
   Site site;
 };
-/// A tracker looked at a picture. The pose as it came, unchecked.
+/// A tracker processed a picture. The pose is unchecked.
 struct PoseSeen {
   std::uint64_t tracker = 0;
   std::uint64_t sequence = 0;
@@ -29,7 +29,7 @@ struct PoseSeen {
   bool found = false;
   std::array<double, 3> position_m{};
   std::array<double, 4> rotation{};  ///< w, x, y, z.
-  bool body = false;                 ///< A visitor without a pattern (body_steering.h).
+  bool body = false;                 ///< True for a visitor without a tag (body_steering.h).
 };
 struct TrackerLeft {
   std::uint64_t tracker = 0;
@@ -45,16 +45,17 @@ using WalkEvent = std::variant<SceneOpened, PoseSeen, TrackerLeft, KeysPressed, 
 struct VisitWalk {
   std::string scene;
   Site site;
-  bool open = false;  ///< False before the first scene: nobody walks.
+  bool open = false;  ///< False before the first scene, when nobody walks.
   Navigation navigation;
   WandChoice choice;
   std::map<std::uint64_t, PictureOrder> trackers;
 };
 
-/// The walk after `event`, which arrived at `at`. The same scene again keeps the place, as far as it is still allowed.
+/// Returns the walk after `event`, which arrived at `at`. The same scene again keeps the position as far as the
+/// walkable area still allows it.
 [[nodiscard]] VisitWalk after(VisitWalk walk, const WalkEvent& event, TimePoint at, const NavigationSettings& settings);
 
-/// What is no rigid transform gives nothing.
+/// Returns nothing for a pose that is not a rigid transform.
 [[nodiscard]] std::optional<RigidTransform<frame::Camera, frame::Tag>> tag_pose_of(const PoseSeen& seen);
 
 }  // namespace cyclorama

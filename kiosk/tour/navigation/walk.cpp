@@ -13,17 +13,17 @@ using Eigen::Vector2d;
 
 double part_of(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, -1.0, 1.0); }
 
-constexpr double kLeastSpeed = 0.05;  // Who may not walk at all is still led out of a corner.
+constexpr double kLeastSpeed = 0.05;  // A visitor who may not walk at all is still led out of a corner.
 
-// Of the acceleration that the walk has. The rest is for turning: beside a wall a visitor who turns has to change
-// speeds by up to turn rate times speed (0.7 m/s²) to go on along the wall.
+// Fraction of the walk's acceleration. The rest is for turning: beside a wall a visitor who turns has to change
+// velocity by up to turn rate times speed (0.7 m/s²) to go on along the wall.
 constexpr double kBraking = 0.5;
 
-/// What is wished, in the visitor's axes, without what the walls ahead do not allow any more.
+/// Returns the commanded velocity, in the visitor's axes, without the components that the walls ahead forbid.
 Vector2d wanted_velocity(const Walker& walker, const SteeringWish& wish, const WalkLimits& limits, double scale,
                          const WalkableArea& area) {
   const Vector2d wished(wish.right * limits.sideways_m_per_s, wish.forward * limits.forward_m_per_s);
-  if (wished.isZero(0.0)) return wished;  // Rest is rest, also where it is narrow.
+  if (wished.isZero(0.0)) return wished;  // A command to rest stays at rest, also where it is narrow.
   const Vector2d right = right_of(walker.heading_rad);
   const Vector2d forward = forward_of(walker.heading_rad);
   const auto in_scene = [&](const Vector2d& v) { return Vector2d(v.x() * right + v.y() * forward); };
@@ -33,7 +33,7 @@ Vector2d wanted_velocity(const Walker& walker, const SteeringWish& wish, const W
   const Vector2d free = braked(area, walker.place_m, in_scene(wished), motion, braking, scale);
   const Vector2d wanted(free.dot(right), free.dot(forward));
   if (wanted == wished) return wanted;
-  // Along a wall one may be led sideways faster than one may walk sideways.
+  // Along a wall the visitor may be led sideways faster than the sideways limit.
   const double excess = std::max(std::abs(wanted.x()) / std::max(limits.sideways_m_per_s, kLeastSpeed),
                                  std::abs(wanted.y()) / std::max(limits.forward_m_per_s, kLeastSpeed));
   return excess > 1.0 ? Vector2d(wanted / excess) : wanted;
@@ -80,7 +80,7 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
       ramped({walker.velocity_m_per_s.y(), walker.acceleration_m_per_s2.y()}, wanted.y(), seconds, limits.forward());
   next.velocity_m_per_s = {sideways.speed, ahead.speed};
   next.acceleration_m_per_s2 = {sideways.acceleration, ahead.acceleration};
-  // Two ramps that began at different times can be fast at once; together they are a walk all the same.
+  // Two ramps that began at different times can both be fast; together they are limited to the walk's speed.
   const double fastest = std::max(limits.forward_m_per_s, limits.sideways_m_per_s);
   if (const double speed = next.velocity_m_per_s.norm(); speed > fastest) next.velocity_m_per_s *= fastest / speed;
   const Vector2d mean = 0.5 * (walker.velocity_m_per_s + next.velocity_m_per_s);
@@ -89,7 +89,8 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
   const double middle_heading = walker.heading_rad + 0.5 * turned;
   const Vector2d right = right_of(middle_heading);
   const Vector2d forward = forward_of(middle_heading);
-  const double metres = seconds * walking_scale;  // In the scene, per metre per second of the visitor.
+  // Length of the step in the scene per metre per second of the visitor.
+  const double metres = seconds * walking_scale;
   const Vector2d step = metres * (mean.x() * right + mean.y() * forward);
   next.place_m = area->walk(walker.place_m, step);
   const Vector2d walked = next.place_m - walker.place_m;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How a visitor's wish becomes movement: limited speed, acceleration and jerk, slower towards walls, and never out of
-/// the walkable area.
+/// Turns steering commands into movement with limited speed, acceleration and jerk, slower towards walls, and never
+/// outside the walkable area.
 ///
 ///              forward                 The visitor's own frame: right and forward. A heading is positive to the right
 ///                 ▲                    (clockwise seen from above), and 0 looks along -z of the Scene frame:
@@ -18,29 +18,29 @@
 
 namespace cyclorama {
 
-/// What somebody asks for, as parts of the limits: each in [-1, 1].
+/// A steering command, in fractions of the limits: each component in [-1, 1].
 struct SteeringWish {
   double forward = 0.0;
   double right = 0.0;
   double turn = 0.0;  ///< Positive to the right.
 
-  /// With NaN made 0, each part within [-1, 1], and forward and right together at most 1 long.
+  /// Returns the command with NaN replaced by 0, each component within [-1, 1], and (forward, right) at most 1 long.
   [[nodiscard]] SteeringWish limited() const;
   [[nodiscard]] bool is_rest() const { return forward == 0.0 && right == 0.0 && turn == 0.0; }
   friend bool operator==(const SteeringWish&, const SteeringWish&) = default;
 };
 
-/// The most that may pass from a wish for rest to rest, so that a lost tag ends in rest within a second; settings are
-/// checked for it by longest_stop_s().
+/// Maximum time from the command to rest until rest, so that a lost tag ends in rest within a second; settings are
+/// checked for it with longest_stop_s().
 inline constexpr Duration kLongestGlide = std::chrono::milliseconds(700);
 
-/// Of a visitor who walks in the museum; a scene's walking_scale multiplies lengths.
+/// Limits of a visitor who walks in the museum; a scene's walking_scale multiplies lengths.
 struct WalkLimits {
   double forward_m_per_s = kComfort.speed_m_per_s;
   double sideways_m_per_s = 0.7 * kComfort.speed_m_per_s;
   double turn_rad_per_s = kComfort.turn_rad_per_s;
-  /// Of the faster of forward and sideways; the other one has the same share of it as of the speed, so that both start
-  /// and stop together, and a straight way is straight from its first step.
+  /// Acceleration limit of the faster of forward and sideways. The slower one is scaled by the ratio of the speeds, so
+  /// that both start and stop together, and a straight path is straight from its first step.
   double acceleration_m_per_s2 = kComfort.acceleration_m_per_s2;
   double jerk_m_per_s3 = kComfort.jerk_m_per_s3;
   double turn_acceleration_rad_per_s2 = kComfort.turn_acceleration_rad_per_s2;
@@ -51,7 +51,7 @@ struct WalkLimits {
   [[nodiscard]] RampLimits turning() const { return {turn_acceleration_rad_per_s2, turn_jerk_rad_per_s3}; }
 
  private:
-  /// At least a hundredth: who may not walk sideways still has to stop there after sliding along a wall.
+  /// The share is at least a hundredth: a visitor who may not walk sideways must still stop after sliding along a wall.
   [[nodiscard]] RampLimits share_of(double speed) const {
     const double fastest = std::max(forward_m_per_s, sideways_m_per_s);
     const double share = fastest > 0.0 ? std::max(speed / fastest, 0.01) : 1.0;
@@ -61,11 +61,12 @@ struct WalkLimits {
 
 /// A visitor seen from above, in the Scene frame. A value.
 struct Walker {
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();           ///< (x, z).
+  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();           ///< (x, z) in metres.
   double heading_rad = 0.0;                                    ///< Not wrapped, so that it never jumps.
   Eigen::Vector2d velocity_m_per_s = Eigen::Vector2d::Zero();  ///< (right, forward), in the visitor's metres.
   double turn_rate_rad_per_s = 0.0;
-  Eigen::Vector2d acceleration_m_per_s2 = Eigen::Vector2d::Zero();  ///< (right, forward), with which it came so far.
+  /// (right, forward), at the end of the last step.
+  Eigen::Vector2d acceleration_m_per_s2 = Eigen::Vector2d::Zero();
   double turn_acceleration_rad_per_s2 = 0.0;
 
   [[nodiscard]] bool is_at_rest() const {
@@ -77,10 +78,9 @@ struct Walker {
 [[nodiscard]] Eigen::Vector2d forward_of(double heading_rad);
 [[nodiscard]] Eigen::Vector2d right_of(double heading_rad);
 
-/// The walker a moment later. `elapsed` below zero counts as zero, and above kLongestStep as kLongestStep: after a
-/// stall the walk goes on instead of leaping. Without an `area` the walker only turns. Towards an edge it slows down in
-/// time (brake.h); what an edge takes away of the speed all the same is gone. Precondition: area == nullptr or
-/// area->allows(walker.place_m).
+/// Returns the walker after `elapsed`, which is clamped to [0, kLongestStep]: after a stall the walk continues instead
+/// of leaping. Without an `area` the walker only turns. The walker slows down before an edge (brake.h); an edge that it
+/// still meets takes away the speed across it. Precondition: area == nullptr or area->allows(walker.place_m).
 [[nodiscard]] Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, const WalkLimits& limits,
                             double walking_scale, const WalkableArea* area);
 inline constexpr Duration kLongestStep = std::chrono::milliseconds(100);

@@ -23,7 +23,7 @@ constexpr std::int64_t kLongestNs = 8'640'000'000'000'000;
 
 std::int64_t nanoseconds(Duration d) { return std::chrono::duration_cast<std::chrono::nanoseconds>(d).count(); }
 
-/// Only what is a word in a line of words.
+/// Returns the name as one word, with other bytes escaped.
 std::string word_of(std::string_view name) {
   std::string word;
   for (const char c : name.substr(0, kLongestNameBytes)) {
@@ -73,7 +73,7 @@ struct Write {
   }
 };
 
-/// The words of one line, taken from the left; the first mistake is kept and all after it give zeros.
+/// Reads the words of one line from the left. The first mistake is kept; later reads return zeros.
 class Words {
  public:
   explicit Words(std::string_view line) : left_(line) {}
@@ -108,16 +108,16 @@ class Words {
     fail(fmt::format("counts {}; at most {} are possible", number, most));
     return 0;
   }
-  /// At most a hundred years from zero, so that differences never overflow.
+  /// Times are limited to a hundred years from zero, so that differences never overflow.
   TimePoint time() { return from_nanoseconds(whole(-kFarthestNs, kFarthestNs)); }
-  /// At most a hundred days.
+  /// Durations are limited to a hundred days.
   Duration duration() { return std::chrono::nanoseconds(whole(0, kLongestNs)); }
   [[nodiscard]] bool is_next(std::string_view text) const { return mistake_.empty() && left_ == text; }
   std::string_view fail(std::string what) {
     if (mistake_.empty()) mistake_ = std::move(what);
     return {};
   }
-  /// Empty when all was well and nothing is left.
+  /// Returns an empty string when all words were valid and none is left.
   [[nodiscard]] std::string mistake() {
     if (!left_.empty()) fail("goes on too long");
     return mistake_;

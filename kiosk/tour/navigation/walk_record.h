@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A walk in a file: every event with its time, and after each tick the view that it led to. Lines of words, numbers in
-/// the fewest digits that give the same bits again.
+/// File format of a recorded walk: every event with its time, and after each tick the resulting view. Lines of words;
+/// numbers have the fewest digits that restore the same bits.
 ///
 ///   cyclorama-walk 2
 ///   limits FORWARD SIDEWAYS TURN ACCELERATION JERK TURN_ACCELERATION TURN_JERK
@@ -10,10 +10,10 @@
 ///
 ///   open AT NAME SCALE X Z HEADING POLYGONS (CORNERS (X Z)...)... STOPS (X Z HEADING)...
 ///   pose AT TRACKER SEQUENCE SHUTTER lost
-///   pose AT TRACKER SEQUENCE SHUTTER X Y Z QW QX QY QZ                     and so for `body`: no pattern
+///   pose AT TRACKER SEQUENCE SHUTTER X Y Z QW QX QY QZ                     likewise `body`: a visitor without a tag
 ///   left AT TRACKER
 ///   keys AT FORWARD RIGHT TURN
-///   tick AT X Z HEADING RIGHT FORWARD TURN STEERER                         where it led; then more of these
+///   tick AT X Z HEADING RIGHT FORWARD TURN STEERER                         the resulting view; then further events
 #pragma once
 
 #include <optional>
@@ -27,7 +27,7 @@
 
 namespace cyclorama {
 
-/// What a tick led to.
+/// View that results from a tick.
 struct RecordedView {
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();
   double heading_rad = 0.0;
@@ -36,14 +36,14 @@ struct RecordedView {
   Steerer steerer = Steerer::kNobody;
 
   [[nodiscard]] static RecordedView of(const Navigation& navigation);
-  /// To the bit.
+  /// Compares bit by bit.
   [[nodiscard]] bool is_same(const RecordedView& other) const;
 };
 
 struct WalkEntry {
   WalkEvent event;
   TimePoint at{};
-  std::optional<RecordedView> view;  ///< Of ticks.
+  std::optional<RecordedView> view;  ///< Set for ticks only.
   std::size_t line = 0;
 };
 
@@ -52,12 +52,12 @@ struct WalkRecord {
   std::vector<WalkEntry> entries;
 };
 
-/// The lines of a record, as they come. Scene names are kept as far as files can hold them. Pure.
+/// Return the lines of a record in order. Bytes of scene names that a file cannot hold are escaped. Pure.
 [[nodiscard]] std::string record_head(const NavigationSettings& settings);
-/// `walk` is the one after the event.
+/// `walk` is the state after the event.
 [[nodiscard]] std::string record_line(const WalkEvent& event, TimePoint at, const VisitWalk& walk);
 
-/// kBadData  "FILE:LINE: ..."; a last line without its end, as a process leaves it that was killed, is passed over.
+/// Errors: kBadData with "FILE:LINE: ...". A last line without its newline, as a killed process leaves it, is ignored.
 Result<WalkRecord> parse_walk_record(std::string_view text, const std::string& name);
 
 struct WalkReplay {
@@ -65,7 +65,7 @@ struct WalkReplay {
   std::size_t poses = 0;
   Duration length{};
   ViewPeaks peaks;
-  /// The first view that is not the recorded one: its line, and both. Nothing: the same to the bit.
+  /// First view that differs from the recorded one: its line, and both views. Nothing: all are equal to the bit.
   std::optional<std::string> difference;
 };
 [[nodiscard]] WalkReplay replayed(const WalkRecord& record);

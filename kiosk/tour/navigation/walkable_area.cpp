@@ -15,11 +15,12 @@ using Eigen::Vector2d;
 
 constexpr double kLargestMarginM = 0.01;
 constexpr double kMarginBySize = 5e-4;
-constexpr double kSlack = 1e-3;  // Pushed this part of the margin further than needed, so that rounding never matters.
+constexpr double kSlack = 1e-3;  // Fraction of the margin by which a push overshoots, so that rounding never matters.
 constexpr double kFarthestM = 1e7;
-constexpr int kPushes = 4;           // Two edges that meet, and once more for what the second push undid.
-constexpr double kShortest = 0.125;  // Of the margin: a step that cannot be taken whole is halved down to this,
-constexpr int kFewestHalvings = 3;   // and at least so often.
+constexpr int kPushes = 4;  // Covers two edges that meet, and a repetition for what the second push undid.
+// A step that cannot be taken whole is halved at least kFewestHalvings times, and down to this fraction of the margin.
+constexpr double kShortest = 0.125;
+constexpr int kFewestHalvings = 3;
 constexpr int kMostPieces = 32;
 constexpr int kRingPlaces = 48;
 
@@ -35,7 +36,7 @@ bool segments_cross(const Vector2d& p, const Vector2d& q, const Vector2d& a, con
   const double side_q = cross(edge, q - a);
   if (side_a * side_b > 0.0 || side_p * side_q > 0.0) return false;
   if (side_a != 0.0 || side_b != 0.0) return true;
-  // On one line: they cross when their extents do.
+  // Collinear segments cross when their extents overlap.
   return std::max(std::min(p.x(), q.x()), std::min(a.x(), b.x())) <=
              std::min(std::max(p.x(), q.x()), std::max(a.x(), b.x())) &&
          std::max(std::min(p.y(), q.y()), std::min(a.y(), b.y())) <=
@@ -147,7 +148,7 @@ Vector2d WalkableArea::pushed_inside(Vector2d place) const {
     const Contact contact = nearest_edge(place);
     const bool inside = contains(place);
     if (inside && contact.distance >= margin_m_) break;
-    if (contact.distance == 0.0) break;  // On the edge there is no direction to go; the caller tries less.
+    if (contact.distance == 0.0) break;  // On the edge there is no direction to go; the caller tries a shorter step.
     const Vector2d outwards = (contact.point - place) / contact.distance;
     const double distance = (1.0 + kSlack) * margin_m_;
     place = contact.point + (inside ? -distance : distance) * outwards;
@@ -158,7 +159,7 @@ Vector2d WalkableArea::pushed_inside(Vector2d place) const {
 Vector2d WalkableArea::walk(const Vector2d& from, const Vector2d& step) const {
   CHECK(allows(from));
   if (!step.allFinite() || step.isZero(0.0)) return from;
-  // Small pieces, so that what slides along an edge is the part of the step that is left where it meets the edge.
+  // Walks in small pieces, so that only the part of the step after the contact slides along an edge.
   const double length = std::min(step.norm(), size_m_);
   const double pieces = std::clamp(std::ceil(length / (4.0 * margin_m_)), 1.0, double{kMostPieces});
   const Vector2d piece = step.normalized() * (length / pieces);
@@ -174,7 +175,7 @@ Vector2d WalkableArea::walk(const Vector2d& from, const Vector2d& step) const {
       moved = true;
       break;
     }
-    if (!moved) break;  // In a corner: nothing of this direction can be walked.
+    if (!moved) break;  // In a corner nothing of this direction can be walked.
   }
   return place;
 }
@@ -193,7 +194,8 @@ bool WalkableArea::find_place_near(const Vector2d& place, Vector2d* ret_found) c
 }
 
 bool WalkableArea::find_some_place() {
-  // Beside an edge, ever farther along its normal: few questions, since a hostile polygon has none to find.
+  // Searches beside the edges, at growing distances along their normals: few tests, since a hostile polygon has no such
+  // position.
   for (const Edge& beside : edges_) {
     const Vector2d edge = beside.b - beside.a;
     if (edge.norm() <= 0.0) continue;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where a visitor may stand: a polygon on the ground of the scene, seen from above.
+/// The walkable area: a polygon on the ground of the scene, seen from above.
 ///
 ///        -z (ahead at heading 0)
-///         ▲        A corner is (x, z), in metres of the Scene frame. The polygon closes by itself, may turn either way
-///         │        round, and need not be convex.
-///   ──────┼────► x    Holes, such as pillars, are polygons of the same kind inside of it.
+///         ▲        A corner is (x, z), in metres of the Scene frame. The polygon is closed implicitly, may have either
+///         │        orientation, and need not be convex.
+///   ──────┼────► x    Holes, such as pillars, are polygons of the same kind inside it.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,28 +17,29 @@ namespace cyclorama {
 
 /// A polygon, perhaps with holes, that an eye never leaves. Immutable after make(); reentrant.
 ///
-/// A place is *allowed* when it is inside and at least margin_m() from every edge: far more than rounding, so that
-/// "inside" has one answer whichever way it is computed.
+/// A position is *allowed* when it is inside and at least margin_m() from every edge. The margin is far above rounding
+/// errors, so that every way to compute "inside" gives the same answer.
 class WalkableArea {
  public:
-  /// kInvalidArgument  a polygon of fewer than three corners, more than kMostCorners in all, a corner that is not
-  /// finite
-  ///                   or beyond 10 000 km, or no room to stand.
+  /// Errors: kInvalidArgument for a polygon of fewer than three corners, more than kMostCorners in all, a corner that
+  /// is not finite or beyond 10 000 km, or no room to stand.
   static Result<WalkableArea> make(std::vector<Eigen::Vector2d> corners,
                                    const std::vector<std::vector<Eigen::Vector2d>>& holes = {});
   static constexpr std::size_t kMostCorners = 1024;
 
   [[nodiscard]] bool allows(const Eigen::Vector2d& place) const;
-  /// `place` itself when it is allowed, else an allowed place near the nearest edge. A NaN gives some allowed place.
+  /// Returns `place` itself when it is allowed, else an allowed position near the nearest edge; for NaN, any allowed
+  /// one.
   [[nodiscard]] Eigen::Vector2d nearest_allowed(const Eigen::Vector2d& place) const;
-  /// Walks from `from` by `step`: an edge in the way turns the step along itself, also round a corner that juts in.
-  /// The way from start to end crosses no edge. Precondition: allows(from). A step that is not finite is no step.
+  /// Returns the end of a walk from `from` by `step`. An edge in the way turns the step along itself, also round a
+  /// corner that juts in; the path crosses no edge. A step that is not finite counts as zero. Precondition:
+  /// allows(from).
   [[nodiscard]] Eigen::Vector2d walk(const Eigen::Vector2d& from, const Eigen::Vector2d& step) const;
-  /// True when the straight line between two allowed places crosses no edge.
+  /// Returns true when the straight line between two allowed positions crosses no edge.
   [[nodiscard]] bool sees(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
 
-  /// Calls `use(point, distance)` for each edge that is nearer than `within_m`, with its point that is nearest. A place
-  /// ON an edge, which is never allowed, has no direction to it and is passed over.
+  /// Calls `use(point, distance)` for each edge nearer than `within_m`, with its point nearest to `place`. Skips an
+  /// edge that `place` lies ON: there is no direction to it, and such a position is never allowed.
   template <typename Use>
   void for_edges_within(const Eigen::Vector2d& place, double within_m, const Use& use) const {
     for (const Edge& edge : edges_) {
@@ -48,11 +49,11 @@ class WalkableArea {
     }
   }
 
-  /// Of the outline, then of the holes.
+  /// Corners of the outline, then of the holes.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& corners() const { return corners_; }
   /// The outline, then the holes.
   [[nodiscard]] std::vector<std::vector<Eigen::Vector2d>> polygons() const;
-  /// How far the eye keeps from edges: 1 cm in a room of 20 m or more, 1/2000 of the size of smaller ones.
+  /// Distance of the eye from the edges: 1 cm in a room of 20 m or more, 1/2000 of the size of smaller ones.
   [[nodiscard]] double margin_m() const { return margin_m_; }
 
  private:
@@ -70,16 +71,16 @@ class WalkableArea {
   };
   [[nodiscard]] bool contains(const Eigen::Vector2d& place) const;
   [[nodiscard]] Contact nearest_edge(const Eigen::Vector2d& place) const;
-  /// Moves a place that is too near to edges, or outside, to the margin; it may still not be allowed (in a corner).
+  /// Moves a position that is outside or too near to edges to the margin; in a corner it may still not be allowed.
   [[nodiscard]] Eigen::Vector2d pushed_inside(Eigen::Vector2d place) const;
   [[nodiscard]] bool find_place_near(const Eigen::Vector2d& place, Eigen::Vector2d* ret_found) const;
   [[nodiscard]] bool find_some_place();
 
   std::vector<Eigen::Vector2d> corners_;
   std::vector<Edge> edges_;
-  std::vector<std::size_t> polygon_ends_;  ///< Edges of the outline end at the first, of each hole at the next.
+  std::vector<std::size_t> polygon_ends_;  ///< Ends of the polygons in edges_: the outline's first, then each hole's.
   double margin_m_ = 0.0;
-  double size_m_ = 0.0;  ///< Diagonal of the box around it.
+  double size_m_ = 0.0;  ///< Diagonal of the bounding box.
   Eigen::Vector2d some_place_ = Eigen::Vector2d::Zero();
 };
 

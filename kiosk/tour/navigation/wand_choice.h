@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Of several trackers, whose pictures count, and which of them steers. Pure values.
+/// Chooses the tracker that steers among several, and which of its pictures count. Pure values.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace cyclorama {
 
-/// Which of several trackers steers: the one that first saw a tag keeps control until it has lost it for a second.
-/// Several wands before one camera are the tracker's to sort out, by the same rule. A wand goes before a body: who
-/// holds one takes control from who stands there without, and keeps it.
+/// Chooses which of several trackers steers: the one that first saw a tag keeps control until it has not seen one for a
+/// second. A tracker chooses between several wands before its camera by the same rule. A wand takes precedence over a
+/// body: a visitor with a wand takes control from one without, and keeps it.
 class WandChoice {
  public:
   static constexpr Duration kKept = std::chrono::seconds(1);
 
-  /// True when what `tracker` saw at `now` steers the visit.
+  /// Returns true when what `tracker` saw at `now` steers the visit.
   bool sees_tag(std::uint64_t tracker, TimePoint now, bool body = false) {
     const bool held = holder_ && *holder_ != tracker && now - seen_at_ <= kKept;
     if (held && (body || !by_body_)) return false;
@@ -25,7 +25,7 @@ class WandChoice {
     seen_at_ = now;
     return true;
   }
-  /// Its stream ended: another one may take over at once.
+  /// Ends the tracker's stream: another one may take over at once.
   void leaves(std::uint64_t tracker) {
     if (holder_ == tracker) holder_.reset();
   }
@@ -36,11 +36,11 @@ class WandChoice {
   bool by_body_ = false;
 };
 
-/// Which pictures of one tracker are news. A picture may come twice or late; and a tracker's clock may jump, after
-/// which all its pictures look old. They are, but not for ever:
+/// Decides which pictures of one tracker are new. A picture may arrive twice or late. After a jump of the tracker's
+/// clock all its pictures look old, and are rejected only for a limited time:
 ///
-///   the same picture again       no news
-///   older than the newest        no news, until none was accepted for kPatience: then time starts anew with it
+///   the same picture again       rejected
+///   older than the newest        rejected, until none was accepted for kPatience: then the order restarts with it
 class PictureOrder {
  public:
   static constexpr Duration kPatience = std::chrono::milliseconds(200);

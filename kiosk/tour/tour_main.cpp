@@ -85,12 +85,12 @@ Result<TourSettings> settings_of(const Options& options) {
   return settings;
 }
 
-/// The file that the walk is written to. A disk that is full ends the recording, not the visit.
+/// The file of the recorded walk. A full disk ends the recording, not the visit.
 class RecordFile {
  public:
   static Result<RecordFile> open(const std::string& path) {
     RecordFile file;
-    // Never over another one: a recording is made because something is being looked for.
+    // Never overwrites a recording: somebody made it to look for a fault.
     file.file_.reset(std::fopen(path.c_str(), "wx"));
     if (file.file_ == nullptr) return Error::from_errno(fmt::format("recording to '{}'", path));
     return file;
@@ -109,13 +109,13 @@ class RecordFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-/// Keeps the visitor's place. A folder that is full or gone costs the memory, not the visit.
+/// Saves the visitor's position. A folder that is full or gone loses the position, not the visit.
 class PlaceFile {
  public:
   explicit PlaceFile(const std::optional<std::string>& folder) {
     if (folder) path_ = kept_place_path(*folder);
   }
-  /// Nothing when there is none, or it was damaged.
+  /// Returns nothing when there is no file, or a damaged one.
   [[nodiscard]] std::optional<KeptPlace> read() const {
     constexpr std::size_t kLargestBytes = 64 << 10;
     if (path_.empty()) return std::nullopt;

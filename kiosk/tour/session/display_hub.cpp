@@ -29,12 +29,13 @@ Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string na
                              member.name));
   }
   members_.push_back({link, std::move(name), wanted});
-  link->send_heading(heading_rad_, shutter_ns_, nullptr);  // The others show it already, or within a few refreshes.
+  // The other displays show it already, or will within a few refreshes.
+  link->send_heading(heading_rad_, shutter_ns_, nullptr);
   return Done{};
 }
 
 void DisplayHub::leave(const DisplayLink* link) {
-  // Destroyed outside the lock: it may be the last reference.
+  // Destroys the links outside the lock: one may be the last reference.
   std::vector<Member> gone;
   const std::lock_guard lock(mutex_);
   const auto first = std::stable_partition(members_.begin(), members_.end(),
@@ -63,7 +64,8 @@ std::optional<Projection> DisplayHub::wanted() const {
   const std::lock_guard lock(mutex_);
   if (members_.empty()) return std::nullopt;
   Projection all = members_.front().wanted;
-  for (const Member& member : members_) all.shape = *covering(all.shape, member.wanted.shape);  // join() saw to it.
+  // Guaranteed by join().
+  for (const Member& member : members_) all.shape = *covering(all.shape, member.wanted.shape);
   return all;
 }
 

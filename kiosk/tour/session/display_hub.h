@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// All displays that are dialled in: what goes to each of them, and which picture they want together.
+/// The connected displays: what is sent to each of them, and which picture they need together.
 #pragma once
 
 #include <memory>
@@ -14,13 +14,13 @@
 
 namespace cyclorama {
 
-/// One display's end of a Show stream. Thread-safe; neither call blocks or calls back.
+/// The server's end of one display's Show stream. Thread-safe; no call blocks or calls back.
 class DisplayLink {
  public:
   virtual ~DisplayLink() = default;
-  /// `show_at`: null for at once.
+  /// `show_at` is null to show the heading at once.
   virtual void send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) = 0;
-  /// The number of the frame that this display loses by it, if it is too slow.
+  /// Returns the number of the frame that this display loses because it is too slow.
   virtual std::optional<std::uint64_t> send(const SharedShowMessage& message) = 0;
   virtual void close(const Error& reason) = 0;
 
@@ -35,20 +35,20 @@ class DisplayHub {
  public:
   static constexpr std::size_t kMostDisplays = 32;
 
-  /// The newest heading is sent to it at once, so that its stream starts with one.
-  /// kBusy  kMostDisplays are there.     kUnavailable  close() was called.     kInvalidArgument  its wall wants another
-  /// kind of picture than those that are here, or one for other eyes.
+  /// Adds a display and sends it the newest heading at once, so that its stream starts with one. Errors: kBusy if
+  /// kMostDisplays have joined; kUnavailable if close() was called; kInvalidArgument if its wall needs another kind of
+  /// picture than the displays that are here, or one for other eyes.
   Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted);
   /// Idempotent.
   void leave(const DisplayLink* link);
 
   void send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at);
-  /// How many displays lost a whole frame by it, being slow.
+  /// Returns how many displays lost a whole frame because they are slow.
   std::size_t send(const SharedShowMessage& message);
-  /// What all displays want; nothing without displays.
+  /// Returns the projection that covers all displays; nothing without displays.
   [[nodiscard]] std::optional<Projection> wanted() const;
   [[nodiscard]] std::size_t count() const;
-  /// Ends all streams, now and later.
+  /// Ends all streams, and refuses later ones.
   void close(const Error& reason);
 
  private:

@@ -12,14 +12,14 @@
 
 namespace cyclorama {
 
-/// Who shows the tour, and how well they keep in step, as the displays say. Thread-safe.
+/// The displays that show the tour, and how well they are synchronised, as they report it. Thread-safe.
 class DisplayRoster {
  public:
   void joined(std::uint64_t display, const wire::DisplayHello& hello);
   void left(std::uint64_t display);
   void heard(std::uint64_t display, const wire::ClockQuestion& question);
 
-  /// The least of all displays' shares; nothing while fewer than two know theirs.
+  /// Returns the minimum of the displays' shares; nothing while fewer than two have reported one.
   [[nodiscard]] std::optional<double> in_step() const;
   /// "displays": name, heads, refresh_hz, in_step_percent, clock_skew_ms, clock_error_ms, frame_need_ms.
   [[nodiscard]] wire::Table table() const;
@@ -28,7 +28,7 @@ class DisplayRoster {
   struct Member {
     wire::DisplayHello hello;
     wire::ClockQuestion newest;
-    double frame_need_s = 0.0;  ///< The newest that was measured.
+    double frame_need_s = 0.0;  ///< Newest measured value.
   };
   mutable std::mutex mutex_;  ///< Guards the following.
   std::map<std::uint64_t, Member> members_;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFarthestM = 1e6;
 
-/// As a TOML string. Names of scenes come from the network.
+/// Returns the text as a TOML string. Names of scenes come from the network.
 std::string toml_string(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text) {

@@ -10,7 +10,7 @@
 
 namespace cyclorama {
 
-/// Where a visitor stands, kept in a file so that a tour that was restarted goes on there. A few lines of TOML:
+/// A visitor's position in a file, so that a restarted tour continues there. A few lines of TOML:
 ///
 ///   scene = "grotto"
 ///   x_m = 1.25
@@ -25,10 +25,10 @@ struct KeptPlace {
 };
 
 [[nodiscard]] std::string to_text(const KeptPlace& place);
-/// kBadData  file, line and remedy. `name` stands for the file in errors.
+/// Errors: kBadData with file, line and remedy. `name` stands for the file in errors.
 Result<KeptPlace> parse_kept_place(std::string_view text, std::string name);
 
-/// The file in a tour's folder.
+/// Returns the path of the file in a tour's folder.
 [[nodiscard]] std::filesystem::path kept_place_path(const std::filesystem::path& folder);
 
 }  // namespace cyclorama

@@ -27,7 +27,7 @@ std::optional<std::uint64_t> Outbox::put(const SharedShowMessage& message) {
     push(message);
     return dropped;
   }
-  if (!accepting_) return std::nullopt;  // It joined in the middle, or gave this frame up.
+  if (!accepting_) return std::nullopt;  // The display joined in the middle of this frame, or gave it up.
   if (bytes_ + bytes_of(*message) > most_bytes_) return give_up_frame();
   push(message);
   if (message->has_end()) accepting_.reset();
@@ -58,7 +58,7 @@ std::optional<std::uint64_t> Outbox::drop_unstarted_frame() {
 std::optional<std::uint64_t> Outbox::give_up_frame() {
   const std::optional<std::uint64_t> number = std::exchange(accepting_, std::nullopt);
   if (drop_unstarted_frame()) return number;
-  // Its begin was sent: take back what can be, and tell the display not to wait for the rest.
+  // Its begin was sent: removes what still waits, and ends the frame so that the display does not wait for the rest.
   while (!frames_.empty() && frames_.back()->has_tile() && frames_.back()->tile().view_number() == number) pop_back();
   auto message = std::make_shared<wire::ShowMessage>();
   message->mutable_end()->set_view_number(*number);

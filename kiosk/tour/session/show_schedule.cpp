@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSlowestHz = 0.1;
 constexpr double kFastestHz = 1000.0;
-// Of what was needed, some more: the last minute's longest is met again, but not to the microsecond.
+// Margin on the time needed: the last minute's maximum may be exceeded slightly.
 constexpr Duration kExtra = std::chrono::milliseconds(2);
 
 std::int64_t second_of(TimePoint t) {
@@ -52,13 +52,13 @@ void ShowSchedule::choose_period() {
   const auto period = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / slowest_hz));
   if (period == period_) return;
   period_ = period;
-  last_frame_ = last_heading_ = 0;  // They were counted otherwise.
+  last_frame_ = last_heading_ = 0;  // The numbers of the old period no longer apply.
 }
 
 void ShowSchedule::measured(const wire::ClockQuestion& question, TimePoint now) {
   const std::lock_guard lock(mutex_);
   const auto add = [now](double need_s, LongestLately* longest) {
-    // Nonsense is not waited for, either.
+    // An invalid value is not waited for, either.
     if (!(need_s > 0.0 && need_s <= to_seconds(kLongestLead))) return;
     longest->add(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(need_s)), now);
   };
@@ -82,8 +82,8 @@ std::optional<wire::ShowAt> ShowSchedule::frame_at(TimePoint now) {
   const std::lock_guard lock(mutex_);
   if (!is_shared()) return std::nullopt;
   const std::int64_t first = first_refresh(now, frame_need_.at(now));
-  // The next after the last frame's, be it one later than needed; and not before the last frame's when displays have
-  // become quicker.
+  // The refresh after the last frame's, even if it is one later than needed; never before the last frame's when
+  // displays have become faster.
   last_frame_ = std::max(first, std::max(last_frame_, std::min(last_frame_ + 1, first + 1)));
   return show_at(last_frame_, now);
 }

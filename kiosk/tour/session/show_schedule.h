@@ -12,13 +12,13 @@
 
 namespace cyclorama {
 
-/// The largest of the last minute's values. It follows a larger one at once, and lets go of it a minute later: were it
-/// a shorter time, every hiccup would be met again by surprise. Thread-bound.
+/// Maximum of the values of the last minute. A larger value counts at once and is dropped after a minute; with a
+/// shorter window, every recurring delay would again come unexpected. Thread-bound.
 class LongestLately {
  public:
   explicit LongestLately(Duration at_first) : at_first_(at_first) {}
   void add(Duration value, TimePoint now);
-  /// What it was given at first, until a value comes.
+  /// Returns the initial value until one is added.
   [[nodiscard]] Duration at(TimePoint now) const;
 
  private:
@@ -31,16 +31,16 @@ class LongestLately {
   std::array<Second, kSeconds> seconds_{};
 };
 
-/// Says at which shared refresh (wire::ShowAt) several displays are to show a frame or a heading first: the next one
-/// that the slowest of them can make, by what all of them needed in the last minute.
+/// Chooses the synchronised refresh (wire::ShowAt) at which several displays first show a frame or a heading: the next
+/// one that the slowest of them can make, judged by what all of them needed in the last minute.
 ///
-///   said ──▶ network ──▶ decode ──▶ drawn for ──▶ shared refresh
+///   sent ──▶ network ──▶ decode ──▶ drawn for ──▶ synchronised refresh
 ///    └──────────── frame_need_s ─────────────────────┘
 ///
-/// 1. A display alone is told nothing: it shows everything at once.
+/// 1. A single display gets no schedule: it shows everything at once.
 /// 2. A display that needs more than kLongestLead is not waited for. It shows frames when it can.
-/// 3. Shared refreshes come at the rate of the slowest display, so that every display has one for each.
-/// 4. Frames get refreshes of their own as long as they come no faster than those.
+/// 3. Synchronised refreshes come at the rate of the slowest display, so that every display has one for each.
+/// 4. Each frame has a refresh of its own as long as frames come no faster than refreshes.
 ///
 /// Thread-safe.
 class ShowSchedule {
@@ -54,7 +54,7 @@ class ShowSchedule {
   [[nodiscard]] std::optional<wire::ShowAt> frame_at(TimePoint now);
   [[nodiscard]] std::optional<wire::ShowAt> heading_at(TimePoint now);
 
-  /// What is added to the way of a frame, and of a heading, so that all can show it; 0 with a display alone.
+  /// Return the delay that is added to a frame or heading so that all displays can show it; 0 with a single display.
   [[nodiscard]] Duration frame_lead(TimePoint now) const;
   [[nodiscard]] Duration heading_lead(TimePoint now) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the wire to navigation's own types.
+/// Converts wire messages to navigation's own types.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace cyclorama {
 
-/// Where to walk. The start and the stops are moved into the walkable area where they lie outside; without a usable
-/// area the visitor stands at the start, and `ret_warning` says so in one sentence for the operator. Precondition:
-/// validate(scene) in common/wire/convert.h.
+/// Returns the site to walk in. Moves the start and the stops into the walkable area where they lie outside. Without a
+/// usable area the visitor stays at the start, and `ret_warning` gets one sentence about it for the operator.
+/// Precondition: validate(scene) in common/wire/convert.h.
 [[nodiscard]] Site site_of(const wire::SceneDescription& scene, std::string* ret_warning);
 
-/// As it came, unchecked.
+/// Returns the pose unchecked.
 [[nodiscard]] PoseSeen pose_seen(std::uint64_t tracker, const wire::TrackedPose& pose);
 
 }  // namespace cyclorama

@@ -145,7 +145,8 @@ void Tour::on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) {
     const std::lock_guard lock(mutex_);
     const auto before = walk_.navigation.tag_seen_at;
     change(pose_seen(tracker, pose), now);
-    if (!visit_ || walk_.navigation.tag_seen_at == before) return;  // Old, without a tag, or another's.
+    // The pose is old, has no tag, or belongs to a tracker that does not steer.
+    if (!visit_ || walk_.navigation.tag_seen_at == before) return;
     visit_->shutter_ns = pose.shutter_ns();
     visit_->pose_received_at = now;
   }

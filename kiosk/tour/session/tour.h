@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The visit: poses and keys come in, the visitor walks, the farm is asked, displays are fed.
+/// The visit: receives poses and keys, moves the visitor, requests views from the farm, and feeds the displays.
 #pragma once
 
 #include <atomic>
@@ -25,33 +25,34 @@
 
 namespace cyclorama {
 
-/// Displays, trackers and the farm may come and go at any time, in any order; what is missing is said in the state.
+/// Displays, trackers and the farm may come and go at any time, in any order; the state names what is missing.
 ///
 ///   trackers ──poses──► ┌─────────────┐ ──views──► FarmClient ──tiles──► DisplayHub ──► displays
 ///   pages ─────keys───► │ thread walk │ ──headings───────────────────────────┘
 ///                       └─────────────┘
 ///
-/// Threads: `walk` (every 1/60 s while something moves, and at once for each pose and each free place on the way to the
-/// farm), the FarmClient's (forwards tiles), gRPC's (the calls of TourEvents). Thread-safe.
+/// Threads: `walk` (every 1/60 s while something moves, and at once for each pose and whenever the farm can take
+/// another view), the FarmClient's (forwards tiles), gRPC's (the calls of TourEvents). Thread-safe.
 class Tour final : public TourEvents, private FarmListener {
  public:
-  /// `inspection` is borrowed. kInvalidArgument  a head's address is none.
+  /// `inspection` is borrowed. Errors: kInvalidArgument if a coordinator's address is invalid.
   static Result<std::unique_ptr<Tour>> start(TourSettings settings, InspectionService* inspection);
   ~Tour() override;
   Tour(const Tour&) = delete;
   Tour& operator=(const Tour&) = delete;
 
   [[nodiscard]] DisplayHub* displays() { return &hub_; }
-  /// Ends the streams of the displays and the visit, and joins the threads. Idempotent.
+  /// Ends the displays' streams and the visit, and joins the threads. Idempotent.
   void stop();
-  /// Grows while the thread `walk` is alive: for the watchdog.
+  /// Counts the rounds of the thread `walk`; the watchdog checks that it grows.
   [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
 
-  /// Where the visitor is, to be kept; nothing before the first scene. The heading is within a turn of 0.
+  /// Returns the visitor's position for the saved file; nothing before the first scene. The heading is within a turn of
+  /// 0.
   [[nodiscard]] std::optional<KeptPlace> place();
 
-  /// What was recorded since the last time, as walk_record.h has it; empty unless the settings say record. Take it
-  /// every second or so, for it is kept in memory until then.
+  /// Returns what was recorded since the last call, in the format of walk_record.h; empty unless the settings enable
+  /// recording. Call it about every second, since the record is held in memory until then.
   [[nodiscard]] std::string take_recording();
 
   void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) override;
@@ -65,12 +66,12 @@ class Tour final : public TourEvents, private FarmListener {
   void on_dropped(const wire::FrameDropped& dropped) override;
 
  private:
-  /// The scene, and the newest pose behind what steers.
+  /// The scene, and the newest pose of the steering source.
   struct Visit {
     wire::SceneDescription scene;
     std::string warning;
     std::int64_t shutter_ns = 0;
-    std::optional<TimePoint> pose_received_at;  ///< Until a view follows it.
+    std::optional<TimePoint> pose_received_at;  ///< Reset when a view follows the pose.
   };
 
   Tour(TourSettings settings, InspectionService* inspection);
@@ -82,7 +83,7 @@ class Tour final : public TourEvents, private FarmListener {
 
   void walk();
   void wake();
-  /// With the lock held: the one way in which the walk changes.
+  /// Applies an event; every change of the walk goes through here. Requires the lock.
   void change(const WalkEvent& event, TimePoint at);
   void send_heading(TimePoint now);
   void ask_farm(TimePoint now);
@@ -104,11 +105,12 @@ class Tour final : public TourEvents, private FarmListener {
   std::condition_variable woken_;
   bool wake_ = false;
   bool stopping_ = false;
-  std::optional<Visit> visit_;  ///< Kept while the farm is away: the walk goes on, and comes back to the same place.
+  /// Kept while the farm is away: the walk goes on, and the visitor keeps the position.
+  std::optional<Visit> visit_;
   std::optional<std::string> farm_away_;
   std::set<std::uint64_t> trackers_;
   VisitWalk walk_;
-  std::string record_;  ///< What was not taken yet.
+  std::string record_;  ///< Not yet taken.
   ViewPacer pacer_;
   std::uint64_t newest_number_ = 0;
   std::optional<double> heading_sent_;

@@ -8,20 +8,20 @@
 
 namespace cyclorama {
 
-/// What displays, trackers and keys tell the tour; the calls of tour_service.h checked it. Called on gRPC's threads, so
+/// Events from displays, trackers and keys, after the checks of tour_service.h. Called on gRPC's threads, so
 /// implementations are thread-safe and do not block.
 class TourEvents {
  public:
   virtual ~TourEvents() = default;
-  /// `tracker` names the stream; a tracker that dials again is a new one. `pose` may be without a tag.
+  /// `tracker` identifies the stream; a tracker that connects again is a new one. `pose` may have no tag.
   virtual void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) = 0;
   virtual void on_tracker_joined(std::uint64_t tracker) = 0;
   virtual void on_tracker_left(std::uint64_t tracker) = 0;
   virtual void on_keys(const SteeringWish& wish) = 0;
-  /// `display` names the stream; a display that dials again is a new one.
+  /// `display` identifies the stream; a display that connects again is a new one.
   virtual void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) = 0;
   virtual void on_display_left(std::uint64_t display) = 0;
-  /// The time is answered already; this is about what else it says.
+  /// Handles the rest of a clock question; the time itself has been answered.
   virtual void on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) = 0;
   virtual void on_presented(const wire::FramePresented& presented) = 0;
   virtual void on_dropped(const wire::FrameDropped& dropped) = 0;

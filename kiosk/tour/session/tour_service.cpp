@@ -28,7 +28,7 @@ SharedShowMessage stamped(const wire::ClockAnswer& answer) {
 ///   created ──hello──► member of the hub ──(cancelled, half-closed, wrong message, closed)──► finished ──OnDone──►
 ///   gone
 ///
-/// Lock order: the hub's, then this one's; so nothing here calls the hub while it holds its own.
+/// Lock order: the hub's lock before this one; therefore nothing here calls the hub while it holds its own.
 class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>, public DisplayLink {
  public:
   static ShowCall* start(std::uint64_t number, DisplayHub* displays, TourEvents* events) {
@@ -73,7 +73,7 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
   void OnDone() override {
     displays_.leave(this);
     if (member_) events_.on_display_left(number_);
-    self_.reset();  // The last line: it may destroy this.
+    self_.reset();  // Must be last: it may destroy this object.
   }
 
   grpc::Status handle_report(TimePoint now) {
@@ -120,7 +120,7 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
     events_.on_display_joined(number_, hello);
     return grpc::Status::OK;
   }
-  /// Holds the lock.
+  /// Requires the lock.
   void write_next() {
     if (finished_ || writing_ != nullptr) return;
     const auto times = outbox_->take_answer();
@@ -130,7 +130,7 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
   void finish(const grpc::Status& status) {
     const std::lock_guard lock(mutex_);
     if (std::exchange(finished_, true)) return;
-    outbox_.reset();  // `writing_` stays: gRPC may still read it.
+    outbox_.reset();  // `writing_` stays, since gRPC may still read it.
     Finish(status);
   }
 
@@ -138,7 +138,7 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
   DisplayHub& displays_;
   TourEvents& events_;
   wire::DisplayReport report_;
-  bool member_ = false;  ///< Of reads and OnDone, which gRPC never runs at once.
+  bool member_ = false;  ///< Used by reads and OnDone only, which gRPC never runs concurrently.
   std::shared_ptr<ShowCall> self_;
   std::mutex mutex_;  ///< Guards the following.
   std::optional<Outbox> outbox_;
@@ -155,7 +155,7 @@ class TrackCall final : public grpc::ServerReadReactor<wire::TrackedPose> {
 
  private:
   void OnReadDone(bool ok) override {
-    if (!ok) return Finish(grpc::Status::OK);  // Closed or cancelled.
+    if (!ok) return Finish(grpc::Status::OK);  // The stream was closed or cancelled.
     events_.on_pose(tracker_, pose_);
     StartRead(&pose_);
   }
@@ -185,7 +185,7 @@ grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>* TourService::Sh
 }
 
 grpc::ServerReadReactor<wire::TrackedPose>* TourService::Track(grpc::CallbackServerContext*, wire::TrackReply*) {
-  return new TrackCall(++trackers_, &events_);  // Deletes itself in OnDone(), as gRPC wants it.
+  return new TrackCall(++trackers_, &events_);  // Deletes itself in OnDone(), as gRPC requires.
 }
 
 grpc::ServerUnaryReactor* TourService::Steer(grpc::CallbackServerContext* context, const wire::SteerRequest* request,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The tour's side of wire::Tour: checks what comes, hands it on, and has no thread of its own.
+/// The tour's side of wire::Tour: validates messages and passes them on; has no thread of its own.
 #pragma once
 
 #include <atomic>
@@ -10,9 +10,9 @@
 
 namespace cyclorama {
 
-/// Register it with a WireServer. Borrows both; they outlive the server. Thread-safe.
+/// Borrows both arguments, which must outlive the WireServer that it is registered with. Thread-safe.
 ///
-/// Streams are gRPC reactors: a display that stops reading costs its outbox and nothing else.
+/// Streams are gRPC reactors: a display that stops reading costs only the memory of its outbox.
 class TourService final : public wire::Tour::CallbackService {
  public:
   TourService(DisplayHub* displays, TourEvents* events) : displays_(*displays), events_(*events) {}

@@ -32,7 +32,7 @@ void read_gain(ConfigTable& walk, const std::string& name, const std::string& un
 
 void refuse_long_glide(ConfigTable& walk, const std::string& key, double speed, const RampLimits& limits) {
   const double seconds = longest_stop_s(speed, limits);
-  // The millionth forgives the rounding of degrees.
+  // The factor tolerates the rounding of degrees.
   if (speed == 0.0 || seconds <= kLongestGlideS * (1.0 + 1e-6)) return;
   walk.refuse(key, fmt::format("is too low: from full speed to rest takes up to {:.2f} s and may take {} s, so that a "
                                "lost tag stops the walk; raise it or the jerk, or lower the speed",
@@ -83,7 +83,8 @@ std::optional<TlsFiles> read_tls(ConfigTable& farm, const std::filesystem::path&
 Result<TourSettings> read_from(Config config, const std::filesystem::path& folder) {
   TourSettings settings;
   ConfigTable root = config.root();
-  for (const char* const others : {"display", "hours", "update"}) static_cast<void>(root.has(others));  // Others read them.
+  // Read by other programs.
+  for (const char* const others : {"display", "hours", "update"}) static_cast<void>(root.has(others));
   ConfigTable farm = root.table("farm");
   settings.heads = farm.texts("heads", settings.heads);
   if (settings.heads.empty()) farm.refuse("heads", "is empty; name the farm's head, such as [\"[::1]:7401\"]");

@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-/// site.toml: a museum's own way, read strictly. Without a file everything has its default.
+/// A museum's settings, site.toml, read strictly. Without a file every setting has its default.
 ///
-///   [farm]                                          [walk]
-///   heads = ["[2001:db8::1]:7401"]                  forward_m_per_s = 1.0        neutral_distance_m = 1.0
-///   scene = "grotto"      # empty: the first        turn_deg_per_s = 40          guide_after_s = 45   # 0: never
-///   museum = "Hall 3"                               longest_turn_minutes = 0   # Of one visitor in a queue. 0: no
-///   limit authority = "tls/authority.crt"     # All three, or none: not encrypted. certificate = "tls/certificate.crt"
-///   # Files are sought in site.toml's folder. key = "tls/key.pem" [picture] frame_budget_ms = 50        # The farm
-///   chooses the quality that fits, and refines at rest; reference_samples = 1024    # up to so many samples per pixel.
+///   [farm]
+///   heads = ["[2001:db8::1]:7401"]
+///   scene = "grotto"                     # Empty: the first one.
+///   museum = "Hall 3"
+///   authority = "tls/authority.crt"      # All three or none; without them the connection is not encrypted.
+///   certificate = "tls/certificate.crt"  # Relative to site.toml's folder.
+///   key = "tls/key.pem"
+///   [walk]
+///   forward_m_per_s = 1.0
+///   turn_deg_per_s = 40
+///   neutral_distance_m = 1.0
+///   guide_after_s = 45                   # 0: never.
+///   longest_turn_minutes = 0             # Limit of one visitor's turn where others queue; 0: none.
+///   [picture]
+///   frame_budget_ms = 50                 # The farm chooses a quality that fits, and refines at rest
+///   reference_samples = 1024             # up to this many samples per pixel.
 ///   guard_deg = 8
 ///
-/// or, for a picture of always the same quality, instead of the budget:
+/// or, for a constant quality instead of the budget:
 ///
+///   [picture]
 ///   samples = 1
 ///   jpeg_quality = 85
 ///   subsample_chroma = true
@@ -31,7 +41,7 @@
 namespace cyclorama {
 
 struct PictureSettings {
-  double frame_budget_ms = 50.0;  ///< 0: the next three say the quality.
+  double frame_budget_ms = 50.0;  ///< 0: the next three fields set the quality.
   int reference_samples = 1024;
   int samples = 1;
   int jpeg_quality = 85;
@@ -43,20 +53,20 @@ struct TourSettings {
   std::vector<std::string> heads{"[::1]:7401"};
   std::string scene;
   std::string museum = "museum";
-  std::optional<TlsFiles> tls{};  ///< Towards the farm.
+  std::optional<TlsFiles> tls{};  ///< Credentials for the connection to the farm.
   PictureSettings picture;
   NavigationSettings navigation;
-  bool record = false;                ///< Not of the file: keep the walk, to be taken.
-  std::optional<KeptPlace> resume{};  ///< Not of the file: where the visitor was when the tour ended unasked.
+  bool record = false;                ///< Not from the file: record the walk, for Tour::take_recording().
+  std::optional<KeptPlace> resume{};  ///< Not from the file: the visitor's position when the tour ended unexpectedly.
 };
 
-/// The guard band that a turn at full speed eats up within 0.2 s: a frame's whole way and the next frame's wait at 10
-/// frames a second; 8 degrees at the default turn rate.
+/// Returns the guard band that a turn at full speed uses up within 0.2 s: the latency of one frame and the wait for the
+/// next at 10 frames a second; 8 degrees at the default turn rate.
 [[nodiscard]] double default_guard_rad(const WalkLimits& limits);
 
-/// No file: the defaults.
+/// Returns the settings without a file.
 [[nodiscard]] TourSettings default_tour_settings();
-/// Errors as Config::read(); limits with which a lost tag would take longer than a second to come to rest are refused.
+/// Errors: as Config::read(); also limits under which a lost tag would take longer than a second to come to rest.
 Result<TourSettings> read_tour_settings(const std::filesystem::path& path);
 /// `name` stands for the file in errors.
 Result<TourSettings> parse_tour_settings(std::string_view text, std::string name);

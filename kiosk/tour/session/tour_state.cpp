@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the tour says of itself: Tour's sentences and gauges, apart from what it does.
+/// The sentences and gauges in which Tour reports its state.
 #include <fmt/format.h>
 
 #include <algorithm>

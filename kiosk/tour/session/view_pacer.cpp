@@ -12,7 +12,7 @@ bool ViewPacer::wants(const wire::View& view, TimePoint now) const {
   if (!newest_ || (!farm_refines_ && now - *asked_at_ >= kAtRest)) return true;
   wire::View same = *newest_;
   same.set_number(view.number());
-  same.set_shutter_ns(view.shutter_ns());  // A newer picture of a still tag shows nothing new.
+  same.set_shutter_ns(view.shutter_ns());  // A newer camera picture of a still tag shows nothing new.
   return !google::protobuf::util::MessageDifferencer::Equals(same, view);
 }
 

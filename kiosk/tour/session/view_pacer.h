@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// When the farm is asked for the next picture.
+/// Decides when the next picture is requested from the farm.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 namespace cyclorama {
 
 /// At most two frames are in flight: one is rendered while the other crosses the network. As soon as there is room, a
-/// view that shows something new is asked for. At rest, a farm that refines is left alone, for every view would make it
-/// begin anew; of any other, one view a second keeps the picture fresh for displays that join.
-/// Pure; thread-bound.
+/// view that shows something new is requested. At rest, nothing is requested from a farm that refines, since every view
+/// would restart the refinement; any other farm gets one view a second, which keeps the picture fresh for displays that
+/// join. Pure; thread-bound.
 class ViewPacer {
  public:
   static constexpr std::size_t kFramesInFlight = 2;
@@ -22,18 +22,17 @@ class ViewPacer {
 
   explicit ViewPacer(bool farm_refines) : farm_refines_(farm_refines) {}
 
-  /// Whether `view`, whose number does not matter, is worth asking for now.
+  /// Returns true when `view`, regardless of its number, should be requested now.
   [[nodiscard]] bool wants(const wire::View& view, TimePoint now) const;
-  /// `view` was asked for; its number is larger than all before.
+  /// Records that `view` was requested; its number must exceed all earlier ones.
   void asked(const wire::View& view, TimePoint now);
-  /// The farm began this frame. Returns how many asked views it has passed over.
+  /// Records that the farm began this frame. Returns how many requested views it has skipped.
   std::size_t began(std::uint64_t number);
-  /// The farm ended this frame, complete or not.
+  /// Records that the farm ended this frame, complete or not.
   void ended(std::uint64_t number);
-  /// Somebody has not seen the picture that is there, a display that joined or a farm that came back: it is asked for
-  /// once more, at rest, too.
+  /// Requests the current picture once more, also at rest, for a display that joined or a farm that came back.
   void ask_again() { newest_.reset(); }
-  /// The farm is away. It will be asked for the newest again when it is back (FarmClient's doing).
+  /// Records that the farm is away. FarmClient repeats the newest request when it is back.
   void lost();
 
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }

@@ -18,10 +18,10 @@ constexpr std::size_t kMostStages = 48;
 constexpr std::size_t kMostReasons = 24;
 constexpr std::size_t kLongestName = 100;
 constexpr auto kRateWindow = std::chrono::seconds(5);
-/// A stage that took longer was not measured, it was interrupted; and clocks of two machines differ by more.
+/// A longer stage was interrupted rather than measured; it also bounds a wrong difference between two machines' clocks.
 constexpr double kLongestStageS = 60.0;
 
-/// The name itself while there is room for it, else one name for all the rest.
+/// Returns the printable name while there is room for it, else one name that all others share.
 std::string bounded(const std::string& name, std::size_t most, std::set<std::string>* names) {
   std::string shown = printable(name, kLongestName);
   if (shown.empty()) shown = "unnamed";
@@ -136,7 +136,8 @@ void VisitLog::drop(const std::string& reason, std::uint64_t frames) {
 double VisitLog::rate(TimePoint now) {
   while (!presented_at_.empty() && now - presented_at_.front() > kRateWindow) presented_at_.pop_front();
   if (presented_at_.size() < 2) return 0.0;
-  // Between the oldest and the newest, so that a start or a stop does not read as a slow rate for five seconds.
+  // Covers the time between the oldest and the newest, so that a start or a stop does not look like a slow rate for
+  // five seconds.
   const Duration span = std::max(presented_at_.back() - presented_at_.front(), now - presented_at_.back());
   return static_cast<double>(presented_at_.size() - 1) / std::max(to_seconds(span), 1e-3);
 }

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where settings are in use, and with them the scenes that a stick brought.
+/// Folder of the settings in use, and of the scenes that a USB stick brought with them.
 constexpr const char* kInUse = "/etc/cyclorama";
 
 class FarmHostChecker {
@@ -41,19 +41,19 @@ class FarmHostChecker {
     const auto file = [&](const char* key) { return check_.in(tls.text(key, "")); };
     return {file("authority"), file("certificate"), file("key")};
   }
-  /// One that may be left out. Whether it is there, and readable for its service.
+  /// Checks an optional file: that it exists and, if secret, that its service can read it.
   void check_file(const std::string& name, const std::string& where, const char* secret_of = nullptr) {
     if (name.empty() || !check_.is_ours(check_.in(name), where) || secret_of == nullptr) return;
     check_.keep_secret(check_.in(name), secret_of);
   }
 
-  /// farm.toml is cyclorama-farm's to read; here only what it names.
+  /// Checks the files that farm.toml names; cyclorama-farm checks farm.toml itself.
   void check_head() {
     constexpr const char* kGroup = "cyclorama-farm";
     auto config = Config::read(check_.in("farm.toml"));
     if (!config) return check_.problem(config.error().message());
     ConfigTable root = config->root();
-    check_file(root.text("museums_file", ""), "farm.toml museums_file", kGroup);  // Watermarks' keys.
+    check_file(root.text("museums_file", ""), "farm.toml museums_file", kGroup);  // Holds the keys of watermarks.
     if (root.has("tls")) {
       ConfigTable tls = root.table("tls");
       check_.check_certificates(tls_of(tls), Role::kHead, "farm.toml [tls]", kGroup, "head NAME");

@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 
 namespace {
 constexpr std::size_t kLargestText = 1 << 20;
-/// Only a program that hangs needs so long. A computer that is busy with the show is slow, and settings are not wrong
-/// for that.
+/// Generous, so that only a program that hangs exceeds it: a computer that is busy with the show is slow, and that does
+/// not make its settings wrong.
 constexpr ChildLimits kCheckLimits{std::chrono::minutes(5)};
 }  // namespace
 
@@ -90,11 +90,11 @@ void FolderCheck::ask(std::vector<std::string> command) {
   const auto end = run_child(command, kCheckLimits);
   if (!end) return problem(end.error().message());
   if (end->exit_code == 0) return;
-  // Its last line says why.
+  // The last line of the output holds the reason.
   std::string said = end->output;
   while (!said.empty() && said.back() == '\n') said.pop_back();
   said.erase(0, said.rfind('\n') + 1);
-  if (said.starts_with("<") && said.find('>') == 2) said.erase(0, 3);  // The journal's mark.
+  if (said.starts_with("<") && said.find('>') == 2) said.erase(0, 3);  // Removes the journal's priority prefix.
   problem(fmt::format("{} refuses them: {}", name, printable(without_folder(said), 1000)));
 }
 

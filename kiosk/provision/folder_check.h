@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the checks of a museum's and of a render host's settings do alike.
+/// The common parts of checking a museum's and a render host's settings.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@
 
 namespace cyclorama {
 
-/// A folder's verdict while it is made. Sentences come without the folder's path: where it lies for now is nothing to
-/// the reader. Thread-bound.
+/// Collects the verdict on a folder. Sentences omit the folder's path, since the reader only knows where it came from.
+/// Thread-bound.
 class FolderCheck {
  public:
   FolderCheck(const std::filesystem::path& folder, const SettingsCheck& how)
@@ -27,18 +27,18 @@ class FolderCheck {
 
   void problem(const std::string& text);
   void remark(const std::string& text);
-  /// That a path from a setting leads to a file of this folder; `where` names the setting. Problems quote the path,
-  /// but for what looks like a file's content.
+  /// Checks that a path from a setting leads to a file of this folder; `where` names the setting. Problems quote the
+  /// path, unless it looks like a file's content.
   bool is_ours(const std::filesystem::path& path, const std::string& where);
-  /// The same for a file that holds a password; nothing is quoted, as people write the password itself there.
+  /// As is_ours(), for a file that holds a password; nothing is quoted, since people write the password itself there.
   bool is_ours_unquoted(const std::filesystem::path& path, const std::string& where);
   void keep_secret(const std::filesystem::path& path, const std::string& group);
-  /// That they are here, belong together, have not run out and are such a one's, for which `words` of
-  /// cyclorama-authority make them. The key is `group`'s alone.
+  /// Checks that the files exist, belong together, have not expired and are for `role`; `words` are the arguments of
+  /// cyclorama-authority that make such certificates. The key is readable by `group` only.
   void check_certificates(const TlsFiles& files, Role role, const std::string& where, const std::string& group,
                           const std::string& words);
-  /// A program reads its settings as it would at its start, and says what it makes of them; without programs, or after
-  /// a problem, it is not asked.
+  /// Runs a program that reads its settings as it would at its start, and records its complaint. Does nothing without
+  /// programs, or after a problem.
   void ask(std::vector<std::string> command);
 
  private:
@@ -50,8 +50,8 @@ class FolderCheck {
   SettingsVerdict verdict_{};
 };
 
-/// check_settings() of a render host: farm.toml, node.toml or both, the certificates and tokens that they name, scenes
-/// on the head that lie beside them.
+/// check_settings() for a render host: farm.toml, node.toml or both, the certificates and tokens that they name, and on
+/// the coordinator the scenes that lie beside them.
 [[nodiscard]] SettingsVerdict check_farm_host(const std::filesystem::path& folder, const SettingsCheck& how);
 
 }  // namespace cyclorama

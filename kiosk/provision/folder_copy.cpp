@@ -61,7 +61,7 @@ Result<std::string> finished(const Digest& digest) {
   return hex(bytes.data(), count);
 }
 
-/// The names in an open folder, sorted.
+/// Returns the names in an open folder, sorted.
 Result<std::vector<std::string>> names_in(const UniqueFd& folder, const std::string& name) {
   const int copy = ::fcntl(folder.get(), F_DUPFD_CLOEXEC, 0);
   if (copy < 0) return Error::from_errno(fmt::format("reading the folder '{}'", name));
@@ -109,7 +109,8 @@ class Copier {
  private:
   Status copy_entry(const UniqueFd& from, const UniqueFd& to, const std::string& name, const std::string& within) {
     const std::string path = within + name;
-    // O_NONBLOCK: a pipe or a device must not hang us. It is looked at once it is open, so nobody can swap it between.
+    // O_NONBLOCK: opening a pipe or a device must not block. The type is checked after opening, so that nobody can swap
+    // the entry in between.
     const UniqueFd entry(::openat(from.get(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
     if (!entry.is_open() && errno == ELOOP) return refused(path, "is a link; put the file itself there");
     if (!entry.is_open() && (errno == ENXIO || errno == ENODEV)) return refused(path, kNoFile);
@@ -249,7 +250,7 @@ Result<std::vector<CopiedFile>> parse_checksums(std::string_view text) {
     const auto bad = [&](std::string_view what) {
       return Error(ErrorCode::kBadData, fmt::format("line {}: {}; write the file with sha256sum", line_number, what));
     };
-    // Two blanks, or a blank and a '*' where it was read as bytes.
+    // Two spaces, or a space and a '*' in binary mode.
     if (line.size() < kHexDigits + 3 || line[kHexDigits] != ' ' ||
         (line[kHexDigits + 1] != ' ' && line[kHexDigits + 1] != '*')) {
       return bad("not a SHA-256, two blanks and a name");

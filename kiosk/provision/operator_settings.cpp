@@ -9,8 +9,8 @@
 namespace cyclorama {
 namespace {
 
-/// What a reader of TOML says may quote the file, and so the PIN, and all can read it on the page that asks for the
-/// PIN: but for sentences that quote nothing, only the place is told.
+/// Removes what may quote the PIN: a TOML reader's message may quote the file, and everybody can read it on the page
+/// that requires the PIN. Only the position stays, except in sentences that are known to quote nothing.
 Error without_quotes(const Error& error, const std::string& name) {
   const std::string& message = error.message();
   const std::size_t line = name.size() + 1;

@@ -9,14 +9,14 @@
 
 namespace cyclorama {
 
-/// operator.toml, as it comes on a stick. It is never kept: the settings in use have the PIN's hash instead.
+/// operator.toml as it comes on a USB stick. It is never stored: the settings in use have the PIN's hash instead.
 ///
-///   pin = "40 17 73"      # Blanks do not count. Absent: the page answers on this computer alone.
+///   pin = "40 17 73"      # Spaces are ignored. Absent: the page answers on this computer only.
 struct OperatorSettings {
   std::optional<std::string> pin;
 };
 
-/// `name` stands for the file in errors, which never hold the PIN. Errors as Config::read(), and of check_pin().
+/// `name` stands for the file in errors, which never hold the PIN. Errors: as Config::read() and check_pin().
 Result<OperatorSettings> parse_operator_settings(std::string_view text, std::string name);
 
 }  // namespace cyclorama

@@ -23,7 +23,8 @@ constexpr std::size_t kHashBytes = 32;
 constexpr std::uint64_t kMostMemory = 160 << 20;
 
 struct Cost {
-  int log2_n = 15;  // 32 MiB with r = 8: 0.1 s on a museum's computer, so 10^6 PINs take a day and more of one core.
+  // 32 MiB with r = 8: 0.1 s on a museum's computer, so that 10^6 PINs take more than a day of one core.
+  int log2_n = 15;
   int r = 8;
   int p = 1;
 };
@@ -89,7 +90,7 @@ Result<PinHash> parse(std::string_view text) {
   return hash;
 }
 
-/// All the same, or each one more or one less than the one before.
+/// Returns true for equal characters, or for each one more or one less than the one before.
 bool is_a_run(std::string_view pin) {
   for (const int step : {-1, 0, 1}) {
     bool all = true;

@@ -29,7 +29,7 @@ void forget(const fs::path& folder, const char* name, std::vector<CopiedFile>* f
   std::erase_if(*files, [&](const CopiedFile& file) { return file.name == name; });
 }
 
-/// SHA256SUMS, if the stick has it: every file that it names is whole.
+/// Compares the files with SHA256SUMS, if the USB stick has it.
 void compare_checksums(const fs::path& folder, const std::vector<CopiedFile>& files,
                        std::vector<std::string>* problems) {
   if (find(files, kChecksumsFile) == nullptr) return;
@@ -48,7 +48,7 @@ void compare_checksums(const fs::path& folder, const std::vector<CopiedFile>& fi
   }
 }
 
-/// The hash takes the place of the PIN. The same PIN keeps its hash, so that the same stick changes nothing.
+/// Replaces the PIN by its hash. The same PIN keeps its hash, so that the same USB stick changes nothing.
 Status keep_pin(const fs::path& folder, const SettingsStore& store, const std::optional<std::string>& pin,
                 std::vector<CopiedFile>* files) {
   forget(folder, kOperatorFile, files);
@@ -76,7 +76,7 @@ bool are_the_same(std::vector<CopiedFile> a, std::vector<CopiedFile> b) {
                     [](const CopiedFile& x, const CopiedFile& y) { return x.name == y.name && x.sha256 == y.sha256; });
 }
 
-/// What is wrong with what people made is a problem; what is wrong here is an error.
+/// Mistakes in the user's files become problems in the report; only failures of this computer are errors.
 bool is_of_this_computer(const Error& error) { return error.code() == ErrorCode::kSystem; }
 
 Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStore* store, ProvisioningReport* report) {
@@ -141,7 +141,7 @@ Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore
   report.projectors = verdict.projectors;
   report.certificate_until = verdict.certificate_until;
   report.has_pin = find(store->contents(), kPinFile) != nullptr;
-  // They are in use all the same.
+  // The settings are in use in spite of their problems.
   report.remarks = verdict.problems;
   return report;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From a stick to settings in use, or to a reason why not.
+/// Takes settings from a USB stick into use, or reports why not.
 #pragma once
 
 #include <filesystem>
@@ -16,15 +16,15 @@ struct ProvisionOrder {
   std::filesystem::path from;
   SettingsCheck check{};
   FolderLimits limits{};
-  bool only_check = false;  ///< Says what would come of it, and changes nothing.
-  std::string at;           ///< The time, as reports tell it.
+  bool only_check = false;  ///< Report the outcome without changing anything.
+  std::string at;           ///< Time for the report, as time_text() formats it.
 };
 
-/// Copies, checks what was copied, and takes it into use only if nothing is wrong. Bad settings are no error but a
-/// report with problems. kSystem  this computer's own disk: nothing has changed.
+/// Copies the folder, checks the copy, and takes it into use only if it has no problem. Bad settings are no error but
+/// give a report with problems. Errors: kSystem if this computer's own disk fails; nothing has changed then.
 Result<ProvisioningReport> provision(const ProvisionOrder& order, SettingsStore* store);
 
-/// The settings of before. Errors of SettingsStore::restore().
+/// Takes the previous settings into use again. Errors: as SettingsStore::restore().
 Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore* store,
                                             SettingsOf of = SettingsOf::kMuseum);
 

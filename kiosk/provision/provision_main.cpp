@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-provision: a museum's settings, from a stick into use.
+/// cyclorama-provision: takes a museum's settings from a USB stick into use.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kMuseum = "museum";
 constexpr const char* kFarmHost = "farm-host";
-/// Scenes come with them: as long a file as FAT holds.
+/// A render host's settings include scenes; the limit of one file is FAT's.
 constexpr FolderLimits kFarmHostLimits{200, (std::size_t{4} << 30) - 1, std::size_t{16} << 30};
 
 FolderLimits farm_host_limits(const std::filesystem::path& state) {
@@ -70,7 +70,7 @@ void add_options(CLI::App& app, Options* options) {
   }
 }
 
-/// A remark is no fault: an image's own settings have some, until the first stick.
+/// Remarks are no errors: an image's own settings have some until the first USB stick.
 void say(const ProvisioningReport& report) {
   for (const std::string& remark : report.remarks) log(LogLevel::kNotice, remark);
   for (const std::string& problem : report.problems) log(LogLevel::kError, problem);
@@ -110,7 +110,7 @@ Status run(const Options& options, const CLI::App& app) {
   order.at = at;
   auto report = provision(order, &store);
   if (!report) {
-    // The page tells it too: nobody reads the journal.
+    // The page shows the failure too, since nobody reads the journal.
     ProvisioningReport failed;
     failed.at = at;
     failed.source = options.from;

@@ -23,7 +23,7 @@ constexpr std::array<std::pair<Verdict, std::string_view>, 4> kVerdicts{{{Verdic
                                                                          {Verdict::kRefused, "refused"},
                                                                          {Verdict::kRestored, "restored"}}};
 
-/// False where `key` is no text, or too long.
+/// Returns false where `key` is no text, or too long.
 bool read_text(const Json& json, const char* key, std::string* ret) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_string()) return false;
@@ -44,7 +44,7 @@ bool read_texts(const Json& json, const char* key, std::vector<std::string>* ret
 std::vector<std::string> bounded(const std::vector<std::string>& sentences) {
   std::vector<std::string> some;
   for (const std::string& sentence : sentences) {
-    // An ellipsis has three bytes.
+    // Leaves room for an ellipsis of three bytes.
     if (some.size() < kMostSentences) some.push_back(printable(sentence, kLongestSentence - 3));
   }
   return some;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What came of the newest stick: written by cyclorama-provision, shown by the operator page.
+/// Result of the newest USB stick: written by cyclorama-provision, shown by the operator page.
 #pragma once
 
 #include <ctime>
@@ -15,24 +15,24 @@ inline constexpr const char* kProvisioningReportFile = "provisioning.json";
 
 enum class Verdict {
   kInstalled,  ///< The new settings are in use.
-  kUnchanged,  ///< They are those in use already.
-  kRefused,    ///< `problems` says why; the settings before stay in use.
-  kRestored,   ///< Those of before are in use again.
+  kUnchanged,  ///< The same settings are already in use.
+  kRefused,    ///< `problems` has the reasons; the previous settings stay in use.
+  kRestored,   ///< The previous settings are in use again.
 };
 
 /// A value. {"at", "source", "verdict", "in_use", "museum", "farm": [], "projectors", "certificate_until", "has_pin",
 /// "problems": [], "remarks": []}
 struct ProvisioningReport {
-  std::string at;      ///< "2026-11-22T16:04:05Z", by this computer's clock.
+  std::string at;      ///< UTC by this computer's clock: "2026-11-22T16:04:05Z".
   std::string source;  ///< The folder.
   Verdict verdict = Verdict::kRefused;
-  std::string in_use;             ///< The number of the settings in use now; empty: none.
-  std::string museum;             ///< Its name at the farm. This and the following are of what was looked at.
-  std::vector<std::string> farm;  ///< Addresses of its heads.
+  std::string in_use;  ///< Number of the settings in use now; empty: none.
+  std::string museum;  ///< Its name at the farm. This and the following describe the settings that were checked.
+  std::vector<std::string> farm;  ///< Addresses of the farm's coordinators.
   int projectors = 0;
   std::string certificate_until;  ///< "2029-02-24"; empty: none.
   bool has_pin = false;
-  std::vector<std::string> problems;  ///< Sentences: file, line, what to do.
+  std::vector<std::string> problems;  ///< Sentences with file, line and remedy.
   std::vector<std::string> remarks;
 
   bool operator==(const ProvisioningReport&) const = default;
@@ -40,10 +40,10 @@ struct ProvisioningReport {
 
 [[nodiscard]] std::string_view to_text(Verdict verdict);
 [[nodiscard]] std::string report_json(const ProvisioningReport& report);
-/// kBadData  not such JSON.
+/// Errors: kBadData if the text is not such JSON.
 Result<ProvisioningReport> parse_report(std::string_view json);
 
-/// "2026-11-22T16:04:05Z".
+/// Returns UTC: "2026-11-22T16:04:05Z".
 [[nodiscard]] std::string time_text(std::time_t time);
 
 }  // namespace cyclorama

@@ -55,7 +55,7 @@ class MuseumChecker {
     if (!hours) check_.problem(hours.error().message());
     const auto settings = read_tour_settings(check_.in("site.toml"));
     if (!settings) {
-      if (!hours && hours.error().message() == settings.error().message()) return;  // One mistake, said once.
+      if (!hours && hours.error().message() == settings.error().message()) return;  // Reports the same mistake once.
       return check_.problem(settings.error().message());
     }
     const auto update = read_update_settings(check_.in("site.toml"));
@@ -79,10 +79,10 @@ class MuseumChecker {
     }
   }
 
-  /// [display] is the display's to read; here only what it names.
+  /// Checks the files that [display] names; the display checks the table itself.
   void check_attract_picture() {
     auto config = Config::read(check_.in("site.toml"));
-    if (!config) return;  // Said already.
+    if (!config) return;  // Reported already.
     const std::string picture = config->root().table("display").text("attract_picture", "");
     if (picture.empty() || !check_.is_ours(check_.folder() / picture, "site.toml [display] attract_picture")) return;
     const auto image = read_image(check_.folder() / picture, kPhotoLimitPx);
@@ -106,7 +106,7 @@ class MuseumChecker {
     }
   }
 
-  /// Those that tracker.toml names, and wand.toml in any case.
+  /// Checks the wands that tracker.toml names, and wand.toml in any case.
   void check_wands() {
     std::vector<fs::path> wands;
     if (check_.has("wand.toml")) wands.push_back(check_.in("wand.toml"));
@@ -134,7 +134,7 @@ class MuseumChecker {
     }
   }
 
-  /// The calibrator's to read; here what it names, and lenses that it would not find.
+  /// Checks the files that calibrator.toml names, and that cameras and lens files match; the calibrator checks the rest.
   void check_calibrator() {
     std::vector<std::string> lenses;
     if (check_.has("calibrator.toml")) {

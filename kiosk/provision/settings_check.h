@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether a folder's files are settings with which every program of a museum, or of a render host, starts.
+/// Checks whether every program of a museum, or of a render host, starts with a folder's settings.
 #pragma once
 
 #include <filesystem>
@@ -17,37 +17,37 @@ inline constexpr const char* kChecksumsFile = "SHA256SUMS";
 
 /// A file that only one service may read.
 struct SecretFile {
-  std::filesystem::path name;  ///< Within the folder.
-  std::string group;           ///< Of the service that reads it: "cyclorama-tour".
+  std::filesystem::path name;  ///< Relative to the folder.
+  std::string group;           ///< Group of the service that reads it: "cyclorama-tour".
 };
 
-/// A value. What is in the settings, and what is wrong with them.
+/// Contents of the settings, and their problems. A value.
 struct SettingsVerdict {
   std::string museum;
   std::vector<std::string> farm;
   int projectors = 0;
   std::string certificate_until;   ///< "2029-02-24"; empty: none.
-  std::optional<std::string> pin;  ///< In the clear, for the caller to hash.
+  std::optional<std::string> pin;  ///< Plain text, to be hashed by the caller.
   std::vector<SecretFile> secrets;
-  std::vector<std::string> problems;  ///< One sentence each, with file and remedy; none: they are good.
-  std::vector<std::string> remarks;   ///< They work, but not as one may have meant it.
+  std::vector<std::string> problems;  ///< One sentence each, with file and remedy; empty: the settings are good.
+  std::vector<std::string> remarks;   ///< The settings work, but perhaps not as intended.
 };
 
-/// Whose settings: what must be there, and who reads it.
+/// Owner of the settings; decides which files are required, and which programs read them.
 enum class SettingsOf { kMuseum, kFarmHost };
 
 struct SettingsCheck {
-  /// Where cyclorama-display, cyclorama-tracker and cyclorama-calibrator (cyclorama-farm and cyclorama-node) are, which
-  /// know their own tables; empty: those are not looked at.
+  /// Folder of cyclorama-display, cyclorama-tracker and cyclorama-calibrator (or cyclorama-farm and cyclorama-node),
+  /// which check their own tables; empty: their tables are not checked.
   std::filesystem::path programs{};
   SettingsOf of = SettingsOf::kMuseum;
 };
 
-/// The readers of the programs themselves look at everything, and nothing stops at the first mistake: site.toml
+/// Checks everything with the readers of the programs themselves, without stopping at the first mistake: site.toml
 /// (required), installation.toml (required) with the meshes, warps and passwords it names, tracker.toml, wands,
 /// calibrator.toml with the lenses of its cameras, operator.toml, the certificates that site.toml names, its attract
-/// picture. A render host has farm.toml, node.toml or both, with certificates, tokens and scenes. What a file names
-/// must lie in the folder. `folder` must hold plain files alone (copy_folder()); its path is left out of the sentences.
+/// picture. A render host has farm.toml, node.toml or both, with certificates, tokens and scenes. Every file that a
+/// setting names must lie in the folder. `folder` must hold plain files only (copy_folder()); sentences omit its path.
 [[nodiscard]] SettingsVerdict check_settings(const std::filesystem::path& folder, const SettingsCheck& how);
 
 }  // namespace cyclorama

@@ -36,7 +36,7 @@ Status sync_folder(const fs::path& path) {
   return Done{};
 }
 
-/// With that very mode, whatever the umask says.
+/// Makes a folder with exactly this mode, regardless of the umask.
 Status make_folder(const fs::path& path, mode_t mode) {
   if (::mkdir(path.c_str(), mode) == 0 ? ::chmod(path.c_str(), mode) == 0 : errno == EEXIST) return Done{};
   return Error::from_errno(fmt::format("making the folder '{}'", path.string()));
@@ -54,8 +54,8 @@ Status move(const fs::path& from, const fs::path& to) {
   return Error::from_errno(fmt::format("renaming '{}' to '{}'", from.string(), to.string()));
 }
 
-/// Settings are for every service, but a secret is for one. Where its group is not known, or this user may not give
-/// files away, only this user reads it.
+/// Settings are readable by every service, a secret by one. Where its group is unknown, or this user may not give files
+/// away, only this user can read it.
 Status protect(const fs::path& file, const std::optional<std::string>& group) {
   mode_t mode = 0644;
   if (group) {
@@ -186,7 +186,7 @@ Status SettingsStore::restore() {
   const std::string previous = previous_of(in_use());
   if (previous.empty()) return Error(ErrorCode::kNotFound, "there are no settings from before");
   TRY_ASSIGN(const fs::path folder, begin());
-  // A copy, so that what is in use always is the newest, and the one that is left is the one before.
+  // Copies the generation, so that the one in use is always the newest, and the other one its predecessor.
   std::error_code failed;
   step("copy");
   fs::copy(generation(previous), folder, fs::copy_options::recursive, failed);

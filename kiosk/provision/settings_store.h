@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where a museum's settings live, so that at every moment, also when the power fails, one whole set is in use.
+/// Stores a museum's settings so that one whole set is in use at every moment, even when the power fails.
 ///
-///   ROOT/settings ──▶ generations/000007      what the programs read; one rename makes another set the one in use
+///   ROOT/settings ──▶ generations/000007      read by the programs; one rename switches to another set
 ///   ROOT/generations/000007/ site.toml ... .previous ("000006")  .contents (SHA256SUMS)
-///   ROOT/generations/000006/                  what `restore` brings back
-///   ROOT/staging/                             being made; whatever is left of it after a power cut is thrown away
+///   ROOT/generations/000006/                  brought back by `restore`
+///   ROOT/staging/                             under construction; removed after a power cut
 #pragma once
 
 #include <filesystem>
@@ -21,34 +21,34 @@
 
 namespace cyclorama {
 
-/// Told before each change of the disk; for tests, which cut the power there.
+/// Called before each change of the disk; tests cut the power there.
 using StepHook = std::function<void(std::string_view step)>;
 
-/// Thread-bound. One process at a time has a root open.
+/// Thread-bound. Only one process at a time can open a root.
 ///
 /// Invariants: 1. `settings` is absent or leads to a whole generation.   2. commit() and restore() change what is in
 /// use in one rename, or not at all.   3. The generation in use, and the one before it, are never changed or removed.
 class SettingsStore {
  public:
-  /// Makes the root's folders where they are missing. kBusy  another process has it open.     kSystem  they cannot be
-  /// made.
+  /// Creates the root's folders where they are missing. Errors: kBusy if another process has it open; kSystem if the
+  /// folders cannot be made.
   static Result<SettingsStore> open(const std::filesystem::path& root, StepHook hook = {});
 
-  /// An empty folder, to be filled. What an earlier try left is removed.
+  /// Returns the empty staging folder. Removes what an earlier attempt left.
   Result<std::filesystem::path> begin();
-  /// Takes what lies in it into use. `files` are its contents; `secrets` get modes and groups of their own.
-  /// kSystem  the disk: nothing has changed.
+  /// Takes the contents of the staging folder into use. `files` lists them; `secrets` get their own modes and groups.
+  /// Errors: kSystem if the disk fails; nothing has changed then.
   Status commit(std::vector<CopiedFile> files, const std::vector<SecretFile>& secrets);
-  /// Throws away what lies in it.
+  /// Discards the contents of the staging folder.
   void abandon();
-  /// Takes the settings before those in use into use, as a new generation: twice is back again. kNotFound  there are
-  /// none.
+  /// Takes the previous settings into use as a new generation, so that a second call undoes the first. Errors:
+  /// kNotFound if there are none.
   Status restore();
 
-  /// "000007"; empty: none.
+  /// Returns the number of the generation in use, such as "000007"; empty: none.
   [[nodiscard]] std::string in_use() const;
   [[nodiscard]] std::filesystem::path settings() const { return root_ / "settings"; }
-  /// Of what is in use; nothing when that is not known.
+  /// Returns the files in use; empty when they are unknown.
   [[nodiscard]] std::vector<CopiedFile> contents() const;
 
  private:

@@ -60,7 +60,7 @@ class Fetch {
     return {FetchOutcome::Kind::kNothing, version_, std::move(sentence)};
   }
 
-  /// False: no more tries.
+  /// Returns false when no further attempt is due.
   bool wait() {
     const SteadyClock clock;
     const TimePoint end = clock.now() + order_.retry_after;
@@ -99,7 +99,7 @@ class Fetch {
   Status fetch(const UpdateFile& file, std::uint64_t bytes, UpdateFolder* folder) {
     if (folder->has(file)) return Done{};
     std::uint64_t there = folder->there(file, bytes);
-    if (there == 0) folder->forget(file);  // Perhaps longer than it should be.
+    if (there == 0) folder->forget(file);  // The file may be longer than it should be.
     while (there < bytes) {
       const std::uint64_t before = there;
       TRY(farm_.read(order_.image, file.sha256, there, [&](std::span<const std::byte> piece) -> Status {

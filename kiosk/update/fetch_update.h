@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the farm to a whole, verified version on this computer's disk, which then goes the way of one from a stick.
+/// Fetches a new version from the farm and verifies it; it is then installed like one from a USB stick.
 #pragma once
 
 #include <cstdint>
@@ -14,38 +14,40 @@
 namespace cyclorama {
 
 struct UpdateLimits {
-  std::uint64_t largest_bytes = std::uint64_t{1} << 30;      ///< Of one file: what its partition holds.
-  std::uint64_t most_bytes = std::uint64_t{1536} << 20;      ///< Of all.
-  std::uint64_t keep_free_bytes = std::uint64_t{256} << 20;  ///< On the disk, for journal and settings.
+  std::uint64_t largest_bytes = std::uint64_t{1} << 30;  ///< Limit of one file: the size of its partition.
+  std::uint64_t most_bytes = std::uint64_t{1536} << 20;  ///< Limit of all files together.
+  /// Disk space that stays free for the journal and the settings.
+  std::uint64_t keep_free_bytes = std::uint64_t{256} << 20;
 };
 
 struct FetchOrder {
-  std::string image;               ///< "cyclorama-museum".
-  std::string version;             ///< That runs.
-  std::string not_again{};         ///< Newest that was here already, or did not start well; nothing older is fetched.
-  std::filesystem::path key{};     ///< The public half of the key that signs versions.
-  std::filesystem::path folder{};  ///< Where they come together.
+  std::string image;    ///< "cyclorama-museum".
+  std::string version;  ///< The running version.
+  /// Newest version that was here already or failed to start; nothing that is not newer is fetched.
+  std::string not_again{};
+  std::filesystem::path key{};     ///< Public key for the signature of versions.
+  std::filesystem::path folder{};  ///< Folder that collects the files.
   UpdateLimits limits{};
   Duration retry_after = std::chrono::seconds(10);
-  int retries = 30;  ///< Of what may pass: a farm that is away or busy.
+  int retries = 30;  ///< Number of retries for temporary failures: a farm that is away or busy.
 };
 
 struct FetchOutcome {
   enum class Kind {
-    kNothing,  ///< There is nothing newer; the sentence says what there is.
-    kReady,    ///< `folder` holds it whole.
-    kLater,    ///< `go_on` said no; what has come stays.
+    kNothing,  ///< Nothing newer is available; the sentence names the farm's version.
+    kReady,    ///< `folder` holds the whole version.
+    kLater,    ///< `go_on` returned false; the parts that have arrived stay.
   };
   Kind kind = Kind::kNothing;
-  std::string version{};  ///< That the farm has; empty: none.
+  std::string version{};  ///< The farm's version; empty: none.
   std::string sentence{};
 };
 
-/// Goes on where it was cut. `go_on` is asked with every piece. Blocks.
+/// Resumes an interrupted download. Calls `go_on` with every piece. Blocks.
 ///
-/// kBadData  not signed by us, damaged, or not what was announced: no byte of it is used.     kInvalidArgument  it is
-/// larger than a version may be, or the farm gives this museum none.     kSystem  the disk is full or broken.
-/// kUnavailable, kTimedOut, kBusy  the farm is away; what has come stays.
+/// Errors: kBadData if the version is not signed with our key, damaged, or not the announced one: nothing of it is
+/// used; kInvalidArgument if it exceeds the limits, or the farm has none for this museum; kSystem if the disk is full
+/// or broken; kUnavailable, kTimedOut or kBusy if the farm is away: the parts that have arrived stay.
 Result<FetchOutcome> fetch_update(const FetchOrder& order, UpdateClient* farm, const std::function<bool()>& go_on);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-fetch-update: looks at the farm for a newer version of this computer's image.
+/// cyclorama-fetch-update: looks for a newer version of this computer's image at the farm.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ void add_options(CLI::App& app, Options* options) {
                "Fetches nothing; succeeds within [update] hours, while the museum is closed");
 }
 
-/// KEY=VALUE of an os-release, without quotes.
+/// Returns the value of KEY=VALUE in an os-release file, without quotes.
 std::string value_of(const std::string& text, const std::string& key) {
   const std::string begin = "\n" + key + "=";
   const std::string lines = "\n" + text;
@@ -62,7 +62,7 @@ std::string value_of(const std::string& text, const std::string& key) {
   return value;
 }
 
-/// The newest version that is on the disk already, or was, or came to nothing.
+/// Returns the newest version that must not be fetched again: seen before, written already, or rolled back.
 std::string not_again(const Options& options) {
   const std::filesystem::path seen = std::filesystem::path(options.state) / "update-seen";
   if (const auto line = read_text_file(seen, kLargestText)) {
@@ -76,7 +76,7 @@ std::string not_again(const Options& options) {
   return counts ? status->available : "";
 }
 
-/// The first word is for the script that goes on: nothing, ready, later or failed.
+/// The first word is read by the script that called: nothing, ready, later or failed.
 Status tell(const Options& options, const std::string& word, const std::string& sentence) {
   log(word == "failed" ? LogLevel::kWarning : LogLevel::kInfo, sentence);
   return write_file_atomically(std::filesystem::path(options.folder) / "result",
@@ -92,7 +92,7 @@ Result<FetchOutcome> look(const Options& options, const TourSettings& tour, cons
   order.not_again = not_again(options);
   order.key = options.key;
   order.folder = std::filesystem::path(options.folder) / "offer";
-  if (options.when == kNow) order.retries = 2;  // Somebody waits.
+  if (options.when == kNow) order.retries = 2;  // An operator waits for the result.
   TRY_ASSIGN(UpdateClient farm, UpdateClient::make(tour.heads, tour.tls));
   return fetch_update(order, &farm, go_on);
 }

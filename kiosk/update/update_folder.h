@@ -12,22 +12,22 @@
 
 namespace cyclorama {
 
-/// Where a version comes together, file by file, over nights and power cuts: NAME once it was verified, NAME.part
-/// before. Another version takes the place of what there is. Thread-bound; one program at a time.
+/// Collects the files of a version over several nights and power cuts: NAME once a file was verified, NAME.part before.
+/// A new version replaces an older one. Thread-bound; used by one program at a time.
 class UpdateFolder {
  public:
-  /// Of that version; makes the folder. What belongs to another one is removed. kSystem.
+  /// Makes the folder for the version with these sums; removes the files of any other version. Errors: kSystem.
   static Result<UpdateFolder> open(const std::filesystem::path& folder, const std::string& sums,
                                    const std::string& signature);
 
   [[nodiscard]] bool has(const UpdateFile& file) const;
-  /// Bytes of it that are there already, of `bytes` in all: more than that are none.
+  /// Returns how many of the file's `bytes` have arrived; 0 if the file is longer than that.
   [[nodiscard]] std::uint64_t there(const UpdateFile& file, std::uint64_t bytes) const;
-  /// What the disk has room for. kSystem.
+  /// Returns the free space of the disk in bytes. Errors: kSystem.
   [[nodiscard]] Result<std::uint64_t> room() const;
-  /// At its end. kSystem  the disk is full, or broken.
+  /// Appends bytes to a file. Errors: kSystem if the disk is full or broken.
   Status append(const UpdateFile& file, std::span<const std::byte> bytes);
-  /// All of it has come. kBadData  it is not what the manifest says, and gone.     kSystem.
+  /// Verifies a complete file. Errors: kBadData if it differs from the manifest, and it is removed; kSystem.
   Status finish(const UpdateFile& file);
   void forget(const UpdateFile& file);
 

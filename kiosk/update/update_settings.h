@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// When a museum's computer looks for updates, and begins with them. Of site.toml:
+/// When a museum's computer looks for updates and restarts for them. From site.toml:
 ///
 ///   [update]
-///   from_farm = true              # false: from sticks alone.
-///   hours = "02:00-05:00"         # Each night, by [hours]' time zone; never while the museum is open.
+///   from_farm = true              # false: from USB sticks only.
+///   hours = "02:00-05:00"         # Each night, in the time zone of [hours]; never while the museum is open.
 #pragma once
 
 #include <filesystem>
@@ -22,12 +22,12 @@ struct UpdateSettings {
   OpeningHours opening{};
   OpeningHours night{};
 
-  /// Within the hours, outside of the opening hours (of what was said for once, while it holds), and by a clock that
-  /// was set.
+  /// Returns true within the hours and outside the opening hours (or their override while it holds), if the clock was
+  /// set.
   [[nodiscard]] bool is_night(WallTime now, const std::optional<HoursOverride>& override = std::nullopt) const;
 };
 
-/// Other tables are left to other programs. Errors of Config::read() and Config::finish().
+/// Ignores the tables of other programs. Errors: as Config::read() and Config::finish().
 Result<UpdateSettings> read_update_settings(const std::filesystem::path& site);
 Result<UpdateSettings> parse_update_settings(std::string_view text, const std::string& name);
 

@@ -8,11 +8,11 @@
 
 namespace cyclorama {
 
-/// That `signature` is of `text`, by the holder of the key whose public half, a PEM, lies at `key` (openssl dgst
-/// -sha256 -sign). kBadData  it is not.     kNotFound, kSystem  there is no such key.
+/// Verifies that `signature` signs `text` with the private key that belongs to the public key, a PEM file at `key`
+/// (openssl dgst -sha256 -sign). Errors: kBadData if it does not; kNotFound or kSystem if the key cannot be read.
 Status check_signature(std::string_view text, std::string_view signature, const std::filesystem::path& key);
 
-/// Of a whole file, in hexadecimal. kNotFound, kSystem  it cannot be read.
+/// Returns a file's hash in hexadecimal. Errors: kNotFound or kSystem if it cannot be read.
 Result<std::string> sha256_of_file(const std::filesystem::path& path);
 
 }  // namespace cyclorama

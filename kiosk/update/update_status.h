@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How the software of this computer is kept up to date: written by the image's updater, shown by the operator page.
+/// State of this computer's software updates: written by the image's updater, shown by the operator page.
 #pragma once
 
 #include <string>
@@ -16,22 +16,23 @@ inline constexpr const char* kUpdateStatusFile = "update.json";
 /// file.
 struct UpdateStatus {
   enum class State {
-    kCurrent,     ///< Nothing newer is known.
-    kChecking,    ///< Looks for one.
-    kLoading,     ///< Fetches and writes it to the other half of the disk.
-    kReady,       ///< Begins with the next start, at night.
-    kFailed,      ///< Could not be fetched or is not signed by us; the sentence says why. Tried again by itself.
-    kRolledBack,  ///< It did not start well, and the version before runs again.
+    kCurrent,   ///< Nothing newer is known.
+    kChecking,  ///< Looks for a newer version.
+    kLoading,   ///< Fetches the version and writes it to the other half of the disk.
+    kReady,     ///< Written; used from the next start, at night.
+    /// Could not be fetched, or is not signed with our key; the sentence has the reason. Retried automatically.
+    kFailed,
+    kRolledBack,  ///< The version did not start well, and the previous one runs again.
   };
   State state = State::kCurrent;
-  std::string version;    ///< That runs.
-  std::string available;  ///< That is newer; empty: none.
-  std::string at;         ///< When this was written.
-  std::string sentence;   ///< What there is to say besides; may be empty.
+  std::string version;    ///< The running version.
+  std::string available;  ///< A newer version; empty: none.
+  std::string at;         ///< Time of writing.
+  std::string sentence;   ///< Further information; may be empty.
 };
 
 [[nodiscard]] std::string_view to_text(UpdateStatus::State state);  ///< "current", ..., "rolled-back".
-/// kBadData  not such JSON.
+/// Errors: kBadData if the text is not such JSON.
 Result<UpdateStatus> parse_update_status(std::string_view json);
 
 }  // namespace cyclorama

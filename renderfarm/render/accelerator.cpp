@@ -16,7 +16,7 @@
 namespace cyclorama {
 namespace {
 
-/// What is flattened has no inside for a ray to reach, and Embree cannot invert it.
+/// Returns false for a flattened placement, which has no inside that a ray could enter, and Embree cannot invert it.
 bool is_placeable(const Placement& placement) {
   const float volume = placement.linear.determinant();
   return std::isnormal(volume) && std::isfinite(1.0f / volume) && is_finite(placement.translation);
@@ -116,7 +116,7 @@ RTCGeometry Accelerator::make_triangles(const Mesh& mesh, SurfaceMesh* traced) {
 }
 
 void Accelerator::add_mesh(const Model& model, Mesh& mesh, int uses, TraceScene* ret_traced) {
-  // Embree reads the last vertex with a 16-byte load: four bytes beyond it must be there to read.
+  // Embree reads the last vertex with a 16-byte load, so the four bytes after it must be readable.
   mesh.positions.reserve(mesh.positions.size() + 1);
   ret_traced->meshes.push_back(trace_mesh(mesh));
   SurfaceMesh& traced = ret_traced->meshes.back();
@@ -173,7 +173,7 @@ Status Accelerator::add_meshes(Scene& scene, TraceScene* ret_traced) {
   const Eigen::Vector3d origin = render_origin(scene);
   const std::vector<int> uses = uses_of_meshes(model);
   see_through_ = see_through_textures(model);
-  // Reserved, because the tables point at each other. A material that blends only on some meshes is there twice.
+  // Reserved because the tables point at each other. A material that blends on some meshes only is stored twice.
   ret_traced->materials.reserve(model.materials.size() + model.meshes.size());
   ret_traced->meshes.reserve(model.meshes.size());
   for (const Material& material : model.materials) {
@@ -211,7 +211,7 @@ Status Accelerator::commit(const std::function<void(double)>& progress) {
   };
   std::size_t total = top_triangles_;
   for (const Part& part : parts_) total += part.triangles;
-  std::vector<Part> order = parts_;  // Parts first: the top-level BVH needs their bounds.
+  std::vector<Part> order = parts_;  // Parts first, because the top-level BVH needs their bounds.
   order.push_back({top_, top_triangles_});
   for (const Part& part : order) {
     watch.share = static_cast<double>(part.triangles) / static_cast<double>(std::max<std::size_t>(total, 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The BVH over a scene: Embree's device and scenes, and the tables by which a hit is understood.
+/// The BVH of a scene: Embree's device and scenes, and the tables that interpret a hit.
 #pragma once
 
 #include <atomic>
@@ -13,12 +13,13 @@
 
 namespace cyclorama {
 
-/// Thread-safe once built. Shares the vertex and index arrays of the scene it was built for, which must outlive it and
-/// not change.
+/// Owns Embree's device and scenes. Borrows the vertex and index arrays of the scene it was built for, which must
+/// outlive it and not change. Thread-safe once built.
 class Accelerator {
  public:
-  /// Bakes the meshes of `scene` that are used once, and fills `ret_traced` with all that points into it.
-  /// kInvalidArgument  no triangles.     kSystem  it would not fit into memory, or Embree gave up.
+  /// Bakes the meshes of `scene` that are used once, and fills `ret_traced` with tables that point into the scene.
+  /// Errors: kInvalidArgument if there are no triangles; kSystem if the scene would not fit into memory or Embree
+  /// fails.
   static Result<std::unique_ptr<Accelerator>> build(Scene& scene, int threads,
                                                     const std::function<void(double)>& progress,
                                                     TraceScene* ret_traced);
@@ -31,12 +32,12 @@ class Accelerator {
  private:
   Accelerator() = default;
   Status open_device(int threads);
-  /// What went wrong in Embree since the last time, as one sentence.
+  /// Returns Embree's error since the last call as one sentence, prefixed with `doing`.
   Status check(const char* doing) const;
   Status add_meshes(Scene& scene, TraceScene* ret_traced);
-  /// Meshes that are used more than once get a BVH of their own, which instances share.
+  /// Adds a mesh. One that is used more than once gets a BVH of its own, which its instances share.
   void add_mesh(const Model& model, Mesh& mesh, int uses, TraceScene* ret_traced);
-  /// Bakes what is used once.
+  /// Adds an instance; bakes its mesh if that is used once.
   void add_instance(Model& model, Instance& instance, const Eigen::Vector3d& origin, TraceScene* ret_traced);
   Status add_lights(const Scene& scene, TraceScene* ret_traced);
   RTCGeometry make_triangles(const Mesh& mesh, SurfaceMesh* traced);
@@ -51,7 +52,7 @@ class Accelerator {
   };
   std::vector<Part> parts_;
   std::vector<RTCScene> part_of_mesh_;  ///< Null for meshes that are used once.
-  std::vector<bool> see_through_;       ///< Of the model's textures.
+  std::vector<bool> see_through_;       ///< For each texture of the model: whether any of its texels is transparent.
   std::size_t top_triangles_ = 0;
   std::atomic<std::int64_t> bytes_ = 0;
   std::int64_t limit_bytes_ = std::numeric_limits<std::int64_t>::max();

@@ -7,9 +7,9 @@
 namespace cyclorama {
 namespace {
 
-/// Whether the ray of `lane` goes through at this hit. Its id names the sample; each surface draws a lot of its own
-/// from the sample's sequence, so that the samples of a pixel share out well, whatever order the traversal meets
-/// surfaces in.
+/// Returns true if the ray of `lane` passes through at this hit. The ray's id is the index of the sample; each surface
+/// draws its own random number from the sample's sequence, so the samples of a pixel stay well distributed in whatever
+/// order the traversal meets surfaces.
 bool lets_through(const SurfaceMesh& mesh, const RTCFilterFunctionNArguments& arguments, unsigned lane) {
   TriangleHit hit;
   hit.mesh = &mesh;

@@ -5,9 +5,8 @@
 
 namespace cyclorama {
 
-/// Embree asks at every hit whether it counts: not where a cut-out material has a hole, and by lot (drawn from the
-/// ray's id) where a material is half transparent. The geometry's user data is its SurfaceMesh.
-/// Reentrant.
+/// Embree's filter function: rejects a hit in a hole of a cut-out material, and rejects it at random, by the ray's id,
+/// where a material is partly transparent. The geometry's user data is its SurfaceMesh. Reentrant.
 void alpha_filter(const RTCFilterFunctionNArguments* arguments);
 
 }  // namespace cyclorama

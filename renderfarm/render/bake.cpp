@@ -18,7 +18,7 @@ std::vector<int> uses_of_meshes(const Model& model) {
 }
 
 void bake(Mesh& mesh, const Eigen::Affine3d& T_scene_mesh, const Eigen::Vector3d& new_origin) {
-  // One transform for every vertex, so that corners which were the same stay the same and no crack opens.
+  // A single transform for all vertices keeps equal corners equal, so that no cracks open.
   const Eigen::Matrix3d linear = T_scene_mesh.linear();
   const Eigen::Vector3d offset = T_scene_mesh * mesh.origin - new_origin;
   for (std::array<float, 3>& p : mesh.positions) {

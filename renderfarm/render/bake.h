@@ -5,15 +5,15 @@
 
 namespace cyclorama {
 
-/// Where the render frame lies in the Scene frame: float is finest near its origin. The start eye if it is inside the
-/// bounds, else the bounds' centre.
+/// Returns the origin of the render frame in the Scene frame, near which float is most precise: the start eye if it is
+/// inside the bounds, else the centre of the bounds.
 [[nodiscard]] Eigen::Vector3d render_origin(const Scene& scene);
 
-/// How often each mesh of the model is used.
+/// Returns the number of instances of each mesh of the model.
 [[nodiscard]] std::vector<int> uses_of_meshes(const Model& model);
 
-/// Moves `mesh` in place so that p_scene = `new_origin` + position: for meshes that are used once, which then need no
-/// instance. Normals and tangents turn with it.
+/// Moves `mesh` in place so that p_scene = `new_origin` + position; a mesh that is used once then needs no instance.
+/// Normals and tangents are transformed as well.
 void bake(Mesh& mesh, const Eigen::Affine3d& T_scene_mesh, const Eigen::Vector3d& new_origin);
 
 }  // namespace cyclorama

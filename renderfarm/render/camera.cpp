@@ -16,13 +16,14 @@ using Kind = Camera::Kind;
 
 #define CYCLORAMA_INLINE [[gnu::always_inline]] inline
 
-// Polynomials through the Chebyshev nodes of [0, (pi/2)^2], the constant held at 1: off by 2.6e-8 and 5.6e-9 at most.
+// Polynomials through the Chebyshev nodes of [0, (pi/2)^2] with the constant fixed at 1; maximum errors 2.6e-8 and
+// 5.6e-9.
 
-/// sin(a) / a for |a| <= pi/2, from a^2.
+/// Returns sin(a) / a for |a| <= pi/2, given a^2.
 CYCLORAMA_INLINE float sine_over_angle(float a2) {
   return 1.0f + a2 * (-0x1.555554p-3f + a2 * (0x1.11104ep-7f + a2 * (-0x1.9fb686p-13f + a2 * 0x1.61a18ap-19f)));
 }
-/// For |a| <= pi/2, from a^2.
+/// Returns cos(a) for |a| <= pi/2, given a^2.
 CYCLORAMA_INLINE float cosine(float a2) {
   return 1.0f +
          a2 * (-0.5f + a2 * (0x1.555552p-5f + a2 * (-0x1.6c152ap-10f + a2 * (0x1.9fa602p-16f + a2 * -0x1.1a5e1p-22f))));
@@ -32,14 +33,14 @@ struct Turned {
   float sine;
   float cosine;
 };
-/// Of the angle whose half is given, at most pi/2: small angles keep their relative precision.
+/// Returns sine and cosine of twice `half`, |half| <= pi/2. Small angles keep their relative precision.
 CYCLORAMA_INLINE Turned turned_by_twice(float half) {
   const float half2 = half * half;
   const float s = half * sine_over_angle(half2);
   return {2.0f * s * cosine(half2), 1.0f - 2.0f * s * s};
 }
 
-/// What a pixel shows to an eye in the sweet spot, in the picture's own axes; not normalised.
+/// The direction of a pixel for an eye in the sweet spot, in the picture's own axes; not normalised.
 struct Seen {
   float x;
   float y;
@@ -73,7 +74,7 @@ CYCLORAMA_INLINE Seen seen_at(const Setup& s, float x, float y) {
   }
 }
 
-/// Restrict counts only on parameters once the function is inlined; without it nothing is vectorised.
+/// `__restrict__` takes effect only on parameters once the function is inlined; nothing is vectorised without it.
 template <Kind kKind, bool kMoves>
 CYCLORAMA_INLINE void trace(const Setup s, int count, const float* __restrict__ in_x, const float* __restrict__ in_y,
                             float* __restrict__ origin_x, float* __restrict__ origin_y, float* __restrict__ origin_z,
@@ -150,7 +151,7 @@ void trace_equirectangular(const Setup& s, int count, const float* x, const floa
   trace<Kind::kEquirectangular>(s, count, x, y, ret);
 }
 
-/// 1 where the place is in the circle, and how many are.
+/// Writes 1 to `exists` for each position inside the circle, else 0. Returns the number inside.
 CYCLORAMA_VECTOR_CLONES
 int mark_circle(const Setup& s, int count, const float* __restrict__ in_x, const float* __restrict__ in_y,
                 std::uint8_t* __restrict__ exists) {
@@ -165,7 +166,7 @@ int mark_circle(const Setup& s, int count, const float* __restrict__ in_x, const
   return inside;
 }
 
-/// A span of angles or tangents over pixels, as the loops want it.
+/// Converts a range of angles or tangents over `pixels` pixels to the scale and offset of the loops.
 void spread(double from, double to, int pixels, float* ret_scale, float* ret_offset) {
   *ret_scale = static_cast<float>((to - from) / pixels);
   *ret_offset = static_cast<float>(0.5 * (from + to));

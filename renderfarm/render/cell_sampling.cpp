@@ -10,14 +10,14 @@
 namespace cyclorama {
 namespace {
 
-/// Between two looks at the error.
+/// Samples per pixel between two checks of the error.
 constexpr int kRound = kPacketRays;
 
 float displayed(const TraceView& view, double light) {
   return linear_to_srgb(tone_mapped(view.exposure * static_cast<float>(light), view.tone));
 }
 
-/// Half of what one standard error up and one down differ by on the display.
+/// Returns half the difference on the display between the mean plus one standard error and the mean minus one.
 float displayed_error(const TraceView& view, const CellFilm& film, std::size_t pixel) {
   const auto n = static_cast<double>(film.samples[pixel]);
   const double mean = static_cast<double>(luminance(film.sum[pixel])) / n;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Embree 3.13 (Debian 12) and 4.3 (Debian 13): the only place that knows which. All else uses what both share.
+/// Supports Embree 3.13 (Debian 12) and 4.3 (Debian 13). Only this file depends on the version; all other code uses
+/// what both share.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>)
@@ -10,13 +11,13 @@
 
 namespace cyclorama {
 
-/// A hint to the traversal: rays of one pixel run alike, rays that surfaces scatter do not.
+/// Hint for the traversal: camera rays of one pixel are coherent, scattered rays are not.
 enum class Coherence { kCoherent, kIncoherent };
 
-/// Rays are traced this many at a time: as wide as the widest vectors. Processors with narrower ones do it in steps.
+/// Rays per packet: the width of the widest vectors. Processors with narrower ones take several steps.
 inline constexpr int kPacketRays = 16;
 
-/// What Embree wants to be told of a query. Cheap to make.
+/// Embree's query arguments. Cheap to construct.
 class Query {
  public:
   explicit Query(Coherence coherence) {
@@ -32,14 +33,14 @@ class Query {
 #endif
   }
 
-  /// Lanes whose `valid` is -1. Afterwards hit.geomID is RTC_INVALID_GEOMETRY_ID, as before, where nothing was hit.
+  /// Traces the lanes whose `valid` is -1. Where nothing was hit, hit.geomID stays RTC_INVALID_GEOMETRY_ID.
 #if RTC_VERSION_MAJOR >= 4
   void nearest(RTCScene scene, const int* valid, RTCRayHit16* rays) { rtcIntersect16(valid, scene, rays, &intersect_); }
-  /// Afterwards tfar is below zero where anything lies on the ray.
+  /// Sets tfar below zero where anything lies on the ray.
   void any(RTCScene scene, const int* valid, RTCRay16* rays) { rtcOccluded16(valid, scene, rays, &occluded_); }
 #else
   void nearest(RTCScene scene, const int* valid, RTCRayHit16* rays) { rtcIntersect16(valid, scene, &context_, rays); }
-  /// Afterwards tfar is below zero where anything lies on the ray.
+  /// Sets tfar below zero where anything lies on the ray.
   void any(RTCScene scene, const int* valid, RTCRay16* rays) { rtcOccluded16(valid, scene, &context_, rays); }
 #endif
 

@@ -13,7 +13,7 @@ void add_to(Pixels& to, const Pixels& from) {
   std::transform(to.data().begin(), to.data().end(), from.data().begin(), to.data().begin(), std::plus<>());
 }
 
-/// Means weigh as many samples as they are of.
+/// Combines two means, each weighted by its number of samples.
 template <typename Pixels>
 void blend_into(Pixels& to, const Pixels& from, const Image<std::int32_t, 1>& to_samples,
                 const Image<std::int32_t, 1>& from_samples) {

@@ -7,8 +7,8 @@
 
 namespace cyclorama {
 
-/// While it lives, numbers too small for full precision are zero in this thread: Embree expects it, and arithmetic on
-/// them is a hundred times slower. Thread-bound.
+/// Flushes denormal numbers to zero in this thread during its lifetime. Embree expects this, and arithmetic on
+/// denormals is a hundred times slower. Thread-bound.
 class FlushDenormals {
  public:
 #if defined(__SSE2__)

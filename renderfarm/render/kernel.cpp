@@ -13,9 +13,9 @@ namespace cyclorama {
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
-/// An eye exactly in a lamp's plane does not see the lamp's black back: only the distance 0 itself is below this.
+/// Excludes only the distance 0, so that an eye exactly in a lamp's plane does not see the lamp's black back.
 constexpr float kNotAtTheEye = 1e-30f;
-/// Samples of a pixel that are traced side by side: one packet.
+/// Samples of a pixel that are traced together: one packet.
 constexpr int kMostTogether = kPacketRays;
 
 constexpr std::uint32_t even_bits(std::uint32_t v) {
@@ -29,7 +29,8 @@ struct CellPlace {
   int y = 0;
 };
 
-/// The pixels of a cell so that neighbours in the list are neighbours in the picture: packets are squares.
+/// Returns pixel number `i` of a cell in Z-order: neighbours in the list are neighbours in the picture, so packets are
+/// squares.
 CellPlace place_in_order(int i) {
   const auto bits = static_cast<std::uint32_t>(i);
   return {static_cast<int>(even_bits(bits)), static_cast<int>(even_bits(bits >> 1))};
@@ -51,7 +52,7 @@ void add_path(const TraceView& view, const TraceCell& cell, CellPlace place, int
   batch.seed[i] = path.seed;
 }
 
-/// The paths' first rays. Those of pixels that see nothing have none.
+/// Generates the camera rays of the paths. Pixels that see nothing have none.
 void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
   SurfaceLots& lots = batch.lots;
   sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace, lots.place_u.data(),
@@ -64,7 +65,8 @@ void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
   view.camera.rays(batch.paths, lots.place_u.data(), lots.place_v.data(),
                    {eyes.origin[0].data(), eyes.origin[1].data(), eyes.origin[2].data(), eyes.direction[0].data(),
                     eyes.direction[1].data(), eyes.direction[2].data(), eyes.cone.data(), eyes.exists.data()});
-  // Each of the pixel's samples stands for its share, so that many samples see the textures as sharp as they are.
+  // The footprint of each sample is the pixel's over the square root of their number: many samples see textures at full
+  // sharpness.
   const float share = 1.0f / std::sqrt(static_cast<float>(sequence_length(view.quality)));
   RayStage& stage = batch.current();
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
@@ -81,7 +83,7 @@ void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
   }
 }
 
-/// The paths' light goes to their pixels, in their order: however a picture is cut, the sums are the same.
+/// Adds the paths' light to their pixels in the order of the paths, so the sums do not depend on how a picture is cut.
 void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
   const float limit = view.quality.firefly_limit / view.exposure;
   const float brightest = kBrightest / std::max(1.0f, view.exposure);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From a cell of pixels to its light. The stage that differs between scenes, what happens at a surface, exists once
-/// for each combination of needs, compiled without the rest.
+/// Traces the paths of a cell of pixels. The shading stage, which depends on the scene, is compiled once for each
+/// combination of needs, without the rest.
 #pragma once
 
 #include <array>
@@ -15,11 +15,11 @@
 
 namespace cyclorama {
 
-/// Cells are squares of this many pixels, aligned to the picture: what is in one never depends on the tiling.
+/// Cells are squares of this many pixels, aligned to the picture, so the content of a cell never depends on the tiling.
 inline constexpr int kCellPx = 16;
 inline constexpr int kCellPixels = kCellPx * kCellPx;
 
-/// A PanoramaView in the render frame.
+/// A PanoramaView, converted to the render frame.
 struct TraceView {
   Vec3 eye = Vec3::Zero();
   Camera camera;
@@ -30,43 +30,43 @@ struct TraceView {
   bool features = false;
 };
 
-/// A piece of work: some samples of the pixels of one cell.
+/// Unit of work: some samples of the pixels of one cell.
 struct TraceCell {
-  int x = 0;  ///< Of its first pixel in the picture; a multiple of kCellPx.
+  int x = 0;  ///< First pixel in the picture; a multiple of kCellPx.
   int y = 0;
-  int width = kCellPx;  ///< Less at the picture's edges.
+  int width = kCellPx;  ///< Smaller at the picture's edges.
   int height = kCellPx;
   int first_sample = 0;
   int samples = 1;
 };
 
-/// What a cell's samples add up to, pixel by pixel in rows of kCellPx. Radiance is not exposed.
+/// Sums over a cell's samples, pixel by pixel in rows of kCellPx. Radiance is not exposed.
 struct CellFilm {
   std::array<Vec3, kCellPixels> sum;
-  std::array<float, kCellPixels> square;  ///< Of luminance.
+  std::array<float, kCellPixels> square;  ///< Sum of squared luminance.
   std::array<std::int32_t, kCellPixels> samples;
-  std::array<Vec3, kCellPixels> albedo;  ///< Sums, too.
+  std::array<Vec3, kCellPixels> albedo;  ///< Sums, like normal and distance.
   std::array<Vec3, kCellPixels> normal;
   std::array<float, kCellPixels> distance;
-  std::array<bool, kCellPixels> active;  ///< Pixels that want samples.
+  std::array<bool, kCellPixels> active;  ///< Pixels that need more samples.
   double light = 0.0;                    ///< Luminance of all samples.
-  double removed_light = 0.0;            ///< What the firefly limit took away of it.
-  std::uint64_t broken_samples = 0;      ///< That were NaN, and counted as black.
+  double removed_light = 0.0;            ///< Luminance that the firefly limit removed.
+  std::uint64_t broken_samples = 0;      ///< Samples that were NaN and count as black.
 
   void clear();
 };
 
-/// What happens where the rays of `batch` ended: light is collected, shadow rays are traced, next rays are made.
+/// Shades the hits of the rays in `batch`: collects light, traces shadow rays and generates the next rays.
 using ShadeStage = void (*)(const TraceScene& scene, const TraceView& view, PathBatch& batch, CellFilm& film);
 
-/// The one that is compiled for the fewest needs that hold all of `needs`.
+/// Returns the stage compiled for the fewest needs that include all of `needs`.
 [[nodiscard]] ShadeStage shade_stage_for(const SceneNeeds& needs);
 
-/// The most that a sample counts for, exposed: the sum of kMostSamples squares of it is a float. The sun's disc has
-/// 2e9 cd/m^2.
+/// Upper bound of a sample's exposed radiance, such that the sum of kMostSamples of its squares is finite in float. The
+/// sun's disc has 2e9 cd/m^2.
 inline constexpr float kBrightest = 1e16f;
 
-/// Adds the samples of `cell` to `film`: finite, not negative. Returns the number of rays. Reentrant; `batch` is
+/// Adds the samples of `cell` to `film`: finite and not negative. Returns the number of rays. Reentrant; `batch` is
 /// scratch.
 std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                          PathBatch& batch, CellFilm& film);

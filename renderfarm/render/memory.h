@@ -10,26 +10,28 @@
 
 namespace cyclorama {
 
-/// Bytes that can still be taken before the machine swaps, from the text of /proc/meminfo. Nothing if it does not say.
+/// Returns the bytes that can be allocated before the machine swaps, from the text of /proc/meminfo; null if it lacks
+/// them.
 [[nodiscard]] std::optional<std::size_t> parse_available_memory(std::string_view meminfo);
 
-/// The same of this machine; nothing where /proc is absent.
+/// Returns the same for this machine; null if /proc is absent.
 [[nodiscard]] std::optional<std::size_t> available_memory();
 
-/// What a BVH may take of `available` bytes; the rest of the machine keeps a little.
+/// Returns how much of `available` bytes a BVH may use; a small reserve is kept for the rest of the machine.
 [[nodiscard]] std::size_t memory_for_bvh(std::size_t available);
 
-/// What rendering takes besides the loaded scene.
+/// Memory that rendering needs besides the loaded scene.
 struct RenderNeed {
   std::size_t triangles = 0;
   std::size_t instances = 0;
-  std::size_t mip_bytes = 0;  ///< Of the textures' smaller levels.
+  std::size_t mip_bytes = 0;  ///< Size of the textures' smaller levels.
 };
 
-/// kSystem, with the scene's title, its need and what is there, if that is more than memory_for_bvh().
+/// Errors: kSystem, with the scene's title, the memory needed and the memory available, if the need exceeds
+/// memory_for_bvh().
 Status check_render_memory(std::string_view title, const RenderNeed& need, std::size_t available);
 
-/// "3.4 GB"
+/// Formats a size, such as "3.4 GB".
 [[nodiscard]] std::string describe_bytes(std::size_t bytes);
 
 }  // namespace cyclorama

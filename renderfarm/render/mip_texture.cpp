@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kTexelsPerTask = 1 << 14;
 
-/// The texels of a row or column that one of the next level covers, and by how much: they sum to 1.
+/// The texels of a row or column that one texel of the next level covers, with their weights, which sum to 1.
 struct Taps {
   int first = 0;
   int count = 1;
@@ -31,7 +31,7 @@ Taps taps_of(int target, int source_size) {
   const int first = 2 * target;
   if (source_size == 1) return {};
   if (source_size % 2 == 0) return {first, 2, {0.5f, 0.5f, 0.0f}};
-  // 2m + 1 texels under m: each covers 2 + 1/m, and shares its outer ones with its neighbours.
+  // 2m + 1 texels map to m: each of the m covers 2 + 1/m and shares its outer ones with its neighbours.
   const auto m = static_cast<float>(source_size / 2);
   const auto i = static_cast<float>(target);
   const float covered = 2.0f + 1.0f / m;
@@ -46,7 +46,7 @@ std::vector<Taps> all_taps(int source_size) {
 
 std::uint8_t rounded(float code) { return static_cast<std::uint8_t>(std::lrint(std::clamp(code, 0.0f, 255.0f))); }
 
-/// Means of texels. Codes of linear data are summed as they are: such sums are exact, and ties round to even.
+/// Mean of texels. Codes of linear data are summed without decoding: such sums are exact, and ties round to even.
 template <TextureContent kContent>
 struct Mean {
   std::array<float, 3> sum{};
@@ -67,7 +67,7 @@ struct Mean {
       if constexpr (kContent == TextureContent::kData) {
         out[c] = rounded(sum[c]);
       } else {
-        // Where nothing shows, the colour still bleeds into its neighbours when they are interpolated.
+        // An invisible texel keeps its plain mean colour, because interpolation bleeds it into its neighbours.
         const bool shows = kContent == TextureContent::kColourWithAlpha && alpha > 0.0f;
         out[c] = linear_to_srgb8(shows ? by_alpha[c] / alpha : sum[c]);
       }

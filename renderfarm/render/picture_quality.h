@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Every knob between a scene and the bytes that leave the node: one point of the trade of time and bytes for accuracy.
+/// All parameters between a scene and the bytes that leave the node: one point in the trade-off of time and bytes
+/// against accuracy.
 #pragma once
 
 #include "common/base/result.h"
@@ -9,18 +10,17 @@ namespace cyclorama {
 
 inline constexpr double kLeastScale = 0.125;
 
-/// A value.
 struct PictureQuality {
   RenderQuality render;
-  double scale = 1.0;            ///< Rendered pixels per shown pixel, along each side: kLeastScale to 1.
-  bool denoise = false;          ///< Before tone mapping.
+  double scale = 1.0;            ///< Rendered pixels per displayed pixel, along each axis: kLeastScale to 1.
+  bool denoise = false;          ///< Applied before tone mapping.
   int jpeg_quality = 85;         ///< 1 to 100.
-  bool subsample_chroma = true;  ///< 4:2:0, else 4:4:4.
+  bool subsample_chroma = true;  ///< True for 4:2:0, false for 4:4:4.
 
   friend bool operator==(const PictureQuality&, const PictureQuality&) = default;
 };
 
-/// As validate(RenderQuality).
+/// Errors: like validate(RenderQuality).
 [[nodiscard]] Status validate(const PictureQuality& quality);
 
 }  // namespace cyclorama

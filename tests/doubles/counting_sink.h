@@ -7,7 +7,7 @@
 #include <mutex>
 #include <string>
 
-#include "renderfarm/tools/grotto/geometry_sink.h"
+#include "renderfarm/generator/geometry_sink.h"
 
 namespace cyclorama::grotto {
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Lamps: what they look like, and what light they give.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "renderfarm/generator/surface.h"
+#include "renderfarm/generator/vec.h"
+
+namespace cyclorama::grotto {
+
+/// A [[lamp]] of the scene package; the fields are its keys.
+struct Lamp {
+  std::string name;
+  std::string kind;  ///< "point", "spot" or "rectangle".
+  Vec3 position;
+  Vec3 direction = -Vec3::UnitY();
+  Vec3 intensity_cd = Vec3::Zero();
+  float radius_m = 0.0f;
+  float inner_cone_deg = 0.0f;
+  float outer_cone_deg = 45.0f;
+  float side_m = 0.0f;            ///< Rectangle: a square.
+  Vec3 luminance = Vec3::Zero();  ///< Rectangle: radiance.
+};
+
+/// Butter lamps on the altar's ledge and on two stands before it.
+[[nodiscard]] std::vector<Patch> lamp_bodies();
+
+/// The light of those lamps, of the day in the corridor, and of what the museum adds.
+[[nodiscard]] std::vector<Lamp> lamp_lights();
+
+}  // namespace cyclorama::grotto

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "common/process/program.h"
+#include "common/process/progress.h"
+#include "renderfarm/generator/interior.h"
+#include "renderfarm/generator/package.h"
+
+int main(int argc, char** argv) {
+  using namespace cyclorama;  // NOLINT(google-build-using-namespace)
+  Program program(
+      "cyclorama-grotto",
+      "Makes a painted cave temple, a museum hall or a relic, of any number of triangles, as a scene package.");
+  grotto::PackageOrder order;
+  // More threads than large files bring nothing.
+  order.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
+  CLI::App& options = program.options();
+  std::string kind = "grotto";
+  options.add_option("--kind", kind, "A grotto; for measuring, a matte museum hall, or a relic before nothing")
+      ->check(CLI::IsMember({"grotto", "interior", "relic"}))
+      ->capture_default_str();
+  options.add_option("--lamps", order.lamps, "Of an interior; all together give the same light")
+      ->check(CLI::Range(1, grotto::kMostInteriorLamps))
+      ->capture_default_str();
+  options.add_option("--triangles", order.triangles, "About this many, never more")
+      ->check(CLI::Range(grotto::kFewestTriangles, grotto::kMostTriangles))
+      ->capture_default_str();
+  options.add_option("--seed", order.seed, "Decides rock, damage and who stands where")->capture_default_str();
+  options.add_option("--out", order.folder, "The scene package: a folder that does not exist yet")->required();
+  options.add_flag("--force", order.replace, "Replace the grotto that --out holds");
+  options.add_option("--threads", order.threads, "Makes no difference to the result")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
+    order.kind = kind == "interior" ? grotto::Kind::kInterior
+                 : kind == "relic"  ? grotto::Kind::kRelic
+                                    : grotto::Kind::kGrotto;
+    Progress progress(kind);
+    TRY_ASSIGN(const grotto::PackageReport report, grotto::write_package(order, [&](double fraction) {
+                 progress.update(fraction);
+                 return !stop.requested();
+               }));
+    fmt::print("{}: {} triangles, {} vertices, {:.1f} MB\n", order.folder.string(), report.counts.triangles,
+               report.counts.vertices, static_cast<double>(report.bytes) / 1e6);
+    return Done{};
+  });
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Repeatable randomness: pure functions of place and seed, so that a grotto does not depend on who computes which row.
+#pragma once
+
+#include <cstdint>
+
+#include "renderfarm/generator/vec.h"
+
+namespace cyclorama::grotto {
+
+/// Scrambles the integers well enough that neighbours look unrelated.
+[[nodiscard]] std::uint32_t hash(int x, int y, int z, std::uint32_t seed);
+
+/// Uniform in [0, 1).
+[[nodiscard]] float random_unit(int x, int y, std::uint32_t seed);
+
+/// Gradient noise, about [-1, 1], zero mean, with cells of 1. Source: K. Perlin, "Improving Noise", SIGGRAPH 2002.
+[[nodiscard]] float noise(const Vec3& p, std::uint32_t seed);
+
+/// A sum of `octaves` of noise, each of twice the frequency and half the height of the one before; about [-1, 1].
+[[nodiscard]] float fractal_noise(const Vec3& p, int octaves, std::uint32_t seed);
+
+/// Near 1 on thin, branching lines, falling to 0 away from them: cracks.
+[[nodiscard]] float crack_lines(const Vec3& p, std::uint32_t seed);
+
+/// The marks of a pointed chisel, in [0, 1], on a face with the coordinates `p` in metres: parallel furrows whose
+/// direction changes from one hand's breadth of work to the next.
+[[nodiscard]] float chisel_marks(const Vec2& p, std::uint32_t seed);
+
+}  // namespace cyclorama::grotto

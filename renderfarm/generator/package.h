@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A grotto on disk: a scene package, there whole or not at all.
+#pragma once
+
+#include <filesystem>
+
+#include "renderfarm/generator/grotto.h"
+
+namespace cyclorama::grotto {
+
+struct PackageOrder {
+  Kind kind = Kind::kGrotto;
+  std::uint64_t triangles = 1'000'000;
+  std::uint32_t seed = 1;
+  int lamps = 4;  ///< Of an interior; a grotto has its own.
+  std::filesystem::path folder;
+  bool replace = false;  ///< An older grotto at `folder` may be replaced. Anything else there never is.
+  int threads = 1;
+};
+
+struct PackageReport {
+  GeometryCounts counts;
+  std::uint64_t bytes = 0;
+};
+
+/// Writes into a new folder beside the target and renames it, so that a stopped or failed run leaves what was there.
+///
+/// kInvalidArgument  the number of triangles.
+/// kBusy             `folder` exists and is not an empty folder or, with `replace`, not a grotto.
+/// kNotFound         the folder above does not exist.
+/// kUnavailable      `keep_going` returned false.
+/// kSystem           the disk is full or refuses.
+Result<PackageReport> write_package(const PackageOrder& order, const KeepGoing& keep_going);
+
+}  // namespace cyclorama::grotto

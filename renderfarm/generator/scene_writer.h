@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "renderfarm/generator/grotto.h"
+
+namespace cyclorama::grotto {
+
+/// The first line of every grotto's scene.toml: by it a folder is known as one that may be replaced.
+inline constexpr const char* kSceneMark = "# Made by cyclorama-grotto";
+
+/// The scene.toml of the package. `seed` is for the record.
+[[nodiscard]] std::string scene_toml(const Grotto& grotto, std::uint32_t seed);
+
+}  // namespace cyclorama::grotto

@@ -91,6 +91,15 @@ Json drops_json(const wire::ProcessStatus& tour) {
   return drops;
 }
 
+/// Nodes that the farm has, if the farm is watched; otherwise those that rendered the tour's last frame.
+int count_nodes(const Recording& recording, const wire::ProcessStatus& tour) {
+  for (const RecordedProcess& process : recording.processes()) {
+    if (process.last.endpoint.name == "tour" || !process.last.status) continue;
+    if (const auto nodes = gauge_of(*process.last.status, "nodes")) return static_cast<int>(*nodes);
+  }
+  return static_cast<int>(gauge_of(tour, "nodes").value_or(0.0));
+}
+
 /// "projector/left" to "projector-left": no name leaves the folder.
 std::string file_name(const std::string& key) {
   std::string name;
@@ -130,7 +139,7 @@ std::string summary_json(const Recording& recording, const RecordedSpan& span,
   Json json{{"scene", fact_of(tour, "scene")},
             {"title", fact_of(tour, "title")},
             {"triangles", parse_integer(fact_of(tour, "triangles")).value_or(0)},
-            {"nodes", static_cast<int>(gauge("nodes"))},
+            {"nodes", count_nodes(recording, tour)},
             {"seconds", span.seconds},
             {"frames", static_cast<std::int64_t>(span.frames)},
             {"fps", span.seconds > 0.0 ? span.frames / span.seconds : 0.0},

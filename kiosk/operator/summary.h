@@ -27,7 +27,8 @@ struct RecordedSpan {
 
 /// { scene, title, triangles, nodes, seconds, frames, fps, bytes_per_frame, balance_efficiency, first_picture_s,
 ///   stages: { name: { p50_ms, p95_ms, p99_ms, count } }, drops: { reason: count },
-///   processes: { name: { state, healthy } }, ok, problems: [] }; stages from shutter to photon.
+///   processes: { name: { state, healthy } }, ok, problems: [] }; stages from shutter to photon. `nodes` is the number
+/// that the farm has, also when few of them rendered the last frame.
 [[nodiscard]] std::string summary_json(const Recording& recording, const RecordedSpan& span,
                                        const std::vector<std::string>& problems);
 

@@ -87,6 +87,19 @@ TEST(Summary, holds_what_the_demo_promises_in_frame_order) {
   EXPECT_EQ(json["problems"][0], "one thing");
 }
 
+TEST(Summary, counts_the_nodes_of_the_farm_not_those_of_the_last_frame) {
+  FakeProcess tour("tour");
+  FakeProcess farm("head");
+  tour.inspection.set_gauge("nodes", 1);
+  farm.inspection.set_gauge("nodes", 2);
+  auto links = make_links({{"tour", tour.address()}, {"head", farm.address()}});
+  ASSERT_TRUE(links);
+  Recording recording(*std::move(links));
+  recording.look(TimePoint{1s});
+  const auto json = nlohmann::json::parse(summary_json(recording, RecordedSpan{}, {}));
+  EXPECT_EQ(json["nodes"], 2);
+}
+
 TEST(Summary, tells_each_part_that_did_not_work) {
   {
     Museum museum;

@@ -94,7 +94,8 @@ def prepare(entry):
         return
     kinds = entry.get("packages", [])
     if kinds:
-        subprocess.run(["scripts/install-packages", *kinds], check=True, stdout=sys.stderr)
+        if subprocess.run(["scripts/install-packages", *kinds], check=False, stdout=sys.stderr).returncode != 0:
+            sys.exit(1)  # It printed why.
     if entry.get("targets"):
         # A demo on a machine without the packages for tests leaves them switched off.
         tests = ["-DCYCLORAMA_TESTS=ON"] if "test" in kinds else []

@@ -139,7 +139,7 @@ def main(source, build, kept=None):
         print("camera: skipped, takes minutes; CYCLORAMA_IMAGE_TESTS=1 runs it")
         return 77
     if not shutil.which("qemu-system-x86_64"):
-        print("camera: skipped, needs qemu-system-x86")
+        print("camera: skipped, needs QEMU; scripts/install-packages image installs it")
         return 77
     subprocess.run(["cmake", "--build", build, "--target", "test-camera", "test-libcamera", "cyclorama-tracker"], check=True, stdout=subprocess.DEVNULL)
     with tempfile.TemporaryDirectory(dir="/var/tmp") as name:

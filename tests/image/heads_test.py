@@ -180,7 +180,7 @@ def main(source, build, kept=None):
         print("heads: skipped, takes minutes; CYCLORAMA_IMAGE_TESTS=1 runs it")
         return 77
     if not shutil.which("qemu-system-x86_64"):
-        print("heads: skipped, needs qemu-system-x86")
+        print("heads: skipped, needs QEMU; scripts/install-packages image installs it")
         return 77
     with tempfile.TemporaryDirectory(dir="/var/tmp") as name:
         folder = pathlib.Path(name)

@@ -94,7 +94,7 @@ def main(source, build, kept=None):
         print("usb: skipped, takes minutes; CYCLORAMA_IMAGE_TESTS=1 runs it")
         return 77
     if not shutil.which("qemu-system-x86_64"):
-        print("usb: skipped, needs qemu-system-x86")
+        print("usb: skipped, needs QEMU; scripts/install-packages image installs it")
         return 77
     build = pathlib.Path(build)
     subprocess.run(["cmake", "--build", build, "--target", "test-usb-camera", "test-wand", "cyclorama-tracker"], check=True, stdout=subprocess.DEVNULL)

@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# One visit, end to end, on this machine: a farm with nodes ray traces a grotto, a museum shows it on a curved wall.
+# Runs one visit, end to end, on this machine: a farm renders a grotto, and a museum shows it on a curved wall.
 #
-#   ./demo.sh                                    opens a page; Ctrl-C ends everything
-#   ./demo.sh --headless --seconds 30 --out DIR  leaves DIR/*.png and DIR/summary.json; fails if any part did not work
+#   ./demo.sh                                    serves a page; Ctrl-C ends everything
+#   ./demo.sh --headless --seconds 30 --out DIR  writes DIR/*.png and DIR/summary.json; fails if any part did not work
 #
-#   --scene FILE      a scene package, .glb, .gltf, .ply or .obj; without it a grotto is generated
-#   --triangles N     of the generated grotto (1000000)
-#   --seed S          of the generated grotto (1)
-#   --nodes N         render nodes (2)
+#   --scene FILE      a scene package, .glb, .gltf, .ply or .obj; default: a generated grotto
+#   --triangles N     size of the generated grotto (1000000)
+#   --seed S          seed of the generated grotto (1)
+#   --nodes N         number of render nodes (2)
 #   --installation F  the room: wall, sweet spot and projectors (demo/installation.toml; demo/ has rooms of every kind)
 #   --size WxH        the picture on the wall, in pixels (768x288; in another room 768 wide with square pixels)
-#   --budget-ms N     per frame: the farm chooses the quality that fits, and refines at rest (50)
-#   --samples N       rays per pixel, always as many, instead of a budget
+#   --budget-ms N     time per frame: the farm chooses the quality that fits, and refines pictures at rest (50)
+#   --samples N       fixed number of rays per pixel instead of a budget
 #   --camera SPEC     the tag camera: simulated (default), file:PHOTO, file:VIDEO
-#   --port N          of the page (8080)
+#   --port N          the page's port (8080)
 set -euo pipefail
 called_from=$PWD
 cd "$(dirname "$(readlink -f "$0")")"
@@ -22,7 +22,7 @@ started=$(date +%s.%N)
 
 headless=0 seconds=30 out="" scene="" triangles=1000000 seed=1 nodes=2 installation="" size="" budget_ms="" samples="" camera="" page_port=8080
 usage() { sed -n '3,17s/^# \{0,1\}//p' "$0"; }
-here() { [[ $1 = /* ]] && echo "$1" || echo "$called_from/$1"; }  # A path as the caller meant it.
+here() { [[ $1 = /* ]] && echo "$1" || echo "$called_from/$1"; }  # Resolves a path against the caller's folder.
 need() { [ $# -ge 2 ] || { echo "demo.sh: $1 needs a value; see --help" >&2; exit 2; }; }
 while [ $# -gt 0 ]; do
   case "$1" in
@@ -43,7 +43,7 @@ while [ $# -gt 0 ]; do
     *) echo "demo.sh: '$1' is not an option; see --help" >&2; exit 2 ;;
   esac
 done
-whole() {  # OPTION VALUE LEAST MOST
+whole() {  # OPTION VALUE MIN MAX
   [[ $2 =~ ^(0|[1-9][0-9]{0,8})$ ]] && [ "$2" -ge "$3" ] && [ "$2" -le "$4" ] && return
   echo "demo.sh: $1 must be a whole number from $3 to $4, not '$2'" >&2; exit 2
 }
@@ -89,14 +89,14 @@ stop_all() {
 failed=0
 finish() {
   local code=$?
-  [ "$BASHPID" = $$ ] || exit $code  # A child that is stopped before it became its program.
+  [ "$BASHPID" = $$ ] || exit $code  # A child that was stopped before its exec.
   stop_all
   rm -rf "$run_dir"
   [ $code -ne 0 ] || code=$failed
   exit $code
 }
 trap finish EXIT
-trap 'exit $((headless * 130))' INT TERM  # A recording that was broken off did not work; a visit just ends.
+trap 'exit $((headless * 130))' INT TERM  # An interrupted recording has failed; an interrupted visit just ends.
 
 start() {  # NAME PROGRAM ARGUMENTS...
   local name=$1 path; path=$(program "$2"); shift 2
@@ -110,7 +110,7 @@ check_alive() {
     echo "demo.sh: $name ended; the end of its log:" >&2; tail -n 12 "$run_dir/log/$name.log" >&2
     return 1
   done
-  # All nodes are on this machine: what one cannot load, none can.
+  # All nodes are on this machine: a scene that one cannot load, none can.
   if grep -m1 "cannot load scene" "$run_dir/log/head.log" >&2; then return 1; fi
 }
 
@@ -120,13 +120,13 @@ if [ -z "$scene" ]; then
   ( flock 9; [ -f "$scene/scene.toml" ] || "$(program cyclorama-grotto)" --triangles "$triangles" --seed "$seed" --out "$scene" ) 9>build/grottoes/demo.lock
 fi
 
-taken() {  # PORT COUNT: does anybody listen on one of them?
+taken() {  # PORT COUNT: true if a process listens on one of these ports.
   grep -qE "^ *[0-9]+: [0-9A-F]+:($(seq "$1" $(($1 + $2 - 1)) | xargs printf '|%04X' | cut -c2-)) [0-9A-F:]+ 0A " /proc/net/tcp6
 }
 if [ "$headless" = 0 ] && taken "$page_port" 1; then
   echo "demo.sh: port $page_port is in use, perhaps by another demo; choose one with --port N" >&2; exit 1
 fi
-# A block of ports that nobody listens on, so that two demos do not meet; below those that the system hands out itself.
+# A block of free ports, so that two demos do not collide; below the range from which the system assigns ports.
 port=$((20000 + RANDOM % 12000))
 while taken $port 8; do port=$((20000 + RANDOM % 12000)); done
 at() { echo "[::1]:$((port + $1))"; }
@@ -145,7 +145,7 @@ if [ "$headless" = 1 ]; then
   status=0
   "$(program cyclorama)" record --seconds "$seconds" --out "$out" --started "$started" "${watch[@]}" &
   recorder=$!
-  # The recorder would wait long for the first picture of a visit of which a part has ended.
+  # When a part has ended, the recorder would wait long for the first picture.
   while kill -0 "$recorder" 2>/dev/null; do
     check_alive || { status=1; kill -TERM "$recorder" 2>/dev/null || true; break; }
     sleep 0.5

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is missing, builds everything, runs all quick tests.
+# Installs missing packages, builds everything and runs all quick tests.
 #   ./test.sh [--preset release|dev|asan|tsan] [--only LABEL] [CTEST OPTIONS]      ./test.sh --fuzz SECONDS
-# --only builds and runs no more than the tests of one label: unit, farm, or untrusted (what reads the bytes of others).
+# --only builds and runs the tests of one label alone: unit, farm, or untrusted (what parses foreign bytes).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")"
 preset=release

@@ -166,7 +166,7 @@ def check_update(computer, folder):
     bad += refused("an update signed by another", "signature")
     sign(update, folder / "ours")
     (update / "cyclorama-museum_9.efi").write_bytes(b"another's")
-    bad += refused("a file beside those that are signed", "cyclorama-museum_9.efi lies there")
+    bad += refused("a file beside those that are signed", "cyclorama-museum_9.efi is there, but")
     sign(update, folder / "ours")
     bad += refused("an update of two versions", "more than one version")
     (update / "cyclorama-museum_9.efi").unlink()
@@ -187,7 +187,7 @@ def check_update(computer, folder):
                   computer.report("update"))
     (update / "cyclorama-museum_2.efi").rename(update / "cyclorama-museum-debug_2.efi")
     sign(update, folder / "ours")
-    bad += refused("an update for another image", "nothing there is for")
+    bad += refused("an update for another image", "it contains nothing for")
     return bad
 
 
@@ -267,7 +267,7 @@ def check_farm_updates(computer, folder):
     said = look("now", "failed the disk has \"room\"\\ for 3 MB")
     bad += expect("why not is told", '"failed"' in said and "the disk has room for 3 MB" in said, said)
     said = look("night", "")
-    bad += expect("a program that ends without a word is told", '"failed"' in said and "did not end well" in said, said)
+    bad += expect("a program that ends without a word is told", '"failed"' in said and "checks the farm failed" in said, said)
     said = look("night", "ready 2 has come from the farm")
     bad += expect("what came is checked as a stick's, and removed", "does not bear our signature" in said and not (updates / "offer").exists(), said)
     ready = '{"state": "ready", "version": "1", "available": "2", "at": "", "sentence": "2 is there"}'

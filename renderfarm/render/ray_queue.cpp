@@ -27,7 +27,7 @@ void trace_nearest(RTCScene scene, Coherence coherence, RayQueue<RTCRayHit16>& r
 }
 
 void trace_any(RTCScene scene, RayQueue<RTCRay16>& rays) {
-  // Measured: the coherent way is the slower one for shadow rays, even of one pixel to one light.
+  // Measured: coherent traversal is slower for shadow rays, even for those from one pixel to one light.
   Query query(Coherence::kIncoherent);
   for_packets(rays, [&](const int* valid, RTCRay16& packet) { query.any(scene, valid, &packet); });
 }

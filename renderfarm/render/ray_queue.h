@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Rays in packets, as Embree takes them.
+/// Rays in packets, the form in which Embree takes them.
 #pragma once
 
 #include <array>
@@ -10,12 +10,12 @@
 
 namespace cyclorama {
 
-/// Of one batch.
+/// Upper bound of the rays of one batch.
 inline constexpr int kMostRays = 1024;
 static_assert(kMostRays % kPacketRays == 0);
 
-/// Up to kMostRays rays, numbered in the order in which they were added. Thread-bound.
-/// `Packet` is RTCRay16 or RTCRayHit16.
+/// Up to kMostRays rays, numbered in the order in which they were added. `Packet` is RTCRay16 or RTCRayHit16.
+/// Thread-bound.
 template <typename Packet>
 class RayQueue {
  public:
@@ -23,14 +23,14 @@ class RayQueue {
   [[nodiscard]] bool full() const { return count_ == kMostRays; }
   void clear() { count_ = 0; }
 
-  /// `lot` decides what half-transparent surfaces do to the ray. Precondition: not full.
+  /// Adds a ray. `lot` seeds the random numbers for half-transparent surfaces on its way. Precondition: not full.
   void add(const Vec3& origin, const Vec3& direction, float far, std::uint32_t lot) {
     RTCRay16& ray = rays_of(packet(count_));
     const int lane = lane_of(count_++);
     ray.org_x[lane] = origin.x();
     ray.org_y[lane] = origin.y();
     ray.org_z[lane] = origin.z();
-    ray.tnear[lane] = 0.0f;  // Origins are already off the surface, so no distance is cut away in front of them.
+    ray.tnear[lane] = 0.0f;  // Origins are already off the surface, so no distance needs to be skipped.
     ray.dir_x[lane] = direction.x();
     ray.dir_y[lane] = direction.y();
     ray.dir_z[lane] = direction.z();
@@ -55,9 +55,9 @@ class RayQueue {
     const int lane = lane_of(i);
     return {ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]};
   }
-  /// Of the hit; below zero where trace() found that something lies on the ray.
+  /// Distance of the hit; below zero where trace_any() found an occluder.
   [[nodiscard]] float distance(int i) const { return rays_of(packet(i)).tfar[lane_of(i)]; }
-  /// Precondition of both: packets of RTCRayHit16, traced.
+  /// Precondition of has_hit() and hit(): packets of RTCRayHit16, traced.
   [[nodiscard]] bool has_hit(int i) const { return packet(i).hit.geomID[lane_of(i)] != RTC_INVALID_GEOMETRY_ID; }
   [[nodiscard]] RTCHit hit(int i) const {
     const RTCHit16& hits = packet(i).hit;
@@ -71,7 +71,7 @@ class RayQueue {
     return hit;
   }
 
-  /// Packet number i / kPacketRays.
+  /// Returns packet number i / kPacketRays, which holds ray `i`.
   [[nodiscard]] Packet& packet(int i) { return packets_[static_cast<std::size_t>(i / kPacketRays)]; }
 
  private:
@@ -87,9 +87,9 @@ class RayQueue {
   std::array<Packet, kMostRays / kPacketRays> packets_;
 };
 
-/// The nearest hit of each ray. Reentrant.
+/// Finds the nearest hit of each ray. Reentrant.
 void trace_nearest(RTCScene scene, Coherence coherence, RayQueue<RTCRayHit16>& rays);
-/// Whether anything lies on each ray: then its distance() is below zero. Reentrant.
+/// Tests each ray for occlusion; the distance() of an occluded ray is below zero. Reentrant.
 void trace_any(RTCScene scene, RayQueue<RTCRay16>& rays);
 
 }  // namespace cyclorama

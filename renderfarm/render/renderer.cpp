@@ -24,19 +24,19 @@
 namespace cyclorama {
 namespace {
 
-/// What of a cell belongs to the picture that was asked for, in the picture's pixels.
+/// The part of a cell that lies in the requested rect, in the picture's pixels.
 struct CellPart {
   int left, top, right, bottom;
 };
 
-/// Where finished cells go.
+/// Destination of finished cells.
 struct Output {
   std::function<void(const TraceCell& cell, const CellPart& part, const CellFilm& film)> write;
-  /// Whether a cell is there already; null when none is.
+  /// Returns true if the film has this cell already; null if it has none.
   std::function<bool(const CellPart& part)> has;
 };
 
-/// Rounded as render_film() and Film::mean() do, so that a film is developed to the very codes of render().
+/// Rounds like render_film() and Film::mean(), so that a developed film has exactly the codes of render().
 Vec3 exposed_mean(const CellFilm& film, std::size_t pixel, float exposure) {
   return film.sum[pixel] * exposure * (1.0f / static_cast<float>(film.samples[pixel]));
 }
@@ -45,7 +45,7 @@ std::size_t pixel_of(const TraceCell& cell, int x, int y) {
   return static_cast<std::size_t>((y - cell.y) * kCellPx + x - cell.x);
 }
 
-/// A thread's working memory: far too large for its stack, and too slow to get for every cell.
+/// Working memory of one thread: too large for its stack, and too slow to allocate for every cell.
 struct Workspace {
   PathBatch batch;
   CellFilm film;
@@ -130,7 +130,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   std::atomic<double> light = 0.0;
   std::atomic<double> removed_light = 0.0;
   std::atomic<std::uint64_t> broken_samples = 0;
-  // Cells lie on the picture's own grid, whatever part of it is asked for.
+  // Cells lie on the picture's own grid, whichever part of it is rendered.
   const PixelRect cells = cells_touched(rect);
   std::vector<float> cell_cpu_seconds(static_cast<std::size_t>(cells.area()));
   const auto trace_one = [&](int index) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a scene needs from the ray kernels, so that one is picked that is compiled without the rest. Cut-outs and
-/// half-transparent surfaces need nothing: where they are, Embree asks (alpha_filter.h).
+/// The features that a scene needs from the ray kernels, which select a kernel compiled without the rest. Cut-outs and
+/// half-transparent surfaces need nothing, because Embree calls a filter for them (alpha_filter.h).
 #pragma once
 
 #include <string>
@@ -13,35 +13,34 @@ namespace cyclorama {
 
 struct SceneNeeds {
   bool textures = false;
-  bool normal_maps = false;                     ///< Only with textures.
-  SurfaceLevel surface = SurfaceLevel::kMatte;  ///< The highest of any material.
-  bool lights = false;                          ///< Anything that is aimed at.
-  bool environment = false;                     ///< Light from where no triangle is.
+  bool normal_maps = false;                     ///< Only together with textures.
+  SurfaceLevel surface = SurfaceLevel::kMatte;  ///< The highest level of any material.
+  bool lights = false;                          ///< Lights that are sampled.
+  bool environment = false;                     ///< Light of rays that hit nothing.
 
   friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
 };
 
-/// Found from what is used: a material that no triangle has needs nothing. Looks at the alpha of every texel.
-/// Reentrant.
+/// Derives the needs from what is used: a material without triangles needs nothing. Reads the alpha of every texel of
+/// textures that blend. Reentrant.
 [[nodiscard]] SceneNeeds needs_of(const Scene& scene);
 
-/// Both together.
+/// Returns the union of both.
 [[nodiscard]] SceneNeeds operator|(const SceneNeeds& a, const SceneNeeds& b);
 
-/// What the kernel that is picked for `needs` is compiled for: not every combination exists, so it may be more.
+/// Returns what the kernel selected for `needs` is compiled for. It may be more than `needs`, because not every
+/// combination exists.
 [[nodiscard]] SceneNeeds kernel_for(const SceneNeeds& needs);
 
-/// "textures, glossy surfaces, lights"; "nothing" for the least.
+/// Formats needs such as "textures, glossy surfaces, lights"; "nothing" if there are none.
 [[nodiscard]] std::string describe(const SceneNeeds& needs);
 
-// What one material needs.
-
-/// The least that shows it, whatever its textures hold. A dielectric of roughness 1, as scans without a material have
-/// it, is pure Lambert.
+/// Returns the lowest level that renders the material correctly, whatever its textures hold. A dielectric of roughness
+/// 1, which scans without a material have, is purely Lambertian.
 [[nodiscard]] SurfaceLevel surface_level_of(const Material& material);
-/// For each texture, whether it has texels that are not opaque; looked at only where a material blends by it.
+/// Returns for each texture whether it has texels that are not opaque; checked only if a material blends by it.
 [[nodiscard]] std::vector<bool> see_through_textures(const Model& model);
-/// Whether light goes through any of `mesh`: many a file says AlphaMode::kBlend and has nothing but opaque texels.
+/// Returns true if any of `mesh` is transparent: many files specify AlphaMode::kBlend with only opaque texels.
 [[nodiscard]] bool blends(const Material& material, const Mesh& mesh, const std::vector<bool>& see_through);
 
 }  // namespace cyclorama

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Owen-scrambled Sobol points, decided by (seed, pixel, sample, dimension) alone: tiling and threads change nothing.
+/// Owen-scrambled Sobol points that depend on (seed, pixel, sample, dimension) alone, not on tiling or threads.
 ///
 /// Pixels are numbered along a Z-order curve and share one scrambled sequence, so that the samples of neighbouring
-/// pixels complement each other and what noise remains is of high frequency. Sources: Burley, "Practical Hash-based
-/// Owen Scrambling", JCGT 9(4), 2020; the hash as improved by Vegdahl, 2021; Ahmed and Wonka, "Screen-Space Blue-Noise
+/// pixels complement each other and the remaining noise has high frequency. Sources: Burley, "Practical Hash-based Owen
+/// Scrambling", JCGT 9(4), 2020; the hash as improved by Vegdahl, 2021; Ahmed and Wonka, "Screen-Space Blue-Noise
 /// Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace cyclorama {
 
-/// A good 32-bit mixer. Source: Wellons, "Prospecting for Hash Functions", 2018 (nullprogram.com).
+/// Hashes 32 bits. Source: Wellons, "Prospecting for Hash Functions", 2018 (nullprogram.com).
 [[nodiscard]] constexpr std::uint32_t mix_bits(std::uint32_t x) {
   x ^= x >> 16;
   x *= 0x7feb352du;
@@ -33,7 +33,7 @@ namespace cyclorama {
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-/// Owen's scramble of a number whose bits are given in reverse.
+/// Owen-scrambles a number whose bits are given in reverse.
 [[nodiscard]] constexpr std::uint32_t scrambled_reversed(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3d20adeau;
   x += seed;
@@ -43,7 +43,7 @@ namespace cyclorama {
   return x;
 }
 
-/// The second Sobol dimension with its bits reversed: Pascal's triangle modulo 2 applied to the index.
+/// Returns the second Sobol dimension with its bits reversed: Pascal's triangle modulo 2 applied to the index.
 [[nodiscard]] constexpr std::uint32_t sobol_second_reversed(std::uint32_t index) {
   index ^= (index & 0xaaaaaaaau) >> 1;
   index ^= (index & 0xccccccccu) >> 2;
@@ -62,7 +62,7 @@ namespace cyclorama {
   return (v | (v << 1)) & 0x5555555555555555u;
 }
 
-/// In [0, 1).
+/// Maps the upper 24 bits to [0, 1).
 [[nodiscard]] constexpr float to_unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
 struct SobolPoint {
@@ -70,8 +70,8 @@ struct SobolPoint {
   float v = 0.0f;
 };
 
-/// Point number `index` of the two-dimensional sequence that (seed, dimension) names, its index given with bits
-/// reversed: the index is shuffled and both coordinates are scrambled, each in Owen's way.
+/// Returns point number `index` of the two-dimensional sequence that (seed, dimension) identifies. The index is given
+/// with its bits reversed; it is shuffled, and both coordinates are scrambled, all by Owen's method.
 [[nodiscard]] constexpr SobolPoint sobol_point(std::uint32_t index_reversed, std::uint32_t seed,
                                                std::uint32_t dimension) {
   const std::uint32_t own_seed = mix_bits(seed + 0x9e3779b9u * (dimension + 1));
@@ -81,14 +81,15 @@ struct SobolPoint {
   return {to_unit_float(u), to_unit_float(v)};
 }
 
-/// The first coordinate alone.
+/// Returns the first coordinate only.
 [[nodiscard]] constexpr float sobol_value(std::uint32_t index_reversed, std::uint32_t seed, std::uint32_t dimension) {
   const std::uint32_t own_seed = mix_bits(seed + 0x9e3779b9u * (dimension + 1));
   const std::uint32_t index = reversed_bits(scrambled_reversed(index_reversed, own_seed));
   return to_unit_float(reversed_bits(scrambled_reversed(index, mix_bits(own_seed + 1))));
 }
 
-/// Sub-sample `part` of 2^bits for one sample: the points of all parts of all samples are one longer sequence.
+/// Returns the index of sub-sample `part` of 2^bits of one sample: the points of all parts of all samples form one
+/// longer sequence.
 [[nodiscard]] constexpr std::uint32_t split_index_reversed(std::uint32_t index_reversed, int bits, std::uint32_t part) {
   return bits == 0 ? index_reversed : (index_reversed >> bits) | reversed_bits(part);
 }
@@ -96,24 +97,24 @@ struct SobolPoint {
 /// The random numbers of one sample of one pixel. A value.
 class SampleSequence {
  public:
-  /// `sample` in [0, samples), of `samples` in the pixel's sequence.
+  /// Precondition: `sample` is in [0, samples); `samples` is the length of the pixel's sequence.
   SampleSequence(std::uint64_t seed, int x, int y, int sample, int samples) {
     const std::uint64_t pixel = spread_bits(static_cast<std::uint32_t>(x)) | spread_bits(static_cast<std::uint32_t>(y))
                                                                                  << 1;
     const auto bits = std::bit_width(static_cast<std::uint32_t>(samples - 1));
     const std::uint64_t index = (pixel << bits) | static_cast<std::uint32_t>(sample);
     index_reversed_ = reversed_bits(static_cast<std::uint32_t>(index));
-    // Beyond 2^32 samples the picture falls into blocks with a sequence each.
+    // Beyond 2^32 samples the picture is divided into blocks with a sequence each.
     seed_ = mix_bits(static_cast<std::uint32_t>(seed) ^ mix_bits(static_cast<std::uint32_t>(seed >> 32) ^
                                                                  mix_bits(static_cast<std::uint32_t>(index >> 32))));
   }
 
-  /// A point of the unit square; a different `dimension` gives an independent one.
+  /// Returns a point of the unit square; different dimensions give independent points.
   [[nodiscard]] Vec2 pair(std::uint32_t dimension) const {
     const SobolPoint point = sobol_point(index_reversed_, seed_, dimension);
     return {point.u, point.v};
   }
-  /// What names the sequence: the sample's number with its bits reversed, and the scramble.
+  /// State of the sequence: the sample's number with its bits reversed, and the seed of the scramble.
   [[nodiscard]] std::uint32_t index_reversed() const { return index_reversed_; }
   [[nodiscard]] std::uint32_t seed() const { return seed_; }
 

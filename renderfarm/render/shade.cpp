@@ -7,7 +7,7 @@ namespace cyclorama {
 
 void draw_lots(PathBatch& batch) {
   const int count = batch.current().rays.count();
-  // Rays of one batch have met equally many surfaces: they are traced in step.
+  // The rays of one batch have all met the same number of surfaces.
   const std::uint32_t first = kFirstSurface + kSurfaceDimensions * batch.current().state[0].surfaces;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     const Path& path = batch.path[batch.current().state[i].path];

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What happens where rays end: light that is found, light that is aimed at, and the next ray. Included by the kernel
-/// files only, which instantiate shade() for combinations of needs.
+/// Shading of ray hits: emitted light, light sampling and the next ray. Included only by the kernel files, which
+/// instantiate shade() for combinations of needs.
 ///
-/// An unbiased path tracer, but for glow that is not aimed at (backs, dark texels) at the last bounce. At every surface
-/// one light is aimed at (more at the first one, if asked) and one direction is chosen by the surface's own scattering;
-/// where both could have found the same light, they are weighed by the power heuristic. Source: Veach, "Robust Monte
-/// Carlo Methods for Light Transport Simulation", 1997, chapters 8 to 10.
+/// The path tracer is unbiased except for emission that light sampling skips (backs of triangles, dark texels) at the
+/// last bounce. At every surface it samples one light (more at the first one, if requested) and one direction from the
+/// BSDF; if both could have found the same light, the power heuristic weights them. Source: Veach, "Robust Monte Carlo
+/// Methods for Light Transport Simulation", 1997, chapters 8 to 10.
 #pragma once
 
 #include <limits>
@@ -17,38 +17,38 @@
 
 namespace cyclorama {
 
-/// Dimensions of SampleSequence: the pixel's, then those of each surface.
+/// Dimensions of SampleSequence: those of the pixel, then those of each surface.
 inline constexpr std::uint32_t kPixelPlace = 0;
 inline constexpr std::uint32_t kFirstSurface = 1;
 enum SurfaceDimension : std::uint32_t { kLight, kLightPlace, kScatter, kLobe, kSurfaceDimensions };
 
-/// Russian roulette: a path goes on with this many times the chance that its light still matters, never with more than
-/// certainty. In a matte hall of 16 samples and three surfaces, error times cpu-seconds is least for 2 to 4: 16 % less
-/// than without (1: more than without).
+/// Russian roulette: a path survives with this many times the largest component of its throughput as its probability,
+/// at most 1. In a matte hall of 16 samples and three surfaces, error times cpu-seconds is minimal for 2 to 4: 16 %
+/// less than without roulette (1: more than without).
 inline constexpr float kRouletteChance = 3.0f;
-/// Mirrors and clear surfaces that a path may meet beyond its bounces; then it ends.
+/// Number of mirrors and clear surfaces that a path may meet in addition to its bounces; then it ends.
 inline constexpr int kMostPassages = 16;
 
-/// The random numbers of one surface for every ray in flight.
+/// Draws the random numbers of one surface for every ray in flight.
 void draw_lots(PathBatch& batch);
-/// What decides at half-transparent surfaces for a ray that starts at the path's surface number `surfaces`, from 1; the
-/// eye's is 0. A path that meets the same veil twice draws twice. Shuffled in Owen's way, the samples of a pixel still
-/// share out evenly.
+/// Returns the seed for decisions at half-transparent surfaces along a ray that starts at the path's surface number
+/// `surfaces`, counted from 1; that of a camera ray is 0. A path that meets the same surface twice thus draws twice.
+/// The Owen scramble keeps the samples of a pixel evenly distributed.
 [[nodiscard]] inline std::uint32_t veil_lot(std::uint32_t index_reversed, std::uint32_t seed, std::uint32_t surfaces) {
   return scrambled_reversed(index_reversed, mix_bits(seed ^ mix_bits(surfaces + 1)));
 }
-/// Traces what waits in batch.shadow_rays and gives the light that arrives to its path.
+/// Traces the queued batch.shadow_rays and adds the light that arrives to their paths.
 void trace_shadows(const TraceScene& scene, PathBatch& batch);
 
-/// Of two ways to find the same light, how much the one with `density` counts; 0 is the only way there is.
-/// The power heuristic.
+/// Returns the power-heuristic weight of the technique with `density` against `other`, for the same light. A `density`
+/// of 0 means that there is only one technique.
 [[nodiscard]] inline float share_of(float density, float other) {
   if (density == 0.0f) return 1.0f;
   const float ratio = other / density;
   return 1.0f / (1.0f + ratio * ratio);
 }
 
-/// The stage for the rays of one batch.
+/// Shades the rays of one batch. Thread-bound.
 template <SceneNeeds kNeeds>
 class Shade {
  public:
@@ -58,7 +58,7 @@ class Shade {
   void run() {
     const int count = rays_.count();
     for (int i = 0; i < count; ++i) {
-      // Memory is the slowest part of it: what later rays hit is asked for now.
+      // Memory access is the bottleneck, so the data of later rays is prefetched.
       if (i + kAhead < count) prefetch(i + kAhead);
       if constexpr (kNeeds.textures) {
         if (i + kAhead / 2 < count) prefetch_texcoords(i + kAhead / 2);
@@ -78,12 +78,12 @@ class Shade {
   static constexpr bool kAims = kNeeds.lights || kNeeds.environment;
   using Scatter = Scattering<kNeeds.surface>;
 
-  /// Null where the ray hit nothing, or a lamp.
+  /// Null if the ray hit nothing or a lamp.
   [[nodiscard]] const SurfaceMesh* mesh_at(int i, const RTCHit& hit) const {
     if (!rays_.has_hit(i) || is_lamp(hit)) return nullptr;
     return scene_.placements[top_of(hit)].mesh;
   }
-  // Inline by force: gcc takes a function that only prefetches for one without effect, and drops its call.
+  // Inlining is forced because gcc considers a function that only prefetches free of effects and drops its calls.
   [[gnu::always_inline]] void prefetch(int i) const {
     const RTCHit hit = rays_.hit(i);
     const SurfaceMesh* const mesh = mesh_at(i, hit);
@@ -109,7 +109,7 @@ class Shade {
   [[nodiscard]] Path& path_of(const PathRay& ray) { return batch_.path[ray.path]; }
   [[nodiscard]] std::size_t pixel_of(const PathRay& ray) { return static_cast<std::size_t>(path_of(ray).pixel); }
 
-  /// Light that the ray met.
+  /// Adds light that the ray hit.
   void found(const PathRay& ray, const Vec3& light) {
     Path& path = path_of(ray);
     (ray.scatterings < 2 ? path.direct : path.indirect) += ray.throughput.cwiseProduct(light);
@@ -122,7 +122,7 @@ class Shade {
       if (!light.isZero(0.0f)) {
         const float aimed =
             ray.density > 0.0f ? scene_.lights.environment_density(rays_.origin(i), ray.from_normal, direction) : 0.0f;
-        // A body that is open on this side goes on for ever: what it absorbs at all, nothing is left of.
+        // A body that is open on this side is infinitely thick: any channel that it absorbs is black.
         const Vec3 left = (ray.absorption.array() > 0.0f).select(Vec3::Zero(), light);
         found(ray, left * share_of(ray.density, aims_from_start_of(ray) * aimed));
       }
@@ -141,12 +141,12 @@ class Shade {
     at_surface(i, ray, hit);
   }
 
-  /// How many lights were aimed at from the surface where the ray starts.
+  /// Returns the number of light samples taken at the surface where the ray starts.
   [[nodiscard]] float aims_from_start_of(const PathRay& ray) const {
     return ray.surfaces == 1 ? static_cast<float>(view_.quality.light_samples) : 1.0f;
   }
 
-  /// How much light that the ray met counts, when it might have been aimed at as well.
+  /// Returns the weight of light that the ray hit, given that light sampling might have found it as well.
   [[nodiscard]] float share_of_met(int i, const PathRay& ray, LightIndex light) const {
     if (ray.density == 0.0f || light == kNoLight) return 1.0f;
     const float aimed =
@@ -181,7 +181,7 @@ class Shade {
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
     shine_ambient(ray, scattering);
     shine_eye_lamp(i, ray, point, scattering, wo);
-    // Light from behind counts where the surface lets it through.
+    // Light from behind counts if the surface transmits it.
     const Vec3 side = shading.one_sided ? shading.normal : Vec3(Vec3::Zero());
     const bool last = ray.scatterings >= view_.quality.bounces;
     const bool goes_on = (!last || shading.sharp) && ray.surfaces < view_.quality.bounces + kMostPassages;
@@ -196,7 +196,7 @@ class Shade {
     film_.distance[pixel] += rays_.distance(i);
   }
 
-  /// Light that was reflected once more than the ray was; `light` has the throughput in it.
+  /// Adds light that was reflected once more than the ray was; `light` includes the throughput.
   void reflected(const PathRay& ray, const Vec3& light) {
     Path& path = path_of(ray);
     (ray.scatterings == 0 ? path.direct : path.indirect) += light;
@@ -207,9 +207,10 @@ class Shade {
     reflected(ray, ray.throughput.cwiseProduct(scene_.ambient).cwiseProduct(scattering.albedo()));
   }
 
-  /// Seen from the eye its shadows lie behind what casts them, so no ray is needed there.
+  /// Adds the eye lamp's light. From the eye, its shadows are hidden behind the objects that cast them, so camera rays
+  /// need no shadow ray.
   void shine_eye_lamp(int i, const PathRay& ray, const SurfacePoint& point, const Scatter& scattering, const Vec3& wo) {
-    constexpr float kLeastDistance2 = 0.05f * 0.05f;  // The lamp is held beside the eye, not in it.
+    constexpr float kLeastDistance2 = 0.05f * 0.05f;  // The lamp is beside the eye, not in it.
     if (scene_.eye_lamp.isZero(0.0f)) return;
     const Vec3 offset = view_.eye - point.position;
     const float distance2 = std::max(offset.squaredNorm(), kLeastDistance2);
@@ -236,7 +237,7 @@ class Shade {
     while ((1u << bits) < parts) ++bits;
     for (std::uint32_t part = 0; part < parts; ++part) {
       const std::uint32_t index = split_index_reversed(batch_.index_reversed[slot], bits, part);
-      // What of the number no longer fits names the sequence.
+      // The bits shifted out of the index select another sequence.
       const std::uint32_t seed = batch_.seed[slot] ^ mix_bits(batch_.index_reversed[slot] & ((1u << bits) - 1u));
       const SobolPoint light = sobol_point(index, seed, kFirstSurface + kLight);
       const SobolPoint place = sobol_point(index, seed, kFirstSurface + kLightPlace);
@@ -245,7 +246,7 @@ class Shade {
     }
   }
 
-  /// The random numbers of one of `parts` aims.
+  /// The random numbers of one of `parts` light samples.
   struct AimLots {
     float choice = 0.0f;
     Vec2 place = Vec2::Zero();
@@ -258,7 +259,8 @@ class Shade {
     LightSample aim;
     const Vec3 start = start_off_surface(point, point.facing);
     if (!scene_.lights.sample(start, side, lots.choice, lots.place, &aim)) return;
-    // As go_on() does: where shading normal and triangle disagree, light must not come through the triangle.
+    // The same test as in go_on(): light must not leak through the triangle where its normal and the shading normal
+    // disagree.
     if ((point.facing.dot(aim.direction) > 0.0f) != (normal.dot(aim.direction) > 0.0f)) return;
     Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_density);
     if (light.isZero(0.0f)) return;
@@ -281,7 +283,7 @@ class Shade {
     const ScatterSample sample =
         scattering.sample({batch_.lots.scatter_u[slot], batch_.lots.scatter_v[slot]}, batch_.lots.lobe[slot]);
     if (sample.weight.isZero(0.0f)) return;
-    // Where shading normal and triangle disagree, light must not come through the triangle.
+    // Light must not leak through the triangle where its normal and the shading normal disagree.
     if ((point.facing.dot(sample.wi) > 0.0f) == sample.through) return;
 
     PathRay next = ray;
@@ -311,7 +313,7 @@ class Shade {
                    std::numeric_limits<float>::infinity(), veil_lot_from(i, ray));
   }
 
-  /// Of what starts where the ray ended.
+  /// Returns the seed for rays that start at the hit.
   [[nodiscard]] std::uint32_t veil_lot_from(int i, const PathRay& ray) const {
     const auto slot = static_cast<std::size_t>(i);
     return veil_lot(batch_.index_reversed[slot], batch_.seed[slot], ray.surfaces + 1u);

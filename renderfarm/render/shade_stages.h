@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The shading stages that exist. Included by the shade_*.cpp files, each of which instantiates some of them, so that
-/// they compile side by side.
+/// All shading stages. Included by the shade_*.cpp files; each instantiates some of them, so that they compile in
+/// parallel.
 ///
-/// Matte and glossy surfaces: one for each combination of textures, normal maps, lights and environment. Layered ones
-/// (glass, lacquer) are rare and dear in themselves: there only the textures are told apart.
+/// For matte and glossy surfaces there is one stage for each combination of textures, normal maps, lights and
+/// environment. Layered surfaces (glass, lacquer) are rare and expensive anyway, so their stages differ by textures and
+/// normal maps only.
 #pragma once
 
 #include <utility>
@@ -12,7 +13,7 @@
 
 namespace cyclorama {
 
-/// The opaque stage among those whose textures and normal maps are given.
+/// Returns the stage for opaque surfaces, given its textures and normal maps.
 template <bool kTextures, bool kNormalMaps>
 [[nodiscard]] ShadeStage opaque_stage_with(const SceneNeeds& needs) {
   constexpr auto kMake = []<std::size_t... kIndex>(std::index_sequence<kIndex...>) {

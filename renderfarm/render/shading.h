@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From a place on a surface to what it scatters and gives off: factors, textures, vertex colours.
+/// Material of a surface point from factors, textures and vertex colours.
 #pragma once
 
 #include "renderfarm/render/bsdf.h"
@@ -9,19 +9,19 @@
 
 namespace cyclorama {
 
-/// What a point of a surface gives back and gives off.
+/// Scattering and emission at a point of a surface.
 struct Shading {
   Bsdf bsdf;
   Vec3 normal = Vec3::UnitY();
   Vec3 emission = Vec3::Zero();
-  Vec3 absorption = Vec3::Zero();  ///< Per metre, of the body behind it.
-  /// Its own reflection finds lights better than aiming at them does: mirrors, clear glass, highlights.
+  Vec3 absorption = Vec3::Zero();  ///< Per metre, in the medium behind it.
+  /// BSDF sampling finds lights better than light sampling does: mirrors, clear glass, narrow highlights.
   bool sharp = false;
-  /// Light from behind the normal changes nothing.
+  /// Light from behind the normal contributes nothing.
   bool one_sided = true;
 };
 
-/// Looks textures of one point up.
+/// Looks up textures at one point.
 class TexelReader {
  public:
   TexelReader(const TriangleHit& hit, const Footprint& footprint) : hit_(hit), footprint_(footprint) {}
@@ -35,7 +35,7 @@ class TexelReader {
   const Footprint& footprint_;
 };
 
-/// Precondition: `texels` holds ones.
+/// Multiplies the textures into `texels`. Precondition: `texels` holds ones.
 template <SurfaceLevel kLevel>
 void read_texels(const SurfaceMaterial& material, const TexelReader& reader, SurfaceTexels* texels) {
   const Material& source = *material.source;
@@ -60,7 +60,7 @@ void read_texels(const SurfaceMaterial& material, const TexelReader& reader, Sur
 
 template <SceneNeeds kNeeds>
 Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3& wo, const Footprint& footprint) {
-  /// Broader highlights are found as well by aiming.
+  /// Light sampling serves wider highlights just as well.
   constexpr float kSharpAlpha = 0.3f;
   const SurfaceMaterial& material = *hit.mesh->material;
   const Material& source = *material.source;

@@ -6,8 +6,8 @@
 
 namespace cyclorama {
 
-/// Radiance of the sky along a unit direction: linear in the sine of the elevation from the horizon up to the zenith,
-/// and down to the ground.
+/// Returns the sky's radiance along a unit direction. It is linear in the sine of the elevation, from the horizon up to
+/// the zenith and down to the ground.
 [[nodiscard]] inline Vec3 sky_radiance(const Sky& sky, const Vec3& direction) {
   const float height = std::clamp(direction.y(), -1.0f, 1.0f);
   const Vec3& end = height >= 0.0f ? sky.zenith : sky.ground;

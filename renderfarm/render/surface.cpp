@@ -11,14 +11,16 @@ namespace cyclorama {
 namespace {
 
 constexpr float kUnit = 0.5f * std::numeric_limits<float>::epsilon();
-/// Roundings: of the weighted sum, of the placement, and of the traversal, which computed the hit from the ray's start.
+/// Rounding errors of the weighted sum, of the placement, and of the traversal, which computed the hit from the ray's
+/// start.
 constexpr float kPositionRoundings = 8.0f * kUnit;
 constexpr float kPlacementRoundings = 8.0f * kUnit;
-/// The traversal's error grows with the triangle: its normal and its distance are made of differences of the corners.
+/// The traversal's error grows with the triangle: its normal and its distance are computed from differences of the
+/// corners.
 constexpr float kExtentRoundings = 16.0f * kUnit;
 
-/// The next float towards `direction`'s sign, so that the rounding of a sum cannot undo it. (std::nextafter without its
-/// call.)
+/// Returns the next float in the direction of `direction`'s sign, so that the rounding of a sum cannot undo it. Equals
+/// std::nextafter without the function call.
 float stepped(float value, float direction) {
   if (direction == 0.0f || !(std::abs(value) > std::numeric_limits<float>::min())) return value;
   const auto bits = std::bit_cast<std::uint32_t>(value);
@@ -39,13 +41,13 @@ Vec3 interpolated3(const Array* values, const TriangleHit& hit) {
   return sum;
 }
 
-/// The directions, in the mesh's frame, that a normal map calls x and y. Zero where there are none.
+/// The directions, in the mesh's frame, of a normal map's x and y. Zero if there are none.
 struct TangentPlane {
   Vec3 x = Vec3::Zero();
   Vec3 y = Vec3::Zero();
 };
 
-/// As the texture coordinates run over the triangle: x along u, and y against v, because v counts down.
+/// Derives the plane from the texture coordinates: x along u, and y against v, because v points down.
 TangentPlane plane_of_texcoords(const TriangleHit& hit, int set) {
   const std::array<float, 2>* const uv = hit.mesh->texcoords[static_cast<std::size_t>(set)];
   if (uv == nullptr) return {};
@@ -60,19 +62,19 @@ TangentPlane plane_of_texcoords(const TriangleHit& hit, int set) {
   return {(e1 * d2.y() - e2 * d1.y()) * sign, (e1 * d2.x() - e2 * d1.x()) * sign};
 }
 
-/// Interpolated between the corners. Mesh frame; not unit length, may be zero.
+/// Interpolates the vertex normals. Mesh frame; not unit length, may be zero.
 Vec3 smooth_normal(const TriangleHit& hit) {
   return hit.weights[0] * hit.record->normal(0) + hit.weights[1] * hit.record->normal(1) +
          hit.weights[2] * hit.record->normal(2);
 }
 
-/// The normal as the mesh means it, whatever side is looked at. Mesh frame; not unit length, may be zero.
+/// Returns the mesh's own normal, whichever side is seen. Mesh frame; not unit length, may be zero.
 Vec3 own_normal(const TriangleHit& hit) {
   if (hit.mesh->normals != nullptr) return smooth_normal(hit);
   return (corner(hit, 1) - corner(hit, 0)).cross(corner(hit, 2) - corner(hit, 0));
 }
 
-/// Linear.
+/// Returns the interpolated colour, linear.
 Vec3 vertex_colour(const TriangleHit& hit) {
   const std::array<float, 256>& linear = srgb_table();
   Vec3 sum = Vec3::Zero();
@@ -90,7 +92,7 @@ TangentPlane tangent_plane(const TriangleHit& hit, int set) {
   return {x, own_normal(hit).cross(x) * handedness};
 }
 
-/// The point's normal as a normal map bends it. `map` may be null.
+/// Returns the point's normal perturbed by a normal map. `map` may be null.
 Vec3 bent_normal(const TriangleHit& hit, const SurfacePoint& point, const MipTexture* map, const TextureUse& use,
                  float scale, const Footprint& footprint) {
   if (map == nullptr) return point.normal;
@@ -106,7 +108,7 @@ Vec3 bent_normal(const TriangleHit& hit, const SurfacePoint& point, const MipTex
   const Vec3 across = n.cross(unit_x);
   const Vec3 unit_y = across.dot(y) < 0.0f ? Vec3(-across) : across;
   if (unit_x.isZero(0.0f) || y.isZero(0.0f)) return n;
-  // Seen from behind, n was turned to the viewer, and the whole bump turns with it.
+  // Seen from behind, n was flipped to the viewer, so the perturbation is flipped too.
   const Vec3 own = own_normal(hit);
   const float side = n.dot(placement.baked ? own : Vec3(placement.normal_matrix * own)) < 0.0f ? -1.0f : 1.0f;
   const Vec3 bent = normalized_or((bump.x() * unit_x + bump.y() * unit_y) * side + bump.z() * n, n);
@@ -158,7 +160,7 @@ SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction) {
   if (hit.mesh->normals != nullptr) {
     const Vec3 smooth = smooth_normal(hit);
     point.normal = normalized_or(placement.baked ? smooth : Vec3(placement.normal_matrix * smooth), point.facing);
-    // Scans wind their triangles as they like, and a normal may disagree with its triangle: the viewer's side counts.
+    // The winding of scans is arbitrary, and a normal may disagree with its triangle: the viewer's side decides.
     if (point.normal.dot(point.facing) < 0.0f) point.normal = -point.normal;
   }
   if (hit.mesh->colours != nullptr) point.colour = vertex_colour(hit);
@@ -188,7 +190,7 @@ float lod_of(const TriangleHit& hit, const TextureUse& use, const MipTexture& te
     e1 = hit.placement->linear * e1;
     e2 = hit.placement->linear * e2;
   }
-  // Both areas doubled. Per axis, a texel has the square root of their ratio; logarithms make that one half.
+  // Both areas are doubled. The scale per axis is the square root of their ratio, a factor one half in logarithms.
   const float across = footprint.width / footprint.cosine;
   return 0.5f * std::log2(texels / e1.cross(e2).norm() * (across * across));
 }

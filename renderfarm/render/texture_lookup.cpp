@@ -9,16 +9,16 @@
 namespace cyclorama {
 namespace {
 
-/// Beyond this, float has no digits left for the place inside one repeat.
+/// Upper bound of coordinates: beyond it, float cannot resolve positions inside one repeat.
 constexpr float kLargestCoordinate = 1e6f;
 
-/// std::floor() without its call; below kLargestCoordinate.
+/// Equals std::floor() without the function call, for values below kLargestCoordinate.
 float floor_of(float value) {
   const auto towards_zero = static_cast<float>(static_cast<int>(value));
-  return towards_zero - static_cast<float>(towards_zero > value);  // Without a branch: signs come at random.
+  return towards_zero - static_cast<float>(towards_zero > value);  // Branch-free, because signs are random.
 }
 
-/// The coordinate brought into [0, 1], or [0, 2] where it mirrors.
+/// Returns the coordinate reduced to [0, 1], or to [0, 2] for mirrored wrapping.
 float reduced(float coordinate, WrapMode mode) {
   if (!(std::abs(coordinate) < kLargestCoordinate)) return 0.0f;
   switch (mode) {
@@ -32,14 +32,15 @@ float reduced(float coordinate, WrapMode mode) {
   return 0.0f;
 }
 
-/// A texel's number brought inside. Precondition: it comes from a reduced() place, so that one step suffices.
+/// Returns the index of a texel wrapped into range. Precondition: it belongs to a reduced() coordinate, so that one
+/// step suffices.
 int wrapped(int texel, int count, WrapMode mode) {
   if (mode == WrapMode::kRepeat) return texel + (texel < 0 ? count : 0) - (texel >= count ? count : 0);
   if (mode == WrapMode::kMirror && texel >= count) texel = 2 * count - 1 - texel;
   return std::min(std::max(texel, 0), count - 1);
 }
 
-/// The two texels around a place along one axis, and how far it is from the first to the second.
+/// The two texels around a coordinate along one axis, and its fraction between them.
 struct Pair {
   int first;
   int second;
@@ -48,7 +49,7 @@ struct Pair {
 
 Pair pair_at(float reduced_place, int count, WrapMode mode) {
   const float place = reduced_place * static_cast<float>(count) - 0.5f;
-  const int first = static_cast<int>(place + 1.0f) - 1;  // Rounded down: it is above -1.
+  const int first = static_cast<int>(place + 1.0f) - 1;  // Rounds down, because the argument is above 0.
   return {wrapped(first, count, mode), wrapped(first + 1, count, mode), place - static_cast<float>(first)};
 }
 
@@ -69,7 +70,7 @@ Eigen::Vector4f decoded(const std::uint8_t* texel, const std::array<float, 256>&
   return {colour[texel[0]], colour[texel[1]], colour[texel[2]], kLinear[texel[3]]};
 }
 
-/// One level at a reduced place.
+/// Filters one level at a reduced coordinate.
 Eigen::Vector4f filtered(const MipTexture& texture, std::size_t index, float u, float v,
                          const std::array<float, 256>& colour) {
   const MipTexture::Level& level = texture.levels()[index];

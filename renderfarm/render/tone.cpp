@@ -9,7 +9,8 @@
 namespace cyclorama {
 namespace {
 
-/// The least positive float, as its bits, whose code is at least `code`. Floats above 0 are in the order of their bits.
+/// Returns the bits of the smallest positive float whose code is at least `code`. The bits of positive floats are
+/// ordered like the floats.
 std::uint32_t least_bits(ToneCurve curve, int code) {
   std::uint32_t dark = 0;
   std::uint32_t bright = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity());
@@ -29,7 +30,7 @@ ToneTable::ToneTable(ToneCurve curve) {
     least[static_cast<std::size_t>(code)] = least_bits(curve, code);
     least_[static_cast<std::size_t>(code)] = std::bit_cast<float>(least[static_cast<std::size_t>(code)]);
   }
-  least_[256] = std::numeric_limits<float>::quiet_NaN();  // No light is above it.
+  least_[256] = std::numeric_limits<float>::quiet_NaN();  // No light exceeds NaN.
   std::size_t code = 0;
   for (std::size_t i = 0; i < first_.size(); ++i) {
     while (code < 255 && (i << kShift) >= least[code + 1]) ++code;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the ray kernels read: the scene's arrays as they lie in memory, placed in the render frame, and its BVH.
+/// Data of the ray kernels: the scene's arrays as they lie in memory, placed in the render frame, and its BVH.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@
 
 namespace cyclorama {
 
-/// A material with its textures found.
+/// A material with its resolved textures.
 struct SurfaceMaterial {
   const Material* source = nullptr;
-  const MipTexture* base_colour = nullptr;  ///< Null is none; so are the others.
+  const MipTexture* base_colour = nullptr;  ///< Null if there is none, like the others.
   const MipTexture* metallic_roughness = nullptr;
   const MipTexture* normal = nullptr;
   const MipTexture* emissive = nullptr;
@@ -30,9 +30,9 @@ struct SurfaceMaterial {
   const MipTexture* clearcoat_roughness = nullptr;
   const MipTexture* clearcoat_normal = nullptr;
   const MipTexture* transmission = nullptr;
-  Vec3 absorption = Vec3::Zero();  ///< Per metre, of a body of glass.
+  Vec3 absorption = Vec3::Zero();  ///< Per metre, in a body of glass.
   SurfaceLevel level = SurfaceLevel::kMatte;
-  bool blends = false;   ///< Lets light through in part.
+  bool blends = false;   ///< Transparent in part.
   bool cut_out = false;  ///< Has holes.
 };
 
@@ -46,19 +46,20 @@ struct SurfaceMesh {
   const std::array<float, 4>* tangents = nullptr;
   const std::array<std::uint8_t, 4>* colours = nullptr;
   const SurfaceMaterial* material = nullptr;
-  std::vector<TriangleRecord> records;  ///< Of what lies where the mesh is placed: made once it is baked.
+  /// One per triangle, in the frame where the mesh is placed; created after baking.
+  std::vector<TriangleRecord> records;
 };
 
-/// A mesh in the render frame. Top-level geometry i of the BVH is placement i; lamps come after.
+/// A mesh in the render frame. Top-level geometry i of the BVH is placement i; lamps follow.
 struct Placement {
   const SurfaceMesh* mesh = nullptr;
-  bool baked = true;  ///< Its positions are in the render frame already; the matrices are the identity.
+  bool baked = true;  ///< True if positions are in the render frame already and the matrices are the identity.
   Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
   Vec3 translation = Vec3::Zero();
   Eigen::Matrix3f normal_matrix = Eigen::Matrix3f::Identity();
 };
 
-/// Owned and kept alive by the Renderer. Read-only while rays are traced.
+/// Owned by the Renderer. Read-only while rays are traced.
 struct TraceScene {
   RTCScene top = nullptr;
   MipTextures textures;
@@ -66,16 +67,16 @@ struct TraceScene {
   std::vector<SurfaceMesh> meshes;
   std::vector<Placement> placements;
   LightSet lights;
-  LampGeometries lamps;  ///< Those of the lights that rays meet.
+  LampGeometries lamps;  ///< Lights that rays can hit.
   Vec3 ambient = Vec3::Zero();
   Vec3 eye_lamp = Vec3::Zero();
 };
 
-/// The same as importers have it, with its textures found; they are there once `textures` is built. Borrows all three.
+/// Returns `source` with its textures requested; they exist once `textures` is built. Borrows all three.
 [[nodiscard]] SurfaceMaterial trace_material(const Model& model, const Material& source, MipTextures* textures);
-/// Without its material. Borrows the arrays of `mesh`.
+/// Returns the mesh without its material. Borrows the arrays of `mesh`.
 [[nodiscard]] SurfaceMesh trace_mesh(const Mesh& mesh);
-/// An instance of a mesh that is not baked.
+/// Returns an instance of a mesh that is not baked.
 [[nodiscard]] Placement place(const SurfaceMesh& mesh, const Eigen::Affine3d& T_render_mesh);
 
 }  // namespace cyclorama

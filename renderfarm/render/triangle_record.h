@@ -10,12 +10,12 @@
 
 namespace cyclorama {
 
-/// All that a matte surface wants to know of a triangle, in one line of the cache. Rays that surfaces scatter hit
-/// triangles all over the scene; ten places of memory for each were a quarter of a picture's time.
+/// All data of a triangle that matte surfaces need, in one cache line. Scattered rays hit triangles all over the scene;
+/// ten memory accesses for each took a quarter of the render time.
 struct alignas(64) TriangleRecord {
   std::array<std::array<float, 3>, 3> corners;
-  std::array<std::array<std::int16_t, 3>, 3> normals;  ///< Of the corners, times 32767; within 2e-5 of the mesh's.
-  std::array<std::array<std::uint8_t, 3>, 3> colours;  ///< Of the corners, sRGB.
+  std::array<std::array<std::int16_t, 3>, 3> normals;  ///< Per corner, times 32767; within 2e-5 of the mesh's.
+  std::array<std::array<std::uint8_t, 3>, 3> colours;  ///< Per corner, sRGB.
 
   [[nodiscard]] Vec3 corner(std::size_t i) const { return to_vec3(corners[i]); }
   [[nodiscard]] Vec3 normal(std::size_t i) const {
@@ -26,7 +26,8 @@ struct alignas(64) TriangleRecord {
 };
 static_assert(sizeof(TriangleRecord) == 64);
 
-/// One for each triangle; what the mesh has not is zero. Uses the threads of the TBB arena that it is called in.
+/// Returns one record per triangle, with zeros for arrays that the mesh lacks. Uses the threads of the TBB arena in
+/// which it is called.
 [[nodiscard]] std::vector<TriangleRecord> make_triangle_records(const Mesh& mesh);
 
 }  // namespace cyclorama

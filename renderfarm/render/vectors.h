@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Small vector helpers of the ray kernels. Float, in the render frame: the Scene frame moved to near the eye.
+/// Small vector helpers of the ray kernels. Float, in the render frame: the Scene frame moved close to the eye.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,15 +17,15 @@ inline constexpr float kPi = 3.14159265358979323846f;
 [[nodiscard]] inline Vec3 to_vec3(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
 [[nodiscard]] inline Vec2 to_vec2(const std::array<float, 2>& a) { return {a[0], a[1]}; }
 
-/// How bright a linear colour looks; Rec. 709 weights.
+/// Returns the luminance of a linear colour; Rec. 709 weights.
 [[nodiscard]] inline float luminance(const Vec3& c) { return 0.2126f * c.x() + 0.7152f * c.y() + 0.0722f * c.z(); }
 
 [[nodiscard]] inline bool is_finite(const Vec3& v) {
   return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
 }
 
-/// Unit length, or `fallback` where `v` has no direction (zero, NaN, infinite). Also for vectors so short or long that
-/// their square leaves the range of float.
+/// Returns `v` at unit length, or `fallback` if it has no direction (zero, NaN, infinite). Also works for vectors whose
+/// squared length leaves the range of float.
 [[nodiscard]] inline Vec3 normalized_or(const Vec3& v, const Vec3& fallback) {
   const float length2 = v.squaredNorm();
   if (length2 > 1e-30f && length2 < 1e30f) return v * (1.0f / std::sqrt(length2));
@@ -34,8 +34,8 @@ inline constexpr float kPi = 3.14159265358979323846f;
   return (v / largest).normalized();
 }
 
-/// What turns normals where `linear` moves points: the transposed inverse up to a positive factor, which also exists
-/// where `linear` flattens everything. Outside stays outside, in mirrors too.
+/// Returns the matrix that transforms normals when `linear` transforms points: the inverse transpose up to a positive
+/// factor, which exists even for singular matrices. The outside stays outside under mirroring too.
 [[nodiscard]] inline Eigen::Matrix3f normal_matrix_of(const Eigen::Matrix3d& linear) {
   Eigen::Matrix3d cofactors;
   cofactors.col(0) = linear.col(1).cross(linear.col(2));
@@ -46,7 +46,7 @@ inline constexpr float kPi = 3.14159265358979323846f;
   return (cofactors / (linear.determinant() < 0.0 ? -largest : largest)).cast<float>();
 }
 
-/// `local` given in the frame whose third axis is the unit vector `n`.
+/// Transforms `local` from the frame whose third axis is the unit vector `n`.
 /// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
 [[nodiscard]] inline Vec3 from_frame_of(const Vec3& n, const Vec3& local) {
   const float sign = std::copysign(1.0f, n.z());
@@ -57,16 +57,16 @@ inline constexpr float kPi = 3.14159265358979323846f;
   return local.x() * s + local.y() * t + local.z() * n;
 }
 
-/// The unit square onto the hemisphere about +z, density cos / pi.
+/// Maps the unit square to the hemisphere about +z, with pdf cos / pi.
 [[nodiscard]] inline Vec3 cosine_hemisphere(const Vec2& u) {
   const float radius = std::sqrt(u.x());
   const float angle = 2.0f * kPi * u.y();
   return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1.0f - u.x()))};
 }
 
-/// The unit square onto the cap about +z with 1 - cos(half angle) = `one_minus_cos`, uniform in solid angle.
+/// Maps the unit square to the cap about +z with 1 - cos(half angle) = `one_minus_cos`, uniformly in solid angle.
 [[nodiscard]] inline Vec3 uniform_cap(const Vec2& u, float one_minus_cos) {
-  const float height = u.x() * one_minus_cos;  // 1 - cos: keeps its digits for tiny caps.
+  const float height = u.x() * one_minus_cos;  // 1 - cos, which stays precise for tiny caps.
   const float radius = std::sqrt(std::max(0.0f, height * (2.0f - height)));
   const float angle = 2.0f * kPi * u.y();
   return {radius * std::cos(angle), radius * std::sin(angle), 1.0f - height};

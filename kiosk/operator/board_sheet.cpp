@@ -9,7 +9,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr double kBorder_mm = 6.0;  // White, about the board: its outer corners need none, its tags do.
+constexpr double kBorder_mm = 6.0;  // White border of the board: its outer corners need none, but its tags do.
 
 VectorPage drawing(const TagBoard& board, const Paper& paper) {
   VectorPage page(paper.width_mm, paper.height_mm);
@@ -30,7 +30,7 @@ VectorPage drawing(const TagBoard& board, const Paper& paper) {
     CHECK(corners.has_value());
     const TagBitmap bitmap = tag_bitmap(tag);
     const double cell = 1e3 * board.tag_m * bitmap.width_in_tags / bitmap.cells;
-    // The board's origin is its first corner, the bitmap's its white border.
+    // The board's origin is its first corner; the bitmap's is the corner of its white border.
     const Eigen::Vector2d middle = 1e3 * 0.5 * ((*corners)[0] + (*corners)[2]);
     const double u = left + square + middle.x() - 0.5 * cell * bitmap.cells;
     const double v = top + square + middle.y() - 0.5 * cell * bitmap.cells;

@@ -9,10 +9,10 @@
 
 namespace cyclorama {
 
-/// The board that a sheet of this paper gives.
+/// Returns the board that a sheet of this paper gives.
 [[nodiscard]] TagBoard board_on(const Paper& paper);
 
-/// The board to print, and a page that says how to photograph it.
+/// Returns the board to print, and a page of instructions for photographing it.
 [[nodiscard]] std::vector<VectorPage> board_sheet(const Paper& paper);
 
 }  // namespace cyclorama

@@ -9,14 +9,14 @@
 
 namespace cyclorama {
 
-/// cyclorama calibrate-camera: prints the board; all else is the work of cyclorama-calibrate-camera, which this
-/// becomes.
+/// cyclorama calibrate-camera: prints the board; for everything else this process executes cyclorama-calibrate-camera.
 struct CalibrateCameraCommand {
   std::optional<std::string> print;
   std::string paper = "a4";
 
   void add_to(CLI::App* app);
-  /// Returns only after printing, or when the other program is missing: kNotFound. Others as write_file_atomically().
+  /// Returns only after printing or on errors: kNotFound if cyclorama-calibrate-camera is missing; others as
+  /// write_file_atomically().
   [[nodiscard]] Status run(const CLI::App& app) const;
 };
 

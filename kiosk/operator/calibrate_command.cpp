@@ -24,7 +24,7 @@ constexpr auto kToAnswer = std::chrono::seconds(5);
 constexpr auto kToRestore = std::chrono::seconds(30);
 constexpr std::size_t kLongestRemark = 600;
 
-/// Cancels a call when the process is asked to stop, as long as it lives.
+/// Cancels a call when the process receives a stop signal; active during its lifetime.
 class StoppedCall {
  public:
   StoppedCall(grpc::ClientContext* context, const StopSignal& stop)
@@ -42,12 +42,12 @@ class StoppedCall {
   std::jthread watcher_;
 };
 
-/// Asks whoever sits at the terminal, and sends what is typed, as long as it lives.
+/// Shows questions on the terminal, and sends the typed answers; active during its lifetime.
 class TypedAnswers {
  public:
   explicit TypedAnswers(wire::Calibrator::Stub* stub)
       : stub_(*stub), reader_([this](const std::stop_token& is_over) { read(is_over); }) {}
-  /// Empty: nothing is asked any more.
+  /// Shows a question; empty: there is none any more.
   void ask(const std::string& question) {
     if (!question.empty()) std::fprintf(stderr, "\n%s", printable(question, kLongestRemark).c_str());
     is_asked_ = !question.empty();
@@ -82,7 +82,7 @@ class TypedAnswers {
     wire::AnswerOrder order;
     order.set_text(text);
     wire::AnswerReply ignored;
-    // Answered on the page meanwhile, or over: then this one is not needed.
+    // An error means that the page has answered meanwhile, or that the calibration is over.
     static_cast<void>(stub_.Answer(&context, order, &ignored));
   }
 

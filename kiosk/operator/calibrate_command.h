@@ -11,20 +11,20 @@
 
 namespace cyclorama {
 
-/// cyclorama calibrate: has the wall measured, and tells how good it became.
+/// cyclorama calibrate: has the wall measured, and reports the quality of the result.
 struct CalibrateCommand {
   std::string calibrator = "[::1]:7410";
-  std::optional<std::string> quick;  ///< The one projector to measure.
+  std::optional<std::string> quick;  ///< The only projector to measure; absent: all.
   bool is_resumed = false;
   bool is_restored = false;
 
   void add_to(CLI::App* app);
-  /// Blocks until it is done; a stop cancels it, and then the show is as it was. kUnavailable  it was cancelled, nobody
-  /// listens there, or one runs already.     Others as common/wire/calibration.proto says.
+  /// Blocks until the calibration ends; a stop signal cancels it, and the previous show stays. Errors: kUnavailable if
+  /// it was cancelled, nobody listens there, or one runs already; others as defined in common/wire/calibration.proto.
   [[nodiscard]] Status run(const StopSignal& stop) const;
 };
 
-/// For people: what came of a calibration.
+/// Returns a readable report of a finished calibration.
 [[nodiscard]] std::string calibration_report(const wire::CalibrateDone& done);
 
 }  // namespace cyclorama

@@ -63,7 +63,7 @@ Status CalibrationDesk::begin(const char* what, const char* step, std::function<
     newest_.set_step(step);
     jpeg_.clear();
   }
-  if (thread_.joinable()) thread_.join();  // It has ended: nothing ran.
+  if (thread_.joinable()) thread_.join();  // The thread has ended, since nothing was running.
   thread_ = std::thread([work = std::move(work), context] { work(context.get()); });
   return Done{};
 }

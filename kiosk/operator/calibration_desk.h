@@ -14,37 +14,39 @@
 
 namespace cyclorama {
 
-/// Orders calibrations of the calibrator, or that it finds out where the fixed cameras stand, one at a time, and
-/// remembers how the last one went, so that a page may be closed and opened again meanwhile. Thread-safe. Threads: one
-/// while something runs.
+/// Runs calibrations, or the location of the fixed cameras, on the calibrator, one at a time, and keeps the result of
+/// the last one, so that a page may be closed and opened again meanwhile. Thread-safe. Threads: one while something
+/// runs.
 ///
 ///   idle ──start──▶ running ──done──▶ done      done, failed, cancelled ──start──▶ running
 ///                     ├──error──▶ failed
 ///                     └──cancel──▶ cancelled
 class CalibrationDesk {
  public:
-  /// kInvalidArgument  the address is none. Does not dial yet.
+  /// Errors: kInvalidArgument if the address is invalid. Does not connect yet.
   static Result<std::unique_ptr<CalibrationDesk>> make(const std::string& address);
-  /// Cancels what runs, and waits for it.
+  /// Cancels what runs, and waits for its end.
   ~CalibrationDesk();
   CalibrationDesk(const CalibrationDesk&) = delete;
   CalibrationDesk& operator=(const CalibrationDesk&) = delete;
 
-  /// kBusy  one runs already.
+  /// Errors: kBusy if something runs already.
   Status start(const wire::CalibrateOrder& order);
-  /// The fixed cameras' places, by patterns; the remarks say how well each is known. kBusy  something runs already.
+  /// Locates the fixed cameras by patterns; the remarks give the accuracy of each. Errors: kBusy if something runs
+  /// already.
   Status place_cameras();
-  /// Idempotent; the state becomes "cancelled" when the calibrator has heard it.
+  /// Idempotent; the state becomes "cancelled" when the calibrator has stopped.
   void cancel();
-  /// To what the calibration asks. kNotFound  it asks nothing (any more).     kUnavailable, kTimedOut
+  /// Answers the calibration's question. Errors: kNotFound if there is no open question; kUnavailable, kTimedOut.
   Status answer(const std::string& text);
-  /// The calibration of before; its date. kBusy  one runs.     kNotFound  there is none.     kUnavailable, kTimedOut
+  /// Restores the previous calibration and returns its date. Errors: kBusy if something runs; kNotFound if there is
+  /// none; kUnavailable, kTimedOut.
   Result<std::string> restore();
 
-  /// {"what": "wall" or "cameras", "state", "step", "fraction", "error", "date", "remarks": [], "registration_p95_px",
-  /// "has_picture", "question"}
+  /// Returns {"what": "wall" or "cameras", "state", "step", "fraction", "error", "date", "remarks": [],
+  /// "registration_p95_px", "has_picture", "question"}.
   [[nodiscard]] std::string json() const;
-  /// The camera's newest picture, as JPEG; empty: none.
+  /// Returns the camera's newest picture as JPEG; empty: none.
   [[nodiscard]] std::string picture() const;
 
  private:
@@ -52,7 +54,7 @@ class CalibrationDesk {
   Status begin(const char* what, const char* step, std::function<void(grpc::ClientContext*)> work);
   void calibrate(const wire::CalibrateOrder& order, grpc::ClientContext* context);
   void place(grpc::ClientContext* context);
-  /// The caller holds mutex_.
+  /// Requires mutex_.
   void end(bool is_done, const grpc::Status& status, const char* doing);
 
   const std::unique_ptr<wire::Calibrator::Stub> calibrator_;
@@ -69,15 +71,15 @@ class CalibrationDesk {
   std::shared_ptr<grpc::ClientContext> running_;  ///< Null: nothing runs.
 };
 
-/// {"do": "start", "quick": false, "projector": "", "resume": false}, {"do": "answer", "text": ""}, {"do": "cancel"},
-/// {"do": "restore"} or {"do": "place-cameras"}.
+/// A page's request: {"do": "start", "quick": false, "projector": "", "resume": false}, {"do": "answer", "text": ""},
+/// {"do": "cancel"}, {"do": "restore"} or {"do": "place-cameras"}.
 struct CalibrationWish {
   enum class Kind { kStart, kAnswer, kCancel, kRestore, kPlaceCameras };
   Kind kind = Kind::kStart;
-  wire::CalibrateOrder order;  ///< Of kStart.
-  std::string text;            ///< Of kAnswer.
+  wire::CalibrateOrder order;  ///< Set for kStart.
+  std::string text;            ///< Set for kAnswer.
 };
-/// kBadData  not such JSON: the message names what.
+/// Errors: kBadData if the text is not such JSON; the message names the mistake.
 Result<CalibrationWish> parse_calibration_wish(std::string_view json);
 
 }  // namespace cyclorama

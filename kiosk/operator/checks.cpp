@@ -19,7 +19,7 @@ constexpr double kSlowFarm_ms = 500.0;
 constexpr double kLeastCamera_hz = 5.0;
 constexpr double kLeastFree = 0.10;
 constexpr double kWorstFree = 0.03;
-constexpr double kWarm_c = 85.0;  // Where no zone says when it is critical.
+constexpr double kWarm_c = 85.0;  // Used if no zone reports its critical temperature.
 constexpr double kHot_c = 95.0;
 constexpr double kBelowCritical_c = 10.0;
 constexpr double kLeastMemory = 0.05;
@@ -29,7 +29,7 @@ constexpr std::string_view kLit = "lit: ";
 struct Part {
   std::string_view name;
   std::string_view title;
-  Level unwell;  ///< How bad it is when it is not well.
+  Level unwell;  ///< Level while the part is not well.
   std::string_view remedy;
 };
 constexpr std::array<Part, 8> kParts{{
@@ -99,7 +99,7 @@ class List {
         known == nullptr ? "Start this computer again." : std::string(known->remedy));
   }
 
-  /// What cyclorama-projectors says of each; false: of none.
+  /// Adds a check for each projector that cyclorama-projectors reports; returns false if it reports none.
   bool projectors(const Observation& process) {
     if (!process.status) return false;
     bool any = false;

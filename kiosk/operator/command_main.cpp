@@ -42,11 +42,11 @@ struct Options {
   DoctorCommand doctor;
   UpdateCommand update;
   HoursCommand hours;
-  int exit_code = kExitOk;  // Of a command that did what it was asked.
+  int exit_code = kExitOk;  // For a command that succeeded.
   CalibrateCameraCommand calibrate_camera;
 };
 
-constexpr int kColumns = 6;  // Of wall-over-time.png.
+constexpr int kColumns = 6;  // Columns of wall-over-time.png.
 constexpr auto kBetweenLooks = std::chrono::milliseconds(250);
 
 Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
@@ -106,7 +106,7 @@ Status save_picture(const Options& options, const std::vector<ProcessLink>& link
                  fmt::format("'{}' is not watched; add --watch {}=ADDRESS", options.process, options.process));
   }
   auto answer = link->picture(options.picture);
-  // A picture that nobody asked for is made once somebody has.
+  // A picture is rendered only after the first request for it.
   const TimePoint deadline = SteadyClock().now() + std::chrono::seconds(3);
   while (!answer && answer.error().code() == ErrorCode::kNotFound && SteadyClock().now() < deadline &&
          !stop.wait_until(SteadyClock().now() + kBetweenLooks)) {
@@ -117,7 +117,7 @@ Status save_picture(const Options& options, const std::vector<ProcessLink>& link
   return write_png(options.out, image);
 }
 
-/// Looks until the first frame was presented; true when it was.
+/// Looks until the first frame was presented; returns false on timeout or stop.
 bool wait_for_first_frame(const Options& options, Recording* recording, const StopSignal& stop) {
   const TimePoint deadline = SteadyClock().now() + seconds(options.patience_s);
   do {
@@ -144,7 +144,7 @@ void record_span(const Options& options, Recording* recording, RecordedSpan* spa
     }
     progress.update(std::min(1.0, to_seconds(now - begin) / options.seconds));
   }
-  // Counted up to the newest answer of the tour.
+  // Counts up to the tour's newest answer.
   span->seconds = to_seconds(SteadyClock().now() - begin);
   span->frames = std::max(0.0, recording->frames() - frames_before);
 }
@@ -155,7 +155,7 @@ Status record(const Options& options, std::vector<ProcessLink> links, const Stop
   span.frames_wanted = std::max(options.expect_frames, 1.0);
   if (wait_for_first_frame(options, &recording, stop)) {
     if (options.started_s) {
-      // Two starts of one machine are compared in its calendar time, which a shell can tell.
+      // The time of the start comes from a shell, so it is calendar time.
       const auto unix_time = std::chrono::system_clock::now().time_since_epoch();
       span.first_picture_s = std::chrono::duration<double>(unix_time).count() - *options.started_s;
     }
@@ -182,7 +182,7 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
   if (is_usual && options.watches.empty() && !options.endpoints) options.watches = usual_watches();
   if (app.got_subcommand("calibrate-camera")) return options.calibrate_camera.run(app);
   std::vector<Endpoint> endpoints;
-  // A node answers nobody; what is left to look at is its host.
+  // A render host with nodes only has no process that answers; the check covers its machine.
   if (!is_usual || !options.watches.empty() || options.endpoints) {
     TRY_ASSIGN(endpoints, gather_endpoints(options.watches, options.endpoints));
   }

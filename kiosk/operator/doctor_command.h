@@ -12,21 +12,21 @@
 
 namespace cyclorama {
 
-/// The processes of this computer that can be asked, as their units start them: a museum's, or a render host's head. A
-/// node answers nobody: then none. `root`: of the file system.
+/// Returns the processes of this computer that answer status requests, as its units start them: a museum's, or a render
+/// host's coordinator. A node answers none, so the list is empty there. `root` is the root of the file system.
 [[nodiscard]] std::vector<std::string> usual_watches(const std::filesystem::path& root = "/");
 
-/// cyclorama doctor: the list that the operator page shows, with remedies.
+/// cyclorama doctor: prints the operator page's list of findings, with remedies.
 struct DoctorCommand {
   std::string museum = "/var/lib/cyclorama";
   std::optional<std::string> json;
   bool network = false;
 
-  /// Besides these, the caller adds --watch and --endpoints.
+  /// The caller adds --watch and --endpoints as well.
   CLI::App* add_to(CLI::App* app);
-  /// Prints. kUnavailable  something is broken.     `ret_exit_code`: 0, or kExitWarnings.
+  /// Prints the findings. Errors: kUnavailable if something is broken. `ret_exit_code` is 0 or kExitWarnings.
   [[nodiscard]] Status run(const std::vector<ProcessLink>& links, int* ret_exit_code) const;
 };
-inline constexpr int kExitWarnings = 3;  ///< It works, but something should be looked at.
+inline constexpr int kExitWarnings = 3;  ///< Exit code for a museum that works but has warnings.
 
 }  // namespace cyclorama

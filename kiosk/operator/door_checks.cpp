@@ -16,7 +16,7 @@ bool has_pin(const MuseumState& museum) {
 
 std::vector<Check> door_checks(Findings findings) {
   findings.processes.clear();
-  findings.is_museum = true;  // Whoever asks for a PIN is one, though it may not know itself yet.
+  findings.is_museum = true;  // A computer that requires a PIN is a museum, even before it has a state folder.
   std::vector<Check> told = checks_of(findings);
   std::erase_if(told, [](const Check& check) {
     return check.id != "settings" && !(check.id == "disk" && check.level == Level::kFault);
@@ -27,7 +27,7 @@ std::vector<Check> door_checks(Findings findings) {
          "Put a file operator.toml with a line such as pin = \"40 17 73\", but with digits of your own, into "
          "the stick's folder 'cyclorama', and plug it in again."});
   }
-  // What people wrote by mistake into a place that is quoted.
+  // Removes secrets that people wrote by mistake where a sentence quotes them.
   const Redaction redaction;
   for (Check& check : told) {
     check.sentence = redaction.cleaned(check.sentence);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is told at the operator page's door, before anybody entered: why nobody can.
+/// Findings for the operator page's login, before anybody has entered a PIN: why nobody can.
 ///
-///   no PIN in use     what became of the stick, whether this computer forgets what it is told, and what helps: who
-///                     stands before it can read it nowhere else
-///   a PIN in use      nothing: it would tell strangers something
+///   no PIN in use     what became of the USB stick, whether this computer keeps its state in memory only, and the
+///                     remedy: a person in front of it can read that nowhere else
+///   a PIN in use      nothing, since an unauthenticated peer must not learn anything
 #pragma once
 
 #include <vector>
@@ -13,11 +13,11 @@
 
 namespace cyclorama {
 
-/// False only where there surely is none: one that cannot be read, or is damaged, is a PIN.
+/// Returns false only if there is surely no PIN: one that is unreadable or damaged still counts as one.
 [[nodiscard]] bool has_pin(const MuseumState& museum);
-/// While no PIN is in use; never empty. Pure.
+/// Returns the findings while no PIN is in use; never empty. Pure.
 [[nodiscard]] std::vector<Check> door_checks(Findings findings);
-/// The two above, of the disk: none while a PIN is in use.
+/// Returns door_checks() of the museum on disk, or nothing while a PIN is in use.
 [[nodiscard]] std::vector<Check> told_at_the_door(const MuseumState& museum);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which processes the operator looks at, and where they listen.
+/// The processes that the operator watches, and their addresses.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,16 @@
 namespace cyclorama {
 
 struct Endpoint {
-  std::string name;     ///< "tour", "display", "simulated-room": its key in pages, files and metrics.
+  std::string name;     ///< Key in pages, files and metrics: "tour", "display", "simulated-room".
   std::string address;  ///< "[::1]:7403".
 };
 
-/// "tour=[::1]:7403". kInvalidArgument  another form.
+/// Parses "tour=[::1]:7403". Errors: kInvalidArgument for any other form.
 Result<Endpoint> parse_endpoint(std::string_view text);
 
-/// From options (`--watch NAME=ADDRESS`, which win) and, if given, a file of [[watch]] tables with name and address.
-/// kInvalidArgument  a name twice, none at all, or more than kMostEndpoints.     Else as Config::read().
+/// Combines the options (`--watch NAME=ADDRESS`, which take precedence) and, if given, a file of [[watch]] tables with
+/// name and address. Errors: kInvalidArgument if a name comes twice, there is none at all, or more than kMostEndpoints;
+/// otherwise as Config::read().
 Result<std::vector<Endpoint>> gather_endpoints(const std::vector<std::string>& watches,
                                                const std::optional<std::filesystem::path>& file);
 inline constexpr std::size_t kMostEndpoints = 24;

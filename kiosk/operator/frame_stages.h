@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The steps of a frame from shutter to photon, in order: docs/reference/frame-timing.md.
+/// The stages of a frame from shutter to photon, in order: docs/reference/frame-timing.md.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 
-/// `inside`: the step that contains this one, or empty. What contains others comes before them.
+/// `inside` names the stage that contains this one, or is empty. A containing stage comes before its parts.
 struct FrameStage {
   std::string_view name;
   std::string_view where;  ///< "tracker", "tour", "farm", "display", "whole".
@@ -37,7 +37,7 @@ inline constexpr std::array<FrameStage, 16> kFrameStages{{
     {"shutter_to_photon", "whole", ""},
 }};
 
-/// The tour's stages in the order above; those that nobody knows come last, in their own order.
+/// Returns the tour's stages in the order above; unknown ones come last, in their own order.
 [[nodiscard]] std::vector<wire::Stage> in_frame_order(const wire::ProcessStatus& tour);
 
 }  // namespace cyclorama

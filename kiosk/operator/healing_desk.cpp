@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr auto kDeadline = std::chrono::seconds(2);
-constexpr auto kGlance = std::chrono::milliseconds(500);  // The page asks each second.
+constexpr auto kGlance = std::chrono::milliseconds(500);  // The page polls each second.
 constexpr int kMostRows = 200;
 constexpr int kMostColumns = 65;
 constexpr std::size_t kLongest = 300;
@@ -30,7 +30,7 @@ Json json_of(const wire::Cell& cell) {
   return nullptr;
 }
 
-/// By the column's name; null where there is none.
+/// Returns the cell of the named column; null if there is none.
 Json cell(const wire::Table& table, const wire::Row& row, const std::string& column) {
   const auto found = std::ranges::find(table.columns(), column);
   const auto index = static_cast<int>(found - table.columns().begin());

@@ -10,18 +10,20 @@
 
 namespace cyclorama {
 
-/// Asks the calibrator how the wall is kept in its place, and has it look anew. Thread-safe; calls block for at most
-/// two seconds.
+/// Reports the calibrator's continuous alignment of the projectors, and triggers a new one. Thread-safe; calls block
+/// for at most two seconds.
 class HealingDesk {
  public:
-  /// kInvalidArgument  the address is none. Does not dial yet.
+  /// Errors: kInvalidArgument if the address is invalid. Does not connect yet.
   static Result<std::unique_ptr<HealingDesk>> make(const std::string& address);
 
-  /// watched_json() of what the calibrator says now; "null" where it does not answer.
+  /// Returns watched_json() of the calibrator's present status; "null" if it does not answer.
   [[nodiscard]] std::string json() const;
-  /// kUnavailable, kTimedOut  nobody answers there, or nothing watches: says why.
+  /// Aligns the projectors anew. Errors: kUnavailable, kTimedOut, with the reason, if nobody answers or nothing
+  /// watches.
   Status realign();
-  /// Takes the last correction back that stands: which it was. kNotFound  there is none. Others alike.
+  /// Undoes the last correction in effect and returns its description. Errors: kNotFound if there is none; others as
+  /// realign().
   Result<std::string> undo();
 
  private:
@@ -30,9 +32,9 @@ class HealingDesk {
   const std::unique_ptr<wire::Healing::Stub> healing_;
 };
 
-/// {"sentence", "projectors": [{"name", "state", "reason", "off_px", "sigma_px", "corrections", "last_px", "last_s",
-/// "wants_scan"}], "names": [], "history": [[s_ago, off_px or null of each]]}; "null" where nothing watches. What is no
-/// number, or no text, is null.
+/// Returns {"sentence", "projectors": [{"name", "state", "reason", "off_px", "sigma_px", "corrections", "last_px",
+/// "last_s", "wants_scan"}], "names": [], "history": [[s_ago, off_px or null of each]]}; "null" where nothing watches.
+/// A cell of the wrong type is null.
 [[nodiscard]] std::string watched_json(const wire::ProcessStatus& calibrator);
 
 }  // namespace cyclorama

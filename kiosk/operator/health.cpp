@@ -28,7 +28,7 @@ std::vector<std::string> heads_of(const Observation& display) {
   return heads;
 }
 
-/// Closed, and well: it would light its heads if it were open.
+/// Returns true for a healthy display of a closed museum, which would light its heads if it were open.
 bool sleeps(const Observation& display) {
   return display.status->healthy() && gauge_of(*display.status, "awake").value_or(1.0) == 0.0;
 }
@@ -106,7 +106,7 @@ HealthLook look_at(const std::vector<ProcessLink>& links) {
     if (process.away || !is_display(process)) continue;
     for (const std::string& head : heads_of(process)) {
       const std::string name = std::string(kHeadPicture) + head;
-      const auto answer = link.picture(name);  // One that nobody asked for is made once somebody has.
+      const auto answer = link.picture(name);  // A picture is rendered only after the first request for it.
       if (!answer) continue;
       const auto picture = JpegDecoder().decode(std::as_bytes(std::span(answer->jpeg())), kPhotoLimitPx);
       if (picture) look.is_blank[{process.endpoint.name, name}] = is_blank(*picture);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-health: asked once after every start, before the boot loader is told that this version works.
+/// cyclorama-health: runs once after every start, before the boot loader marks this version as good.
 #include <fmt/format.h>
 
 #include <fstream>
@@ -55,7 +55,7 @@ Status note_dark(const std::vector<ProcessLink>& links, const std::string& path)
   return write_file_atomically(path, lines);
 }
 
-/// What cannot be read excuses nobody.
+/// Returns the heads in the file; none if it cannot be read, so that no head is excused.
 std::set<std::string> read_dark(const std::string& path) {
   std::set<std::string> dark;
   std::ifstream file(path);

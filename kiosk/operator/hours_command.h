@@ -9,14 +9,14 @@
 
 namespace cyclorama {
 
-/// cyclorama hours: whether the museum is open, and what is said of that for once, as on the operator page.
+/// cyclorama hours: reports whether the museum is open, and overrides the hours once, as on the operator page.
 struct HoursCommand {
   std::string museum = "/var/lib/cyclorama";
   std::string wish;
   std::string until;
 
   void add_to(CLI::App* app);
-  /// Prints how it is then. kInvalidArgument  a time that cannot be, or none. Else as set_hours().
+  /// Prints the resulting state. Errors: kInvalidArgument for an impossible or missing time; otherwise as set_hours().
   [[nodiscard]] Status run(std::chrono::system_clock::time_point now) const;
 };
 

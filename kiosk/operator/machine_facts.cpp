@@ -24,11 +24,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFact = 64 * 1024;
-constexpr double kColdest_c = -60.0;  // Sensors that are not wired say absurd things.
+constexpr double kColdest_c = -60.0;  // Unconnected sensors report absurd values.
 constexpr double kHottest_c = 150.0;
 
 std::optional<std::string> line_of(const fs::path& path) {
-  // The size of a file in /proc or /sys is not its content's.
+  // Files in /proc and /sys report a size that is not their content's.
   std::FILE* const file = std::fopen(path.c_str(), "re");
   if (file == nullptr) return std::nullopt;
   std::string text(kLargestFact, '\0');
@@ -68,7 +68,8 @@ void read_temperature(const fs::path& root, MachineFacts* ret) {
   }
 }
 
-/// What the image's script says that mounts /var: "encrypted", "plain", "in memory: the disk cannot be read".
+/// Reads the state written by the image's script that mounts /var: "encrypted", "plain", "in memory: the disk cannot be
+/// read".
 void read_var(const fs::path& root, MachineFacts* ret) {
   constexpr std::string_view kInMemory = "in memory: ";
   const auto said = line_of(root / "run/cyclorama/var");
@@ -77,7 +78,7 @@ void read_var(const fs::path& root, MachineFacts* ret) {
   ret->only_in_memory = printable(why.substr(0, why.find('\n')), 200);
 }
 
-/// Of all its parts together, as the first core tells it.
+/// Reads the count of the whole processor package, which the first core reports.
 void read_throttling(const fs::path& root, MachineFacts* ret) {
   const auto text = line_of(root / "sys/devices/system/cpu/cpu0/thermal_throttle/package_throttle_count");
   const auto count = text ? parse_integer(std::string_view(*text).substr(0, text->find('\n'))) : std::nullopt;
@@ -115,15 +116,15 @@ void read_memory(const fs::path& root, MachineFacts* ret) {
   if (total && available && *total > 0.0) ret->memory_free_share = *available / *total;
 }
 
-/// After an error ext4 answers nobody any more until it is mounted anew; kernels before 6.11 let it be read only
-/// instead.
+/// Returns true when ext4 refuses all access after an error, until it is mounted again; kernels before 6.11 allow
+/// reading.
 bool is_shut(const fs::path& state) {
   const UniqueFd fd(::open((state / kProvisioningReportFile).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   return !fd.is_open() && errno == EIO;
 }
 
-/// The file system's own word, which stands after " - " in proc(5)'s mountinfo. statvfs() tells of the mount: one that
-/// a service may not write to (ProtectSystem=) is read-only on a disk that is well.
+/// Reads the file system's own state, which follows " - " in proc(5)'s mountinfo. statvfs() reports that of the mount:
+/// one that a service may not write to (ProtectSystem=) is read-only although the disk is well.
 bool is_file_system_read_only(const fs::path& state, const fs::path& root) {
   struct stat info {};
   const auto mounts = line_of(root / "proc/self/mountinfo");

@@ -8,14 +8,14 @@
 
 namespace cyclorama {
 
-/// Prometheus' text format 0.0.4, written here: these few lines replace a registry, since all numbers live elsewhere.
+/// Returns metrics in Prometheus' text format 0.0.4. Written here without a registry, since all numbers live elsewhere.
 ///
 ///   cyclorama_up{process}  cyclorama_healthy{process}  cyclorama_uptime_seconds{process}
 ///   cyclorama_stage_seconds{process,stage,quantile} and cyclorama_stage_seconds_count{process,stage}
 ///   cyclorama_dropped_frames_total{process,reason}
 ///   cyclorama_gauge{process,name}   every other gauge; its unit is in its name
 ///
-/// Of a process that is away only cyclorama_up is given, so that no old number looks new.
+/// A process that is away has only cyclorama_up, so that no old number looks new.
 [[nodiscard]] std::string metrics_text(const std::vector<Observation>& observations);
 
 }  // namespace cyclorama

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One at a time: they cost something.
+/// Allows one expensive operation at a time.
 class Turn {
  public:
   explicit Turn(std::atomic<bool>* taken) : taken_(*taken), is_ours_(!taken_.exchange(true)) {}

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the operator page asks of a museum besides its parts.
+/// The operator page's requests about a museum besides its parts.
 ///
 ///   GET  /museum                 {"level", "checks": [], "schedule", "provisioning", "update", ...}
 ///   POST /network-test           {"checks": []}; takes some seconds; 429: one runs
 ///   GET  /support-bundle.zip     429: one is being made
-///   POST /calibration            {"do": "start"}, as calibration_desk.h says; 204, or {"date"}
-///   POST /realign                {}; has the projectors looked for anew (healing_desk.h); 204
-///   GET  /calibration.jpg        what the calibration's camera saw last
+///   POST /calibration            {"do": "start"} and others of calibration_desk.h; 204, or {"date"}
+///   POST /realign                {}; aligns the projectors anew (healing_desk.h); 204
+///   GET  /calibration.jpg        the calibration camera's newest picture
 ///   POST /hours                  {"do": "open", "until": "22:00"}, "closed" (for today) or "settings"; 204
 ///   POST /wish                   {"wish": "update" | "factory-reset"}; 204
 #pragma once
@@ -27,19 +27,20 @@ class Server;
 
 namespace cyclorama {
 
-/// Outlives the server. What is borrowed may be null: the page then says that it is not there.
+/// Outlives the server. Borrowed pointers may be null; the page then reports that the feature is missing.
 struct MuseumDesk {
   Watch* watch = nullptr;
   CalibrationDesk* calibration = nullptr;
   HealingDesk* healing = nullptr;
-  SupportOrder support;          ///< Names the museum's state folder.
-  std::filesystem::path wishes;  ///< Where a file of the wish's name is made, for systemd to see; empty: none are.
-  std::string fingerprint;       ///< Of the page's certificate; empty: none.
+  SupportOrder support;  ///< Includes the museum's state folder.
+  /// Folder in which a file with the request's name triggers a systemd unit; empty: no requests.
+  std::filesystem::path wishes;
+  std::string fingerprint;  ///< Fingerprint of the page's certificate; empty: none.
   std::atomic<bool> is_testing{false};
   std::atomic<bool> is_bundling{false};
 };
 
-/// kBadData  another form.
+/// Errors: kBadData for any other form.
 Result<HoursWish> parse_hours_wish(const std::string& json);
 
 void serve_museum(httplib::Server& server, MuseumDesk* desk);

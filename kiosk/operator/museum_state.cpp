@@ -51,7 +51,8 @@ Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime cloc
   TRY_ASSIGN(const OpeningHours hours, read_opening_hours(museum.site()));
   TRY_ASSIGN(const HoursOverride override,
              wish.kind == HoursWish::Kind::kOpen ? open_until(hours, wish.until, now) : closed_for_today(hours, now));
-  std::filesystem::create_directory(museum.hours_override().parent_path(), failed);  // Writing tells what is wrong.
+  // An error shows up in the write that follows.
+  std::filesystem::create_directory(museum.hours_override().parent_path(), failed);
   return write_file_atomically(museum.hours_override(), std::string_view(to_text(override)));
 }
 

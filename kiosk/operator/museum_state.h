@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the museum's state folder tells: settings in use, the last stick, the updater, the opening hours.
+/// The contents of the museum's state folder: settings in use, the last USB stick, the updater, the opening hours.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@
 
 namespace cyclorama {
 
-/// "/var/lib/cyclorama" as cyclorama-provision keeps it. A value; every call reads the disk anew.
+/// The folder "/var/lib/cyclorama", written by cyclorama-provision. A value; every call reads the disk anew.
 struct MuseumState {
   std::filesystem::path root;
 
@@ -24,30 +24,30 @@ struct MuseumState {
 };
 
 struct Schedule {
-  std::vector<std::string> lines;           ///< As in site.toml; none: always open.
-  bool is_open = true;                      ///< Now, as the override says while it holds.
-  std::string problem;                      ///< Why they are not known; empty: they are.
-  std::string zone;                         ///< By which times count: "Europe/Zurich".
-  std::optional<HoursOverride> override{};  ///< What was said for once, while it holds.
-  std::string until;                        ///< Its end for people: "22:00", "Wed 25 Nov 10:00"; empty: none holds.
-  std::string override_problem;             ///< Why what was said for once does not count; empty: nothing is wrong.
+  std::vector<std::string> lines;           ///< Copied from site.toml; none: always open.
+  bool is_open = true;                      ///< Present state, including an override while it holds.
+  std::string problem;                      ///< Reason why the hours are unknown; empty: they are known.
+  std::string zone;                         ///< Time zone of the hours: "Europe/Zurich".
+  std::optional<HoursOverride> override{};  ///< Present while an override holds.
+  std::string until;             ///< The override's end for people: "22:00", "Wed 25 Nov 10:00"; empty: none holds.
+  std::string override_problem;  ///< Reason why the override is ignored; empty: nothing is wrong.
 };
 
 [[nodiscard]] Schedule schedule_of(const MuseumState& museum, WallTime clock);
 
-/// What somebody says of the hours for once.
+/// An operator's request to override the hours once.
 struct HoursWish {
   enum class Kind { kOpen, kClosed, kSettings };
   Kind kind = Kind::kSettings;
-  std::string until{};  ///< "22:00", of kOpen.
+  std::string until{};  ///< End of kOpen: "22:00".
 };
-/// In force from the next second on, in every program that keeps the hours. kInvalidArgument, kUnavailable  as
-/// open_until(). kSystem  it cannot be written. Or the settings cannot be read.
+/// Takes effect from the next second on, in every program that reads the hours. Errors: kInvalidArgument, kUnavailable
+/// as open_until(); kSystem if the override cannot be written; others if the settings cannot be read.
 Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime clock);
 
-/// Addresses of the farm's heads in the settings in use; none where those cannot be read.
+/// Returns the addresses of the farm's coordinators in the settings in use; none if the settings cannot be read.
 [[nodiscard]] std::vector<std::string> farm_of(const MuseumState& museum);
-/// Everything for checks_of(), now.
+/// Gathers the present input for checks_of().
 [[nodiscard]] Findings findings_of(std::vector<Observation> processes, const MuseumState& museum);
 
 }  // namespace cyclorama

@@ -31,7 +31,7 @@ constexpr const char* kCable =
 
 using Addresses = std::unique_ptr<addrinfo, void (*)(addrinfo*)>;
 
-/// Where others can reach this computer: "IPv6", "IPv4", both, or nothing.
+/// Returns the families of this computer's outside addresses: "IPv6", "IPv4", both, or nothing.
 std::string families() {
   ifaddrs* list = nullptr;
   if (::getifaddrs(&list) != 0) return "";
@@ -49,7 +49,7 @@ std::string families() {
   return has_6 && has_4 ? "IPv6 and IPv4" : has_6 ? "IPv6" : has_4 ? "IPv4" : "";
 }
 
-/// How long a connection takes; nothing when none comes about.
+/// Returns the time that a connection takes; nothing if it fails.
 std::optional<Duration> connected(const addrinfo& to, Duration longest, int* ret_errno) {
   const UniqueFd fd(::socket(to.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   *ret_errno = errno;

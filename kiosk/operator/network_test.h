@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether the farm can be reached from here, and where it ends if not.
+/// Checks whether the farm can be reached from here, and where the connection fails if not.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace cyclorama {
 
-/// Asks, in this order: does this computer have an address of the outer world; does the name server answer (where the
-/// farm has a name); does each head of the farm take a connection, and how long is the way; is the clock set. One Check
-/// for each, with its remedy. Connections are closed at once, and nothing is said on them. Blocks, at most `longest`
-/// for each address.
+/// Checks in this order: whether this computer has an outside address; whether the name server answers (if the farm has
+/// a name); whether each coordinator of the farm accepts a connection, and how long that takes; whether the clock is
+/// set. Returns one Check for each, with its remedy. Connections are closed at once without sending anything. Blocks at
+/// most `longest` for each address.
 [[nodiscard]] std::vector<Check> test_network(const std::vector<std::string>& farm, const MachineFacts& machine,
                                               Duration longest = std::chrono::seconds(3));
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the operator knows about one process now.
+/// The operator's present information about one process.
 #pragma once
 
 #include <optional>
@@ -12,18 +12,18 @@ namespace cyclorama {
 
 struct Observation {
   Endpoint endpoint;
-  bool asked = false;                         ///< False until the first answer, or the first failure.
-  bool away = true;                           ///< It did not answer the last time.
-  std::string sentence;                       ///< Its own state, or what its absence means and what helps.
-  std::optional<wire::ProcessStatus> status;  ///< The newest that ever came, also when it is away now.
+  bool asked = false;    ///< False until the first answer or the first failure.
+  bool away = true;      ///< True when the last request failed.
+  std::string sentence;  ///< The process's own state, or the meaning of its absence and the remedy.
+  std::optional<wire::ProcessStatus> status;  ///< Newest status received, kept while the process is away.
 
   [[nodiscard]] bool is_well() const { return asked && !away && status->healthy(); }
 };
 
-/// Asks now; blocks as ProcessLink::status(). `last` gives the status that is kept while the process is away.
+/// Queries the process; blocks as ProcessLink::status(). `last` supplies the status to keep while the process is away.
 [[nodiscard]] Observation observe(const ProcessLink& link, const Observation& last);
 
-/// The newest value, or nothing.
+/// Returns the newest value, or nothing.
 [[nodiscard]] std::optional<double> gauge_of(const wire::ProcessStatus& status, std::string_view name);
 [[nodiscard]] std::string fact_of(const wire::ProcessStatus& status, std::string_view name);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-operator: the page that shows the whole visit.
+/// cyclorama-operator: serves the page that shows the whole visit.
 #include <fmt/format.h>
 
 #include <ctime>
@@ -45,7 +45,7 @@ void add_options(CLI::App& app, Options* options) {
                  "Folder for what people ask of the system: a file 'update' or 'factory-reset', for systemd to see");
 }
 
-/// What a page with a PIN needs, or nothing for one without.
+/// Objects of a page with a PIN; empty for a page without.
 struct Door {
   std::optional<PageCertificate> certificate;
   std::optional<HttpTls> tls;

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestPem = 64 * 1024;
-// Phones refuse certificates of servers that are valid for more than 825 days.
+// Phones refuse server certificates that are valid for more than 825 days.
 constexpr long kValidS = 820L * 86400;
 constexpr std::time_t kRenewBeforeS = 60L * 86400;
 
@@ -28,7 +28,7 @@ using Extension = std::unique_ptr<X509_EXTENSION, OpensslFree<X509_EXTENSION_fre
 
 Error openssl_failed() { return {ErrorCode::kSystem, "OpenSSL cannot make the page's certificate"}; }
 
-/// For this user alone, from the first byte on.
+/// Writes a file that only this user can read, from its first byte on.
 Status write_private(const fs::path& path, std::string_view text) {
   const std::string temporary = path.string() + ".new";
   ::unlink(temporary.c_str());
@@ -70,7 +70,7 @@ std::string fingerprint_of(X509* certificate) {
   return text;
 }
 
-/// What a browser may have been told to open.
+/// Returns the names under which a browser may open the page.
 std::string alternative_names() {
   std::array<char, 256> host{};
   std::string names = "DNS:cyclorama,DNS:cyclorama.local,DNS:localhost,IP:::1,IP:127.0.0.1";

@@ -7,10 +7,10 @@
 
 namespace cyclorama {
 
-/// The files of kiosk/operator/page/.
+/// Returns the files of kiosk/operator/page/.
 [[nodiscard]] std::span<const PageFile> page_files();
 
-/// Those which may be seen before the PIN was entered: "/login.html" and what it needs.
+/// Returns the files that need no PIN: "/login.html" and the files that it uses.
 [[nodiscard]] std::span<const PageFile> login_files();
 
 }  // namespace cyclorama

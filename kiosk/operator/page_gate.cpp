@@ -21,7 +21,7 @@ void refuse(int status, const std::string& why, httplib::Response& response) {
   response.set_content(error_json(Error(ErrorCode::kBadData, why)), kJsonType);
 }
 
-/// The session's token; empty: none came.
+/// Returns the session's token; empty if there is none.
 std::string token_in(const httplib::Request& request) {
   const std::string cookies = request.get_header_value("Cookie");
   for (std::size_t at = 0; at < cookies.size();) {
@@ -41,7 +41,7 @@ bool is_loopback_host(const std::string& host) {
   return false;
 }
 
-/// Another page in the same browser may post, but cannot hide where it comes from, nor say that it sends JSON.
+/// Another page in the same browser can post, but cannot hide its origin, nor send the type JSON.
 bool is_from_this_page(const httplib::Request& request) {
   const std::string site = request.get_header_value("Sec-Fetch-Site");
   if (!site.empty() && site != "same-origin" && site != "none") return false;
@@ -55,7 +55,7 @@ bool is_json(const httplib::Request& request) {
   return request.get_header_value("Content-Type").starts_with(kJsonType);
 }
 
-/// True when the request may go on.
+/// Returns true when the request may proceed.
 bool lets_pass(const httplib::Request& request, Sessions* sessions, std::span<const PageFile> login,
                httplib::Response& response) {
   const bool changes = request.method != "GET" && request.method != "HEAD";

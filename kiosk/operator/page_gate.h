@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The door of the operator page.
+/// Access control of the operator page.
 ///
 ///   with a PIN (HTTPS):    POST /login {"pin"} ──▶ a cookie __Host-cyclorama (Secure, HttpOnly, SameSite=Strict)
-///                          everything but the login page asks for it; POST /logout ends it
-///                          while there is none yet, GET /door says why (door_checks.h), and so does /login
-///   without (loopback):    everybody on this computer comes in, by a loopback name alone, so that no foreign name that
-///                          leads here (DNS rebinding) does
+///                          required by everything but the login page; POST /logout ends it
+///                          while there is no PIN yet, GET /door reports why (door_checks.h), and so does /login
+///   without (loopback):    open to everybody on this computer, but only under a loopback name, so that a foreign name
+///                          that resolves to it (DNS rebinding) is refused
 ///
-/// Either way a request that changes something must be JSON, and from this very page if its browser says from where.
+/// In both cases a request that changes something must be JSON, and from this very page if its browser sends its
+/// origin.
 #pragma once
 
 #include <functional>
@@ -24,9 +25,9 @@ class Server;
 
 namespace cyclorama {
 
-/// To be called before the other routes are added. `sessions` is borrowed; null: without a PIN. `login` are the files
-/// that may be seen before the PIN: "/login.html" must be among them. `told` gives what everybody may know: nothing
-/// once there is a PIN. It is called by several threads.
+/// Must be called before the other routes are added. `sessions` is borrowed; null: no PIN. `login` lists the files that
+/// need no PIN and must include "/login.html". `told` returns public findings: nothing once there is a PIN. It is
+/// called by several threads.
 void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login,
            std::function<std::vector<Check>()> told);
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The operator's page over HTTP.
+/// The operator page over HTTP.
 ///
-///   GET  /                           the page; its parts beneath /page.css, /page.js
+///   GET  /                           the page; its other files as /page.css, /page.js
 ///   GET  /status                     status_json.h
-///   GET  /picture/PROCESS/NAME.jpg   the newest picture; NAME may hold '/' (encoded or not). 404: not there (yet)
+///   GET  /picture/PROCESS/NAME.jpg   the newest picture; NAME may hold '/' (encoded or not). 404: none (yet)
 ///   GET  /metrics                    metrics.h
-///   GET  /door                       {"checks": []}: why nobody can enter yet; no PIN is asked for (door_checks.h)
+///   GET  /door                       {"checks": []}: why nobody can log in yet; needs no PIN (door_checks.h)
 ///   POST /steer                      {"forward", "right", "turn"} as application/json; 204
-///   and what museum_routes.h lists.
+///   and those of museum_routes.h.
 ///
 /// Errors are {"error": sentence} with 400, 401 (no PIN was entered: page_gate.h), 403, 404, 413, 415, 421, 429, 502
 /// (the process is away) or 504 (it hangs).
@@ -24,19 +24,19 @@
 
 namespace cyclorama {
 
-/// What a page has besides the watched processes; all of it is borrowed, and each may be null.
+/// A page's parts besides the watched processes. All are borrowed, and each may be null.
 struct PageExtras {
   MuseumDesk* museum = nullptr;
-  Sessions* sessions = nullptr;  ///< Null: no PIN, for this computer alone.
+  Sessions* sessions = nullptr;  ///< Null: no PIN; for this computer only.
   const HttpTls* tls = nullptr;
 };
 
-/// Threads and limits: HttpServer's. Thread-bound.
+/// Threads and limits: as HttpServer. Thread-bound.
 class PageServer {
  public:
-  /// `watch` is borrowed. `address` as for WireServer: "[::1]:8080", port 0 takes a free one.
-  /// Errors as HttpServer::start(); kInvalidArgument  without a PIN the address must be this computer's own (loopback),
-  /// and a PIN needs TLS.
+  /// `watch` is borrowed. `address` as for WireServer: "[::1]:8080"; port 0 takes a free one. Errors: as
+  /// HttpServer::start(); kInvalidArgument if the address is not loopback and there is no PIN, or there is a PIN
+  /// without TLS.
   static Result<std::unique_ptr<PageServer>> start(const std::string& address, Watch* watch,
                                                    const PageExtras& extras = {});
 

@@ -8,12 +8,12 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kNoiseLevels = 6;  // JPEG at quality 92 stays below it on a still picture.
+constexpr int kNoiseLevels = 6;  // Above JPEG's noise at quality 92 on a still picture.
 constexpr double kBlankShare = 0.001;
 constexpr int kGapPx = 4;
 constexpr std::array<std::uint8_t, 3> kGround{16, 14, 12};
 
-/// The median level of each channel.
+/// Returns the median level of each channel.
 std::array<int, 3> middle_of(const RgbImage& picture) {
   std::array<std::array<std::size_t, 256>, 3> counts{};
   const auto values = picture.data();

@@ -18,7 +18,7 @@ constexpr auto kDeadline = std::chrono::seconds(2);
 template <typename Reply, typename Call>
 Result<Reply> ask(const Endpoint& endpoint, Call&& call) {
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + kDeadline);  // gRPC's deadlines are on the system clock.
+  context.set_deadline(std::chrono::system_clock::now() + kDeadline);  // gRPC's deadlines use the system clock.
   Reply reply;
   const grpc::Status status = call(&context, &reply);
   if (!status.ok()) return from_grpc(status, fmt::format("asking {} at {}", endpoint.name, endpoint.address));

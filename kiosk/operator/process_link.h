@@ -11,19 +11,19 @@
 
 namespace cyclorama {
 
-/// One watched process, asked over the wire. It may come and go: each call finds out. Every call blocks for at most two
-/// seconds (Inspection's deadline). Thread-safe.
+/// Connection to one watched process. The process may come and go; each call finds out. Every call blocks for at most
+/// two seconds (Inspection's deadline). Thread-safe.
 class ProcessLink {
  public:
-  /// Does not dial yet. kInvalidArgument  the address is none.
+  /// Does not connect yet. Errors: kInvalidArgument if the address is invalid.
   static Result<ProcessLink> make(Endpoint endpoint);
 
   [[nodiscard]] const Endpoint& endpoint() const { return endpoint_; }
-  /// kUnavailable, kTimedOut  it is away or hangs.
+  /// Errors: kUnavailable if the process is away, kTimedOut if it hangs.
   Result<wire::ProcessStatus> status() const;
-  /// kNotFound  no such picture (yet): it is made once somebody has asked.     Else as status().
+  /// Errors: kNotFound if there is no such picture (yet): it is made after the first request; otherwise as status().
   Result<wire::Picture> picture(const std::string& name) const;
-  /// The tour only. kInvalidArgument  a value beyond [-1, 1].     Else as status().
+  /// For the tour only. Errors: kInvalidArgument for a value beyond [-1, 1]; otherwise as status().
   Status steer(const wire::SteerRequest& request) const;
 
  private:
@@ -36,7 +36,7 @@ class ProcessLink {
 
 Result<std::vector<ProcessLink>> make_links(const std::vector<Endpoint>& endpoints);
 
-/// For people: what an absent process means, and what helps. One or two sentences.
+/// Explains an absent process and the remedy to people, in one or two sentences.
 [[nodiscard]] std::string away_sentence(const Endpoint& endpoint, const Error& error);
 
 }  // namespace cyclorama

@@ -8,15 +8,15 @@
 
 namespace cyclorama {
 
-/// cyclorama realign: has the projectors looked for anew while the show goes on, its cameras' places
-/// found, or the last correction taken back.
+/// cyclorama realign: aligns the projectors anew while the show goes on, locates the fixed cameras, or undoes the last
+/// correction.
 struct RealignCommand {
   std::string calibrator = "[::1]:7410";
   bool places_cameras = false;
   bool undoes = false;
 
   void add_to(CLI::App* app);
-  /// Errors as common/wire/show.proto says.
+  /// Errors: as defined in common/wire/show.proto.
   [[nodiscard]] Status run() const;
 };
 

@@ -36,7 +36,7 @@ void Recording::look_at(const ProcessLink& link, RecordedProcess* process, TimeP
 void Recording::take_picture(const ProcessLink& link, const std::string& name) {
   const std::string& process = link.endpoint().name;
   const auto named = pictures_.find(name);
-  // The first process that has a picture of that name gives it its plain name.
+  // The first process with a picture of this name uses the plain name as the key.
   const std::string key = named == pictures_.end() || named->second.process == process ? name : process + "/" + name;
   if (!pictures_.contains(key) && pictures_.size() >= kMostPictures) return;
   RecordedPicture& picture = pictures_[key];

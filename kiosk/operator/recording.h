@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A stretch of a visit, kept: the newest of each picture, some over time, and what the processes said.
+/// A recorded part of a visit: the newest of each picture, some over time, and the states of the processes.
 #pragma once
 
 #include <map>
@@ -14,40 +14,40 @@
 
 namespace cyclorama {
 
-/// What came of one picture.
+/// Data of one picture.
 struct RecordedPicture {
   std::string process;
   std::string name;
   RgbImage newest;
-  double most_changed = 0.0;       ///< Largest changed_share() between any look and the first.
-  RgbImage first;                  ///< Empty until one came.
-  std::vector<RgbImage> overtime;  ///< Shrunk, one for each tick(); the newest of then.
+  double most_changed = 0.0;       ///< Maximum of changed_share() between any later picture and the first.
+  RgbImage first;                  ///< Empty until one arrives.
+  std::vector<RgbImage> overtime;  ///< Shrunk copies of the newest picture at each tick().
 };
 
-/// What came of one process.
+/// Data of one process.
 struct RecordedProcess {
   Observation last;
-  Duration longest_absence{};  ///< Since it first answered.
+  Duration longest_absence{};  ///< Maximum since its first answer.
   std::optional<TimePoint> away_since;
   bool answered = false;
 };
 
-/// Looks when told to; the caller decides when. Thread-bound.
+/// Takes samples only in look() and tick(), which the caller times. Thread-bound.
 class Recording {
  public:
   explicit Recording(std::vector<ProcessLink> links);
 
-  /// Asks every process for its state and all its pictures; blocks for two seconds at most per process that hangs.
+  /// Requests the state and all pictures of every process; blocks at most two seconds for each process that hangs.
   void look(TimePoint now);
-  /// The newest of each picture takes its place in `overtime`.
+  /// Appends the newest of each picture to its `overtime`.
   void tick();
-  /// Forgets how it was until now, when the visit had not started: absences and changes count from here.
+  /// Resets absences and changes, which count from the start of the visit.
   void begin();
 
   [[nodiscard]] const std::vector<RecordedProcess>& processes() const { return processes_; }
-  [[nodiscard]] const std::map<std::string, RecordedPicture>& pictures() const { return pictures_; }  ///< By name.
+  [[nodiscard]] const std::map<std::string, RecordedPicture>& pictures() const { return pictures_; }  ///< Key: name.
   [[nodiscard]] const wire::ProcessStatus* status_of(std::string_view process) const;
-  /// Frames that were presented up to now, as the tour counts them.
+  /// Returns the number of frames presented so far, as counted by the tour.
   [[nodiscard]] double frames() const;
 
  private:

@@ -19,7 +19,7 @@ constexpr std::size_t kLargestSecretFile = 256 * 1024;
 constexpr std::size_t kMostSecrets = 4000;
 constexpr std::array<std::string_view, 11> kSecretWords{
     "pin", "password", "passwords", "passwd", "secret", "secrets", "token", "phrase", "key", "credential", "auth"};
-// What settings may tell: they are no secrets, or say where one is.
+// Settings that are no secrets, or name the file of one.
 constexpr std::array<std::string_view, 4> kHarmlessKeys{"key", "password_file", "token_file", "has_pin"};
 constexpr std::array<std::string_view, 12> kOpenFiles{".toml", ".crt", ".png",   ".jpg", ".jpeg", ".obj",
                                                       ".pfm",  ".exr", ".mpcdi", ".xml", ".data", ".json"};
@@ -47,7 +47,7 @@ void for_each_line(std::string_view text, Use&& use) {
   }
 }
 
-/// "pin = ..." and "pin: ...", however it is set off; where the value begins, or npos.
+/// Returns where the value of "pin = ..." or "pin: ..." begins, in any notation, or npos.
 std::size_t secret_value_at(std::string_view line) {
   const std::size_t sign = line.find_first_of("=:");
   if (sign == std::string_view::npos) return sign;
@@ -62,7 +62,7 @@ std::size_t secret_value_at(std::string_view line) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
   });
   if (!is_word) return std::string_view::npos;
-  // "pin_code", but not "mapping".
+  // Matches "pin_code", but not "mapping".
   for (std::size_t at = 0; at < key.size();) {
     const std::size_t end = std::min(key.find_first_of("_-.", at), key.size());
     const std::string_view part = std::string_view(key).substr(at, end - at);
@@ -95,7 +95,7 @@ void Redaction::add_secrets_of(const fs::path& folder) {
     const bool is_open = std::find(kOpenFiles.begin(), kOpenFiles.end(), extension) != kOpenFiles.end();
     if (is_open || entry->path().filename().string().starts_with(".")) continue;
     const auto text = read_text_file(entry->path(), kLargestSecretFile);
-    if (!text) continue;  // What this program may not read, it cannot tell either.
+    if (!text) continue;  // What this program may not read cannot get into its texts.
     for_each_line(*text, [&](std::string_view line) {
       if (!begins_pem(line) && !ends_pem(line)) add_secret(line);
     });
@@ -141,7 +141,7 @@ std::string Redaction::cleaned(std::string_view text) const {
       result += std::string(line.substr(0, value)) + " " + kTakenOut + "\n";
     }
   });
-  if (is_pem) result += std::string(kTakenOut) + "\n";  // It was cut: its end is missing.
+  if (is_pem) result += std::string(kTakenOut) + "\n";  // The block lacks its end because the text was cut.
   for (const std::string& secret : secrets_) {
     for (std::size_t at = 0; (at = result.find(secret, at)) != std::string::npos;) {
       result.replace(at, secret.size(), kTakenOut);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Secrets taken out of texts that leave the museum.
+/// Removes secrets from texts that leave the museum.
 #pragma once
 
 #include <filesystem>
@@ -11,16 +11,15 @@
 
 namespace cyclorama {
 
-/// What must not leave, learnt from the settings in use: lines of private keys, words of password files, the PIN's
-/// hash. A value. It takes out, besides those, whatever looks like a secret: blocks of PEM, and the values of settings
-/// whose name has one of the words pin, password, secret, token, key, credential, auth or phrase ("key = " alone is a
-/// path).
+/// Removes the secrets of the settings in use: lines of private keys, words of password files, the PIN's hash. It also
+/// removes whatever looks like a secret: blocks of PEM, and the values of settings whose name has one of the words pin,
+/// password, secret, token, key, credential, auth or phrase ("key = " alone is a path). A value.
 class Redaction {
  public:
-  /// Texts shorter than 4 bytes are not taken for secrets: every word would be torn. Of those of 24 bytes and more,
-  /// such as a line of a key, every part of 16 is taken out too.
+  /// Ignores texts shorter than 4 bytes, which would remove parts of ordinary words. For 24 bytes and more, such as a
+  /// line of a key, every part of 16 bytes is removed too.
   void add_secret(std::string_view secret);
-  /// Every line of every file of `folder`, and of the folders in it, but of settings, certificates, pictures and warps.
+  /// Adds every line of every file in `folder` and its subfolders, except settings, certificates, pictures and warps.
   void add_secrets_of(const std::filesystem::path& folder);
   [[nodiscard]] std::string cleaned(std::string_view text) const;
   [[nodiscard]] std::size_t count() const { return secrets_.size(); }
@@ -28,8 +27,8 @@ class Redaction {
  private:
   [[nodiscard]] std::string without_pieces(const std::string& text) const;
 
-  std::vector<std::string> secrets_;                ///< The longest first.
-  std::set<std::string, std::less<>> pieces_ = {};  ///< Of the long ones.
+  std::vector<std::string> secrets_;                ///< Sorted from long to short.
+  std::set<std::string, std::less<>> pieces_ = {};  ///< Parts of the long secrets.
 };
 
 inline constexpr const char* kTakenOut = "[taken out]";

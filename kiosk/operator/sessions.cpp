@@ -65,7 +65,8 @@ void Sessions::was_wrong(const std::string& network, TimePoint now) {
   const std::lock_guard lock(mutex_);
   wrong_of_all_.take(1.0, now);
   std::erase_if(tries_, [&](const auto& entry) { return now - entry.second.last_at > kForgiveAfter; });
-  if (tries_.size() >= kMostNetworks) tries_.erase(tries_.begin());  // The limit of all together still holds.
+  // The limit for all networks together still holds.
+  if (tries_.size() >= kMostNetworks) tries_.erase(tries_.begin());
   Tries& tries = tries_[network];
   ++tries.wrong;
   tries.last_at = now;
@@ -93,7 +94,7 @@ Result<std::string> Sessions::open(std::string_view pin, const std::string& from
   if (!hash) return hash.error();
   std::string plain;
   for (const char c : pin) {
-    if (c != ' ') plain += c;  // As in operator.toml: people write PINs in groups.
+    if (c != ' ') plain += c;  // Spaces are ignored, as in operator.toml: people write PINs in groups.
   }
   TRY_ASSIGN(const bool is_right, is_pin(plain, *hash));
   const TimePoint now = clock_.now();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Who may use the operator page: those who entered the PIN, for a while.
+/// Sessions of the operator page: access for a while to those who entered the PIN.
 #pragma once
 
 #include <filesystem>
@@ -16,27 +16,29 @@ namespace cyclorama {
 
 struct SessionRules {
   Duration longest = std::chrono::hours(12);
-  Duration idle = std::chrono::minutes(30);          ///< Without a request; an open page makes some every second.
-  std::size_t most = 32;                             ///< The one that was idle the longest makes room.
-  int free_tries = 3;                                ///< Wrong PINs of one network before it has to wait.
-  Duration first_wait = std::chrono::seconds(2);     ///< Doubles with each further wrong one,
-  Duration longest_wait = std::chrono::minutes(10);  ///< up to this.
-  double tries_per_minute = 10.0;                    ///< Of everybody together: 10^6 PINs take two months,
-  double tries_at_once = 30.0;                       ///< but for these.
+  /// Maximum time without a request; an open page sends some every second.
+  Duration idle = std::chrono::minutes(30);
+  std::size_t most = 32;  ///< Maximum number of sessions; beyond it the one idle for longest is closed.
+  int free_tries = 3;     ///< Number of wrong PINs from one network before it has to wait.
+  Duration first_wait = std::chrono::seconds(2);  ///< Doubles with each further wrong PIN, up to longest_wait.
+  Duration longest_wait = std::chrono::minutes(10);
+  double tries_per_minute = 10.0;  ///< Rate for all networks together: 10^6 PINs take two months.
+  double tries_at_once = 30.0;     ///< Burst that the rate allows at first.
 };
 
-/// Thread-safe. Tries of PINs are looked at one after the other, so that many at once cost no more memory than one.
+/// Thread-safe. PINs are checked one at a time, so that many concurrent attempts use no more memory than one.
 class Sessions {
  public:
-  /// `pin_file` holds what hashed_pin() makes; it is read at every try, so another stick's PIN holds from then on.
-  /// `clock` is borrowed.
+  /// `pin_file` holds the result of hashed_pin(); it is read at every attempt, so that a new PIN from a USB stick
+  /// counts at once. `clock` is borrowed.
   Sessions(const Clock& clock, std::filesystem::path pin_file, SessionRules rules = {});
 
-  /// A new session's token: 256 random bits in hexadecimal. `from` is the peer's address; all of an IPv6 /64 are one.
-  /// kInvalidArgument  a wrong PIN.     kBusy  too many wrong ones: says how long to wait, and the PIN was not looked
-  /// at. kNotFound  no PIN was provisioned.     kBadData, kSystem  the file.
+  /// Returns a new session's token: 256 random bits in hexadecimal. `from` is the peer's address; all of an IPv6 /64
+  /// count as one. Errors: kInvalidArgument if the PIN is wrong; kBusy, with the time to wait, after too many wrong
+  /// ones, and the PIN is not checked; kNotFound if no PIN was provisioned; kBadData, kSystem if the file cannot be
+  /// read.
   Result<std::string> open(std::string_view pin, const std::string& from);
-  /// True for a session's token; it then is not idle.
+  /// Returns true for a session's token, and marks the session as used.
   [[nodiscard]] bool is_open(std::string_view token);
   void close(std::string_view token);
 
@@ -57,14 +59,14 @@ class Sessions {
   const Clock& clock_;
   const std::filesystem::path pin_file_;
   const SessionRules rules_;
-  std::mutex trying_;  ///< One PIN at a time.
+  std::mutex trying_;  ///< Serialises the checks of PINs.
   std::mutex mutex_;   ///< Guards the following.
   std::map<std::string, Session, std::less<>> sessions_;
   std::map<std::string, Tries> tries_;
   TokenBucket wrong_of_all_;
 };
 
-/// "192.0.2.7", or the first half of an IPv6 address, which one household or hall has: "2001:db8:0:1".
+/// Returns "192.0.2.7", or the first half of an IPv6 address, which one household or hall shares: "2001:db8:0:1".
 [[nodiscard]] std::string network_of(const std::string& address);
 
 }  // namespace cyclorama

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Bytes that are not UTF-8 are replaced: a peer's text must not end a page.
+/// Replaces bytes that are not UTF-8: a peer's text must not break a page.
 std::string dumped(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace); }
 
 Json stage_json(const wire::Stage& stage) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// JSON in and out, for pages and scripts.
+/// JSON for pages and scripts, written and parsed.
 #pragma once
 
 #include <string>
@@ -19,8 +19,8 @@ namespace cyclorama {
 /// A value that is not finite is null.
 [[nodiscard]] std::string status_json(const std::vector<Observation>& observations);
 
-/// { "forward": 0..., "right": 0..., "turn": 0... }; each may be left out and is then 0.
-/// kBadData  not such JSON, another key, or a number beyond [-1, 1]: the message names it.
+/// Parses { "forward": 0..., "right": 0..., "turn": 0... }; an absent key counts as 0. Errors: kBadData, with the key,
+/// for other JSON, another key, or a number beyond [-1, 1].
 Result<wire::SteerRequest> parse_steer(std::string_view json);
 
 }  // namespace cyclorama

@@ -9,10 +9,10 @@
 
 namespace cyclorama {
 
-/// For a terminal: each part with its state, then the stages from shutter to photon.
+/// Returns a table for a terminal: each part with its state, then the stages from shutter to photon.
 [[nodiscard]] std::string status_table(const std::vector<Observation>& observations);
 
-/// The same at the end of a recording, with its frame rate.
+/// Returns the same table at the end of a recording, with its frame rate.
 [[nodiscard]] std::string status_table_of(const Recording& recording, const RecordedSpan& span);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A recording judged and written down.
+/// Judges a recording and writes it to a folder.
 #pragma once
 
 #include <filesystem>
@@ -14,15 +14,14 @@ namespace cyclorama {
 
 struct RecordedSpan {
   double seconds = 0.0;
-  double frames = 0.0;         ///< Presented within it.
-  double frames_wanted = 1.0;  ///< At least so many, else it is a problem.
-  /// From a start that the caller named to the first presented frame.
+  double frames = 0.0;         ///< Frames presented within the recording.
+  double frames_wanted = 1.0;  ///< Minimum number of frames; fewer are a problem.
+  /// Time from the start that the caller named to the first presented frame.
   std::optional<double> first_picture_s;
 };
 
-/// One sentence for each part that did not work; none when all did:
-/// no or too few frames; a picture that is missing, blank or (wall, panorama) frozen; a process away or unhealthy; no
-/// pose.
+/// Returns one sentence for each part that did not work: no or too few frames; a picture that is missing, blank or
+/// (wall, panorama) frozen; a process away or unhealthy; no pose. Empty when everything worked.
 [[nodiscard]] std::vector<std::string> problems_of(const Recording& recording, const RecordedSpan& span);
 
 /// { scene, title, triangles, nodes, seconds, frames, fps, bytes_per_frame, balance_efficiency, first_picture_s,
@@ -32,8 +31,8 @@ struct RecordedSpan {
 [[nodiscard]] std::string summary_json(const Recording& recording, const RecordedSpan& span,
                                        const std::vector<std::string>& problems);
 
-/// panorama.png, projector-NAME.png, wall.png, camera.png, wall-over-time.png and summary.json, in a folder that is
-/// made if need be. kSystem  it cannot be written.
+/// Writes panorama.png, projector-NAME.png, wall.png, camera.png, wall-over-time.png and summary.json into a folder,
+/// which is made if needed. Errors: kSystem if it cannot be written.
 Status write_recording(const Recording& recording, const std::filesystem::path& folder, const std::string& summary);
 
 }  // namespace cyclorama

@@ -24,7 +24,7 @@ constexpr std::size_t kMostJournalRead = std::size_t{64} << 20;
 
 using Members = std::map<std::string, std::string>;
 
-/// The archive, from texts that must outlive the call.
+/// Returns the archive of the texts, which must outlive the call.
 Result<std::string> zipped(const Members& members) {
   const Error failed(ErrorCode::kSystem, "the support bundle cannot be made; is there enough memory?");
   zip_source_t* const whole = zip_source_buffer_create(nullptr, 0, 0, nullptr);
@@ -34,7 +34,7 @@ Result<std::string> zipped(const Members& members) {
     zip_source_free(whole);
     return failed;
   }
-  zip_source_keep(whole);  // Closing the archive lets go of it, and what was written is still to be read.
+  zip_source_keep(whole);  // Closing the archive releases the source, but what was written must still be read.
   const std::unique_ptr<zip_source_t, void (*)(zip_source_t*)> owner(whole, zip_source_free);
   for (const auto& [name, text] : members) {
     zip_source_t* const source = zip_source_buffer(archive, text.data(), text.size(), 0);
@@ -93,7 +93,7 @@ void add_journal(const SupportOrder& order, const Redaction& redaction, Members*
   }
   if (journal->exit_code != 0) *problems += fmt::format("journal.txt: it ended with {}\n", journal->exit_code);
   std::string text = journal->output;
-  // Before it is cut: half a secret is not known for one.
+  // Redacts before truncation, since half a secret would not be recognised.
   text = redaction.cleaned(text);
   if (text.size() > order.most_journal_bytes) {
     const std::size_t from = text.find('\n', text.size() - order.most_journal_bytes);

@@ -48,7 +48,7 @@ Status UpdateCommand::run(const StopSignal& stop) const {
   TRY(write_file_atomically(wish, std::string_view("\n")));
   const SteadyClock clock;
   const TimePoint deadline = clock.now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(wait_s));
-  // Taken up when the wish is gone; over when the updater has said anything but that it is at work.
+  // The updater has begun when the request file is gone, and is done when it reports any state but checking or loading.
   bool is_over = false;
   UpdateStatus status;
   while (!is_over && clock.now() < deadline && !stop.wait_until(clock.now() + kBetweenLooks)) {

@@ -9,15 +9,15 @@
 
 namespace cyclorama {
 
-/// cyclorama update: what the operator page's button does, and what came of it.
+/// cyclorama update: does the same as the operator page's button, and prints the result.
 struct UpdateCommand {
   std::string wishes = "/run/cyclorama-wishes";
   std::string museum = "/var/lib/cyclorama";
   double wait_s = 3600.0;
 
   void add_to(CLI::App* app);
-  /// Prints. kNotFound  this computer's software is not kept by the museum image.     kTimedOut  no answer came.
-  /// kUnavailable  it came to nothing, and why.
+  /// Prints the result. Errors: kNotFound if this computer does not run the museum image; kTimedOut if no answer came;
+  /// kUnavailable, with the reason, if the update failed.
   [[nodiscard]] Status run(const StopSignal& stop) const;
 };
 

@@ -7,7 +7,7 @@ namespace cyclorama {
 namespace {
 
 constexpr double kPointsPerMm = 72.0 / 25.4;
-/// Font size over the distance of lines.
+/// Ratio of font size to line distance.
 constexpr double kFontShare = 0.75;
 
 std::string escaped(std::string_view words) {
@@ -63,7 +63,7 @@ std::string to_pdf(const std::vector<VectorPage>& pages) {
     places.push_back(file.size());
     file += fmt::format("{} 0 obj\n{}\nendobj\n", places.size(), body);
   };
-  constexpr int kFirstPage = 4;  // After catalogue, list of pages and font; each page is followed by its content.
+  constexpr int kFirstPage = 4;  // Follows catalogue, list of pages and font; each page is followed by its content.
   std::string kids;
   for (std::size_t i = 0; i < pages.size(); ++i) kids += fmt::format("{} 0 R ", kFirstPage + 2 * i);
   add_object("<< /Type /Catalog /Pages 2 0 R >>");

@@ -8,26 +8,28 @@
 
 namespace cyclorama {
 
-/// A place on a page, in millimetres from its upper left corner.
+/// A point on a page, in millimetres from its upper left corner.
 struct PagePoint {
   double x_mm = 0.0;
   double y_mm = 0.0;
 };
 
-/// One page of lines, areas and words, for print: what is drawn has its size on paper. A value.
+/// One page of lines, areas and words for print, drawn at its size on paper. A value.
 class VectorPage {
  public:
-  /// Precondition: both are more than 0.
+  /// Precondition: both are positive.
   VectorPage(double width_mm, double height_mm) : width_mm_(width_mm), height_mm_(height_mm) {}
 
   [[nodiscard]] double width_mm() const { return width_mm_; }
   [[nodiscard]] double height_mm() const { return height_mm_; }
 
   void line(const std::vector<PagePoint>& points, double thickness_mm, bool dashed = false);
-  /// One area of several rectangles (left above, right below), with no seam where they touch. 0 is black.
+  /// Fills several rectangles (upper left, lower right corner) as one area, without a seam where they touch. 0 is
+  /// black.
   void fill(const std::vector<std::pair<PagePoint, PagePoint>>& rectangles, double grey);
   void fill(const std::vector<PagePoint>& polygon, double grey);
-  /// Helvetica, `height_mm` from line to line; starts at `at`, on its base line. ASCII; other bytes become '?'.
+  /// Draws text in Helvetica, `height_mm` from line to line, from `at` along its base line. ASCII; other bytes become
+  /// '?'.
   void text(const PagePoint& at, double height_mm, std::string_view words);
 
  private:
@@ -39,7 +41,7 @@ class VectorPage {
   std::string content_;  ///< PDF operators.
 };
 
-/// A PDF 1.4 file (ISO 32000-1): one content stream per page, the standard font Helvetica, nothing else.
+/// Returns a PDF 1.4 file (ISO 32000-1): one content stream per page, the standard font Helvetica, nothing else.
 [[nodiscard]] std::string to_pdf(const std::vector<VectorPage>& pages);
 
 }  // namespace cyclorama

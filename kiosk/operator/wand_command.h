@@ -9,7 +9,7 @@
 
 namespace cyclorama {
 
-/// cyclorama wand: what visitors hold, to print and to describe.
+/// cyclorama wand: prints and describes a wand.
 struct WandCommand {
   std::optional<std::string> print;
   std::optional<std::string> describe;
@@ -17,7 +17,7 @@ struct WandCommand {
   int number = 0;
 
   void add_to(CLI::App* app);
-  /// kInvalidArgument  nothing was asked for.     Others as write_file_atomically().
+  /// Errors: kInvalidArgument if no output was requested; otherwise as write_file_atomically().
   [[nodiscard]] Status run() const;
 };
 

@@ -10,7 +10,7 @@
 
 namespace cyclorama {
 
-/// A size of paper, held broad, and how much larger than FoldedCard's default the card on it is.
+/// A paper size in landscape, and the scale of its card relative to FoldedCard's default.
 struct Paper {
   std::string_view name;
   double width_mm;
@@ -19,10 +19,11 @@ struct Paper {
 };
 [[nodiscard]] const std::vector<Paper>& papers();
 
-/// The sheet to print, cut and fold, and a page that says how. Preconditions: as standard_wand(); the card fits.
+/// Returns the sheet to print, cut and fold, and a page of instructions. Preconditions: as standard_wand(); the card
+/// fits.
 [[nodiscard]] std::vector<VectorPage> wand_sheet(int number, const Paper& paper);
 
-/// The card that a sheet of this paper gives.
+/// Returns the card that a sheet of this paper gives.
 [[nodiscard]] FoldedCard card_on(const Paper& paper);
 
 }  // namespace cyclorama

@@ -15,8 +15,8 @@
 
 namespace cyclorama {
 
-/// Looks at all processes, so that any number of pages costs each process two questions a second. Thread-safe.
-/// Threads: one per process, named by it, asking twice a second; a process that hangs delays nobody else.
+/// Polls all processes, so that each gets two requests a second however many pages are open. Thread-safe. Threads: one
+/// per process, named after it, polling twice a second; a process that hangs delays no other.
 class Watch {
  public:
   explicit Watch(std::vector<ProcessLink> links);
@@ -24,17 +24,18 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// In the order of the links.
+  /// Returns the observations in the order of the links.
   [[nodiscard]] std::vector<Observation> observations() const;
-  /// As ProcessLink::picture(), but at most ten times a second for one picture, whoever asks. kNotFound  also for a
-  /// process that is not watched.
+  /// As ProcessLink::picture(), but at most ten requests a second for one picture from all callers together. Errors:
+  /// kNotFound also for a process that is not watched.
   Result<std::shared_ptr<const wire::Picture>> picture(const std::string& process, const std::string& name);
-  /// As ProcessLink::steer(). kNotFound  no tour is watched.
+  /// As ProcessLink::steer(). Errors: kNotFound if no tour is watched.
   Status steer(const wire::SteerRequest& request) const;
 
  private:
   using Picture = Result<std::shared_ptr<const wire::Picture>>;
-  /// Pages that ask while the process is being asked wait for the same answer, at most as long as that call may last.
+  /// Pages that request a picture while one is on its way wait for the same answer, at most as long as that call may
+  /// take.
   struct Shown {
     std::shared_future<Picture> answer;
     TimePoint asked_at{};

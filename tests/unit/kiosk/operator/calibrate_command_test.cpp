@@ -59,7 +59,7 @@ class Calibrating : public ::testing::Test {
     return {std::move(status), out, ::testing::internal::GetCapturedStderr()};
   }
 
-  StopSignal stop_;  // First: it blocks the signals for all threads.
+  StopSignal stop_;  // Must be first: it blocks the signals for all threads.
   FakeCalibrator calibrator_;
 };
 
@@ -122,7 +122,7 @@ TEST_F(Calibrating, cancels_the_call_when_it_is_told_to_stop) {
   sigemptyset(&interrupts);
   sigaddset(&interrupts, SIGINT);
   const timespec now{};
-  ::sigtimedwait(&interrupts, nullptr, &now);  // The next test begins unasked.
+  ::sigtimedwait(&interrupts, nullptr, &now);  // Removes a pending signal before the next test.
 }
 
 TEST_F(Calibrating, fails_with_the_calibrators_own_words) {

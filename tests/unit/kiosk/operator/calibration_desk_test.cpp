@@ -24,7 +24,7 @@ struct Desk {
     desk = *std::move(made);
   }
   [[nodiscard]] nlohmann::json now() const { return nlohmann::json::parse(desk->json()); }
-  /// The first answer with another state than "running".
+  /// Returns the first answer with a state other than "running".
   [[nodiscard]] nlohmann::json end() const {
     const TimePoint deadline = SteadyClock().now() + 20s;
     while (now()["state"] == "running" && SteadyClock().now() < deadline) std::this_thread::yield();

@@ -37,7 +37,7 @@ void set_gauge(Observation* process, const std::string& name, double value) {
   gauge->set_value(value);
 }
 
-/// All is well, until a test spoils it.
+/// Returns findings without any problem; tests change one part.
 Findings well() {
   Findings findings;
   findings.processes = {process("tour", true, "Visiting."), process("display", true, "Shows the tour."),
@@ -80,7 +80,7 @@ TEST(Checks, find_nothing_where_all_is_well) {
   EXPECT_GE(checks_of(well()).size(), 12u);
 }
 
-/// One thing that is not well: what it must be called, and that there is a remedy.
+/// One problem: the id and level that its check must have, and how to cause it.
 struct Trouble {
   const char* id;
   Level level;

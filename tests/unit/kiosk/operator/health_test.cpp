@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A display of two lit heads, and a tour whose farm is away.
+/// A display with two lit heads, and a tour whose farm is away.
 struct Museum {
   FakeProcess tour{"tour"};
   FakeProcess display{"display"};

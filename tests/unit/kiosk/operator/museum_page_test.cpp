@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The page as a museum has it: HTTPS, a PIN, and what it may be asked for.
+/// Tests of the operator page of a museum: HTTPS, a PIN, and its requests.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Json = nlohmann::json;
 
-/// All names and contents of an archive.
+/// Returns the names and contents of an archive.
 std::map<std::string, std::string> unzipped(const std::string& bytes) {
   std::map<std::string, std::string> members;
   zip_source_t* const source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, nullptr);
@@ -252,7 +252,7 @@ TEST(MuseumPage, keeps_open_or_closed_for_once_and_takes_that_back) {
   EXPECT_EQ(schedule()["open"], false);
   EXPECT_THAT(schedule()["override"]["until"], HasSubstr("10:00")) << "its next opening";
   const WallTime now = std::chrono::system_clock::now();
-  // In an hour, by the museum's clocks.
+  // In an hour, in the museum's time zone.
   const auto hours = read_opening_hours(MuseumState{page.stick.root()}.site());
   ASSERT_TRUE(hours);
   const std::string until = absl::FormatTime("%H:%M", absl::FromChrono(now + std::chrono::hours(1)), hours->zone());
@@ -280,7 +280,7 @@ TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
   page.stick.write("calibrator.toml", "# open-sesame-9\nturnplate = \"manual\"\n");
   fs::create_directories(page.stick.stick() / "cameras");
   page.stick.write("cameras/left.json", "{\"camera\": \"open-sesame-9\"}");
-  // Where secrets may have gone by mistake.
+  // Files into which people may write secrets by mistake.
   const auto key = read_text_file(museum_certificates().key, 1 << 20);
   ASSERT_TRUE(key);
   const std::string inner_line = key->substr(key->find('\n') + 1, 40);

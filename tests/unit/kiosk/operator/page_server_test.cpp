@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The page over real HTTP, with processes that only show themselves.
+/// Tests of the page over real HTTP, with processes that only report their state.
 #include "kiosk/operator/page_server.h"
 
 #include <fmt/format.h>

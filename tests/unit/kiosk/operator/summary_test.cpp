@@ -19,7 +19,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A museum in which all is well, until a test breaks one part.
+/// A museum without any problem; tests break one part.
 struct Museum {
   std::optional<FakeProcess> tour{std::in_place, "tour"};
   std::optional<FakeProcess> display{std::in_place, "display"};
@@ -152,7 +152,7 @@ TEST(Summary, tells_of_a_process_that_was_away_for_a_while) {
   for (int i = 0; i < 6; ++i) museum.look();
   museum.tracker.emplace("tracker", port);
   museum.tracker->inspection.set_picture("camera", ramp_picture(7));
-  // The channel dials again with a back-off.
+  // The channel reconnects with a back-off.
   for (int i = 0; i < 100'000 && museum.recording->processes()[2].last.away; ++i) museum.look();
   EXPECT_THAT(museum.problems(), ElementsAre(HasSubstr("tracker did not answer for")));
 }
@@ -189,7 +189,7 @@ TEST(PictureCheck, tells_blank_from_dark) {
   RgbImage dark(100, 100);
   EXPECT_TRUE(is_blank(dark));
   EXPECT_TRUE(is_blank(RgbImage()));
-  for (int i = 0; i < 100; ++i) dark.at(i, 50)[1] = 40;  // One lamp's glow.
+  for (int i = 0; i < 100; ++i) dark.at(i, 50)[1] = 40;  // The light of one lamp.
   EXPECT_FALSE(is_blank(dark));
   EXPECT_TRUE(is_blank(RgbImage(50, 50, 200)));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The printed sheet is looked at as a camera would: its black areas are rasterised from the PDF and searched for tags.
+/// Tests of the printed sheet as a camera sees it: its black areas are rasterised from the PDF and searched for tags.
 #include "kiosk/operator/wand_sheet.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ namespace {
 constexpr double kPixelsPerPoint = 2.0;
 constexpr double kPixelsPerMm = kPixelsPerPoint * 72.0 / 25.4;
 
-/// The first page's rectangles, black on white.
+/// Returns the first page's rectangles, black on white.
 GreyImage rasterised(const std::string& pdf, const Paper& paper) {
   GreyImage picture(static_cast<int>(paper.width_mm * kPixelsPerMm), static_cast<int>(paper.height_mm * kPixelsPerMm),
                     255);
@@ -60,7 +60,7 @@ TEST(BoardSheet, shows_a_camera_all_corners_at_their_places) {
     for (std::size_t i = 0; i < view->board_m.size(); ++i) {
       const Eigen::Vector2d expected =
           1e3 * (view->board_m[i] - middle_m) + 0.5 * Eigen::Vector2d(paper.width_mm, paper.height_mm);
-      // The page is cut to whole pixels, and edges are too: 1.4 pixels, of 0.18 mm.
+      // The page is cut to whole pixels, and so are edges: the tolerance is 1.4 pixels of 0.18 mm.
       EXPECT_LE((view->camera_px[i] / kPixelsPerMm - expected).norm(), 0.27) << paper.name;
     }
   }

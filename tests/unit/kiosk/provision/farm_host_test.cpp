@@ -26,7 +26,7 @@ constexpr const char* kNode =
     "heads = [\"[2001:db8::1]:7402\"]\n[tls]\nauthority = \"tls-node/authority.crt\"\ncertificate = "
     "\"tls-node/certificate.crt\"\nkey = \"tls-node/key.pem\"\n";
 
-/// One for all tests: it takes seconds to make.
+/// Shared by all tests, since it takes seconds to make.
 TestAuthority& authority() {
   static TestAuthority made;
   return made;
@@ -40,7 +40,7 @@ const TlsFiles& node_certificates() {
   return files;
 }
 
-/// A render host's stick: head, node, and a scene of the head's.
+/// A render host's USB stick: coordinator, node, and a scene of the coordinator.
 class FarmStick {
  public:
   FarmStick() {

@@ -113,7 +113,7 @@ TEST(Provision, has_nothing_to_bring_back_after_the_first_stick) {
   EXPECT_EQ(store->in_use(), "000001");
 }
 
-/// Each way to spoil a stick, and what the report must say of it.
+/// One way to spoil a USB stick, and what the report must contain.
 struct Spoilt {
   const char* name;
   void (*spoil)(const MuseumStick&);
@@ -219,7 +219,7 @@ TEST(Provision, tells_every_mistake_at_once) {
   EXPECT_EQ(report.in_use, "");
 }
 
-/// The operator page tells problems to whoever stands at its door, while no PIN is in use.
+/// The operator page's login shows problems to everybody while no PIN is in use.
 TEST(Provision, quotes_no_secret_however_it_was_written) {
   constexpr const char* kSecret = "739914";
   const MuseumStick museum;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The power fails, or the disk is full, at every step of the way.
+/// Tests in which the power fails, or the disk is full, at every step.
 #include "kiosk/provision/settings_store.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr int kPowerCut = 77;
 
-/// What a child process ended with.
+/// Returns the exit code of a child process that does the work.
 int in_a_child(const std::function<int()>& work) {
   const pid_t pid = ::fork();
   if (pid == 0) ::_exit(work());
@@ -30,7 +30,7 @@ int in_a_child(const std::function<int()>& work) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// Dies at the step of that number, as if the power had failed; 0 if there are not so many.
+/// Exits at the given step, as if the power had failed; returns 0 if there are fewer steps.
 int install_until(const MuseumStick& museum, int last_step) {
   return in_a_child([&] {
     int steps = 0;
@@ -41,7 +41,7 @@ int install_until(const MuseumStick& museum, int last_step) {
   });
 }
 
-/// All files of what is in use belong together.
+/// Expects all files in use to belong to one set.
 void expect_whole(const MuseumStick& museum, const std::string& where) {
   auto store = SettingsStore::open(museum.root());
   ASSERT_TRUE(store) << where;
@@ -73,11 +73,11 @@ TEST(SettingsStore, has_one_whole_set_in_use_whenever_the_power_fails) {
     const std::string now = museum.in_use("site.toml");
     EXPECT_TRUE(now == before || now == MuseumStick::site(museum_name)) << "neither the old nor the new";
     old_ones += now == before ? 1 : 0;
-    // The next try gets on, whatever the cut left.
+    // The next attempt succeeds whatever the power cut left.
     const ProvisioningReport again = museum.install();
     EXPECT_EQ(again.verdict, now == before ? Verdict::kInstalled : Verdict::kUnchanged);
     EXPECT_EQ(museum.in_use("site.toml"), MuseumStick::site(museum_name));
-    // And the settings of before are still there.
+    // The previous settings are still there.
     auto store = SettingsStore::open(museum.root());
     ASSERT_TRUE(store);
     ASSERT_TRUE(store->restore());
@@ -135,7 +135,7 @@ TEST(SettingsStore, keeps_the_old_settings_when_a_file_cannot_be_written_whole) 
   }
 }
 
-/// Root may have them; others as root of a user namespace.
+/// Returns true if this process may mount: as root, or as root of a user namespace.
 bool has_own_mounts() {
   if (::unshare(CLONE_NEWNS) == 0) return true;
   const std::string map = "0 " + std::to_string(::geteuid()) + " 1";
@@ -146,7 +146,7 @@ bool has_own_mounts() {
   return std::fclose(file) == 0 && is_written;
 }
 
-/// A disk of its own, where this user may have one.
+/// Needs permission to mount a disk of its own.
 TEST(SettingsStore, keeps_the_old_settings_on_a_disk_that_is_full) {
   const MuseumStick museum;
   const std::string size = "size=256k,nr_inodes=200";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a real head to a folder, over gRPC on [::1].
+// Tests of a download from a real coordinator into a folder, over gRPC on [::1].
 #include "kiosk/update/fetch_update.h"
 
 #include <gmock/gmock.h>
@@ -22,9 +22,9 @@ constexpr const char* kImage = "cyclorama-museum";
 constexpr const char* kKernel = "cyclorama-museum_2.0.efi";
 constexpr const char* kRoot = "cyclorama-museum_2.0_0b.root.raw";
 constexpr const char* kHashes = "cyclorama-museum_2.0_0c.verity.raw";
-constexpr std::size_t kRootBytes = 3'000'000;  // Some pieces.
+constexpr std::size_t kRootBytes = 3'000'000;  // Several pieces.
 
-/// A farm's folder of updates, signed, and a museum's computer that asks for them.
+/// A farm's folder of signed updates, and a museum's computer that requests them.
 class Farm {
  public:
   Farm() {
@@ -175,7 +175,7 @@ TEST(FetchUpdate, has_nothing_to_do_for_an_old_version_or_one_that_failed_here) 
   order = farm.order();
   order.not_again = "2.0";
   EXPECT_THAT(farm.fetch(order)->sentence, HasSubstr("2.0 or a newer version was here already"));
-  order.not_again = "3.0";  // It went back, and the farm gives out the one before.
+  order.not_again = "3.0";  // The computer was rolled back, and the farm offers the previous version.
   EXPECT_THAT(farm.fetch(order)->sentence, HasSubstr("2.0 or a newer version was here already"));
   order = farm.order();
   order.image = "cyclorama-farm-host";
@@ -243,7 +243,7 @@ TEST(FetchUpdate, is_for_museums_that_are_granted_it) {
   EXPECT_FALSE(farm.fetch(farm.order())) << "without a certificate";
 }
 
-/// A head that says what the test wants.
+/// A coordinator that replies with the test's offer.
 class LyingHead final : public wire::Updates::Service {
  public:
   explicit LyingHead(wire::UpdateOffer offer) : offer_(std::move(offer)) {}

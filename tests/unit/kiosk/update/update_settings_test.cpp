@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// On 24 November 2026, a Tuesday, in Zurich (an hour ahead of UTC).
+/// Returns a time on 24 November 2026, a Tuesday, in Zurich (an hour ahead of UTC).
 WallTime at(int hour, int minute = 0) {
   return absl::ToChronoTime(absl::FromCivil(absl::CivilMinute(2026, 11, 24, hour, minute), absl::FixedTimeZone(3600)));
 }

@@ -13,8 +13,8 @@ namespace {
 using namespace std::chrono_literals;
 using Pose = RigidTransform<frame::Camera, frame::Tag>;
 
-/// Built from where head and hips are in the ROOM as the visitor sees it: x to the visitor's right, y up; with no
-/// formula of the code under test.
+/// Returns a pose built from the positions of head and hips in the ROOM as the visitor sees it (x to the visitor's
+/// right, y up), without any formula of the code under test.
 Pose standing_at(double right_m, double distance_m, double head_to_the_right_m) {
   const Eigen::Vector3d upwards = Eigen::Vector3d(head_to_the_right_m, 0.8, 0.0).normalized();
   // The camera's x is the room's -x, its y the room's -y, and the body's y is downwards.
@@ -62,7 +62,7 @@ TEST(BodySteering, gives_way_to_a_wand_and_does_not_take_from_one) {
   TimePoint now(100s);
   VisitWalk walk = after({}, SceneOpened{"plain", {}}, now, settings);
   const Pose leaning = standing_at(0, 2.0, 0.3);
-  const Pose wand(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5});  // Near: forward.
+  const Pose wand(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5});  // Near the camera: forward.
   walk = after(walk, seen_by(1, 1, true, leaning), now += 30ms, settings);
   EXPECT_GT(walk.navigation.tag_wish.turn, 0.0);
   for (std::uint64_t i = 2; i < 40; ++i) {

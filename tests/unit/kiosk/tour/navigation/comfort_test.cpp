@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is shown, measured: views alone, sixty a second, for whatever a hand does.
+/// Measures the comfort limits on the displayed views alone, sixty a second, for arbitrary hand movements.
 #include "kiosk/tour/navigation/comfort.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ std::shared_ptr<const WalkableArea> area_of(std::vector<Vector2d> corners,
   return std::make_shared<const WalkableArea>(*std::move(area));
 }
 
-/// A hall with a pillar and a passage of a metre, to stops in both rooms.
+/// Returns a hall with a pillar and a passage one metre wide, with stops in both rooms.
 Site hall(double scale) {
   const auto s = [scale](double x, double z) { return Vector2d(scale * x, scale * z); };
   Site site;
@@ -40,7 +40,7 @@ struct Shown {
   Duration guided{};
 };
 
-/// A visit of so many steps, with pictures thirty times a second.
+/// Simulates a visit of `steps` steps, with pictures thirty times a second.
 Shown visit(std::uint64_t seed, double scale, Duration step, int steps, bool odd_stamps) {
   RandomHand::Habits habits;
   habits.odd_stamps = odd_stamps;
@@ -132,7 +132,7 @@ TEST(Comfort, slows_down_towards_a_wall_instead_of_running_into_it) {
 TEST(Comfort, slides_along_a_wall_at_the_speed_that_is_left) {
   const auto area = area_of({{-50, -5}, {50, -5}, {50, 5}, {-50, 5}});
   Walker walker;
-  walker.heading_rad = std::numbers::pi / 4;  // To the right and ahead, where the wall is.
+  walker.heading_rad = std::numbers::pi / 4;  // To the right and ahead, towards the wall.
   for (int i = 0; i < 60 * 20; ++i) walker = walked(walker, {1, 0, 0}, 16'666'667ns, WalkLimits{}, 1.0, area.get());
   EXPECT_NEAR(walker.place_m.y(), -5.0, 0.11);
   const Vector2d velocity = walker.velocity_m_per_s.x() * right_of(walker.heading_rad) +
@@ -145,7 +145,7 @@ TEST(Comfort, does_not_bump_into_a_wall_when_it_glides_to_rest_beside_it_while_t
   const auto area = area_of({{-50, -5}, {50, -5}, {50, 5}, {-50, 5}});
   Walker walker;
   walker.place_m = {-20, -4.5};
-  walker.heading_rad = std::numbers::pi / 2;  // Along the wall, which is to the left.
+  walker.heading_rad = std::numbers::pi / 2;  // Along the wall, which is on the left.
   ViewMeter meter(1.0);
   TimePoint now(1s);
   for (int i = 0; i < 60 * 12; ++i) {

@@ -29,7 +29,7 @@ TagPose tag_at(double camera_x, double distance, double yaw) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY())), {camera_x, 0, distance}};
 }
 
-/// Moves a navigation on, with checks that hold always: never NaN, never faster, never a jump.
+/// Advances a navigation and checks invariants: never NaN, never too fast, never a jump.
 struct Walk {
   Site site = square_site();
   NavigationSettings settings;
@@ -54,7 +54,7 @@ struct Walk {
     ASSERT_LE(std::abs(after.heading_rad - before.heading_rad), limits.turn_rad_per_s * seconds + 1e-9);
     ASSERT_LE(std::abs(after.turn_rate_rad_per_s - before.turn_rate_rad_per_s),
               limits.turn_acceleration_rad_per_s2 * seconds + 1e-6);
-    // Only a wall may stop faster than the limit, or lead along itself; nothing may push faster.
+    // Only a wall may stop faster than the limit, or lead along itself; nothing may accelerate faster.
     ASSERT_LE(after.velocity_m_per_s.norm() - before.velocity_m_per_s.norm(),
               std::numbers::sqrt2 * limits.acceleration_m_per_s2 * seconds + 1e-6);
     if (site.area) {
@@ -264,7 +264,7 @@ TEST(Navigator, turns_but_does_not_walk_without_an_area) {
   EXPECT_GT(walk.state.walker.heading_rad, 0.1);
 }
 
-/// Hands that appear, jump, vanish and are joined by keys, ticks of all lengths, a clock that goes back.
+/// Random input: hands that appear, jump, vanish and are joined by keys, ticks of all lengths, a clock that goes back.
 void walk_at_random(unsigned seed, double scale) {
   Walk walk;
   walk.site.walking_scale = scale;

@@ -28,7 +28,7 @@ TEST(Ramp, comes_to_rest_from_any_state_within_the_longest_stop) {
   for (const double acceleration : {-2.2, -1.0, 0.0, 1.0, 2.2}) {
     for (const double speed : {-1.0, -0.5, 0.0, 0.1, 0.7}) {
       Ramp ramp{speed, acceleration};
-      // Only what could have come about: ramping the acceleration down again stays within the full speed.
+      // Skips unreachable states: ramping the acceleration down must stay within the full speed.
       if (std::abs(speed + acceleration * std::abs(acceleration) / (2 * kLimits.jerk)) > 1.0) continue;
       double seconds = 0.0;
       for (; ramp != Ramp{} && seconds < 3.0; seconds += 1e-3) ramp = ramped(ramp, 0.0, 1e-3, kLimits);
@@ -42,13 +42,13 @@ TEST(Ramp, keeps_its_limits_and_never_overshoots_whatever_the_steps_are) {
   std::uniform_real_distribution<double> uniform;
   Ramp ramp;
   double wanted = 0.0;
-  double least = 0.0;  // All that was wanted so far lies between these.
+  double least = 0.0;  // Lower and upper bound of all speeds wanted so far.
   double most = 0.0;
   for (int i = 0; i < 1'000'000; ++i) {
     if (i % 37 == 0) wanted = 2.0 * uniform(random) - 1.0;
     least = std::min(least, wanted);
     most = std::max(most, wanted);
-    const double step = std::pow(10.0, -6.0 + 5.0 * uniform(random));  // A microsecond to a tenth of a second.
+    const double step = std::pow(10.0, -6.0 + 5.0 * uniform(random));  // From a microsecond to a tenth of a second.
     const Ramp next = ramped(ramp, wanted, step, kLimits);
     ASSERT_LE(std::abs(next.acceleration), kLimits.acceleration + 1e-12);
     ASSERT_LE(std::abs(next.acceleration - ramp.acceleration), kLimits.jerk * step + 0.0061)

@@ -11,15 +11,16 @@ namespace {
 
 using TagPose = RigidTransform<frame::Camera, frame::Tag>;
 
-/// A pattern held at a place of the ROOM as the visitor sees it, pointing `yaw` to the visitor's right. Built from the
-/// room's axes (x to the visitor's right, y up, z towards the visitor), with no formula of the code under test.
+/// Returns the pose of a tag held at a position of the ROOM as the visitor sees it, pointing `yaw` to the visitor's
+/// right. Built from the room's axes (x to the visitor's right, y up, z towards the visitor), without any formula of
+/// the code under test.
 TagPose held_at(double right_m, double nearer_to_visitor_m, double yaw_right_rad) {
   // The camera stands at the wall and looks along +z of the room; its x is the room's -x, its y the room's -y.
   Eigen::Matrix3d R_room_camera;
   R_room_camera.col(0) = Eigen::Vector3d(-1, 0, 0);
   R_room_camera.col(1) = Eigen::Vector3d(0, -1, 0);
   R_room_camera.col(2) = Eigen::Vector3d(0, 0, 1);
-  // Its print points to the wall (-z of the room), turned to the right: (sin, 0, -cos). The tag's z is the other way.
+  // The print points to the wall (-z of the room), turned to the right: (sin, 0, -cos). The tag's z is opposite.
   const Eigen::Vector3d print(std::sin(yaw_right_rad), 0, -std::cos(yaw_right_rad));
   Eigen::Matrix3d R_room_tag;
   R_room_tag.col(2) = -print;

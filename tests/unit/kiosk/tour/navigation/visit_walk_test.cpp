@@ -20,7 +20,7 @@ Site room(double half, const Vector2d& start = {0, 0}) {
   return site;
 }
 
-/// A visit whose time is moved by hand.
+/// A visit under a manual clock.
 struct Visit {
   NavigationSettings settings;
   VisitWalk walk;

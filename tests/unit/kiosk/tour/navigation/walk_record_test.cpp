@@ -23,7 +23,7 @@ Site site() {
   return site;
 }
 
-/// A visit of ten minutes with all that can happen, and what is recorded of it.
+/// Returns the record of a ten-minute visit with every kind of event.
 std::string recorded_visit(std::uint64_t seed) {
   NavigationSettings settings;
   settings.guide_after = 3s;

@@ -37,7 +37,7 @@ WalkableArea area_of(Corners corners) {
   return *std::move(area);
 }
 
-/// Inside by the winding number: another way than the one under test.
+/// Returns whether `p` is inside by the winding number, a method other than the one under test.
 bool winds_around(const Corners& corners, const Vector2d& p) {
   double turned = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -94,7 +94,7 @@ TEST(WalkableArea, passes_a_narrow_passage) {
 }
 
 TEST(WalkableArea, never_passes_a_thin_wall_however_long_the_step) {
-  // A room cut in two but for a gap at the far end.
+  // A room divided by a wall with a gap at the far end.
   const WalkableArea area =
       area_of({{0, 0}, {4.999, 0}, {4.999, 9}, {5.001, 9}, {5.001, 0}, {10, 0}, {10, 10}, {0, 10}});
   Vector2d place(1, 2);
@@ -121,7 +121,7 @@ TEST(WalkableArea, never_lets_a_walk_of_100000_random_steps_out) {
       walked += (next - place).norm();
       place = next;
     }
-    EXPECT_GT(walked, 500.0);  // Never stuck for good.
+    EXPECT_GT(walked, 500.0);  // Never permanently stuck.
   }
 }
 

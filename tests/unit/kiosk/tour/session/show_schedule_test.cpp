@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When several displays are told to show what, and what the tour knows of them.
+// Tests of the schedule of several displays, and of the tour's roster of them.
 #include "kiosk/tour/session/show_schedule.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ wire::ClockQuestion needing(double frame_s, double heading_s = 0.0) {
   question.set_heading_need_s(heading_s);
   return question;
 }
-/// From now to the shared refresh.
+/// Returns the time from now to the synchronised refresh.
 Duration ahead(const wire::ShowAt& at, TimePoint now) {
   return TimePoint(std::chrono::nanoseconds(at.refresh() * at.period_ns())) - now;
 }
@@ -91,7 +91,7 @@ TEST_F(Scheduling, gives_frames_refreshes_of_their_own_while_they_come_no_faster
   const std::int64_t first = schedule_.frame_at(kNow)->refresh();
   EXPECT_EQ(schedule_.frame_at(kNow + 1ms)->refresh(), first + 1) << "in the same period";
   EXPECT_EQ(schedule_.frame_at(kNow + 11ms)->refresh(), first + 2);
-  // Faster than they can be shown: no queue grows.
+  // Faster than the displays can show: no queue grows.
   std::int64_t last = 0;
   for (int n = 0; n < 1000; ++n) last = schedule_.frame_at(kNow + 12ms + n * 1ms)->refresh();
   EXPECT_LE(last, schedule_.heading_at(kNow + 1012ms)->refresh() + 1);
@@ -137,7 +137,7 @@ TEST(DisplayRoster, knows_the_display_that_is_least_in_step) {
   question.set_in_step(std::nan(""));
   roster.heard(2, question);
   EXPECT_FALSE(roster.in_step());
-  roster.heard(9, question);  // Gone, or never here.
+  roster.heard(9, question);  // This display has left, or never joined.
 
   const wire::Table table = roster.table();
   EXPECT_EQ(table.name(), "displays");

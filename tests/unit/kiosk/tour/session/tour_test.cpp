@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The tour over real gRPC on [::1], with a fake farm, displays and trackers.
+/// Tests of the tour over real gRPC on [::1], with a fake farm, displays and trackers.
 #include "kiosk/tour/session/tour.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// The process without its main.
+/// The tour's process without its main().
 class TourProcess {
  public:
   explicit TourProcess(TourSettings settings) : inspection_("tour") {
@@ -57,7 +57,7 @@ class TourProcess {
     }
     return 0;
   }
-  /// Polls, since the InspectionService is a window to look through and wakes nobody.
+  /// Polls, since the InspectionService wakes nobody when a value changes.
   bool eventually(const std::function<bool()>& condition) {
     std::mutex mutex;
     std::condition_variable never;
@@ -89,7 +89,7 @@ class TourProcess {
   std::unique_ptr<WireServer> server_;
 };
 
-/// A fixed quality: the fake farm refines nothing.
+/// Returns settings with a fixed quality, since the fake farm does not refine.
 TourSettings settings_for(const FakeFarm& farm) {
   TourSettings settings = default_tour_settings();
   settings.picture.frame_budget_ms = 0.0;
@@ -193,7 +193,7 @@ TEST(Tour, goes_on_after_a_restart_where_the_visitor_was) {
     EXPECT_EQ(farm.views()[views].heading_rad(), left.heading_rad);
     EXPECT_EQ(tour.place(), left);
   }
-  // Another scene, and a place that is a wall now.
+  // Another scene, and then a position inside a wall.
   settings.resume->scene = "another";
   TourProcess elsewhere(settings);
   EXPECT_TRUE(elsewhere.eventually([&] { return elsewhere.place().has_value(); }));
@@ -240,7 +240,7 @@ TEST(Tour, asks_once_a_second_at_rest) {
   ASSERT_TRUE(display.wait_for_frames(1));
   const TimePoint begin = SteadyClock().now();
   const std::size_t views = farm.views().size();
-  // The first of them may follow at once: a display that comes after the first view is a reason to ask again.
+  // The first of them may follow at once: a display that joins after the first view causes a new request.
   ASSERT_TRUE(farm.wait_for_views(views + 3));
   EXPECT_GE(SteadyClock().now() - begin, 1900ms);
   EXPECT_TRUE(farm.views().back().shutter_ns() == 0);
@@ -392,7 +392,7 @@ TEST(Tour, never_lets_a_slow_display_hold_up_the_others) {
   TourSettings settings = settings_for(farm);
   settings.picture.jpeg_quality = 100;
   TourProcess tour(std::move(settings));
-  const Panorama large{4096, 2048, 2.0, 0.5, -0.5};  // So that nothing fits into gRPC's own buffers for long.
+  const Panorama large{4096, 2048, 2.0, 0.5, -0.5};  // Large enough that frames soon exceed gRPC's own buffers.
   FakeDisplay quick(tour.address(), large);
   FakeDisplay slow(tour.address(), large, false);
   ASSERT_TRUE(slow.wait_for_frames(1));

@@ -49,9 +49,9 @@ TEST(VisitLog, measures_from_shutter_to_photon_where_both_clocks_are_one) {
   log.show(1, 1'000'000'000, 1'080'000'000);
   EXPECT_NEAR(log.stage("shutter_to_photon").p50_ms(), 80.0, 1e-9);
   EXPECT_NEAR(log.stage("steer").p50_ms(), 5.0, 1e-9);
-  log.show(2, 0, 5);                          // Keys steered.
-  log.show(3, 9'000'000'000, 8'000'000'000);  // Another machine's clock.
-  log.show(4, 1, 3'600'000'000'000);          // Another machine's clock, the other way.
+  log.show(2, 0, 5);                          // Steered by keys.
+  log.show(3, 9'000'000'000, 8'000'000'000);  // A clock of another machine.
+  log.show(4, 1, 3'600'000'000'000);          // A clock of another machine, with the opposite difference.
   log.show(5, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max());
   EXPECT_EQ(log.stage("shutter_to_photon").count(), 1u);
 }
@@ -62,7 +62,7 @@ TEST(VisitLog, counts_a_frame_once_however_many_displays_show_it) {
   wire::FramePresented again;
   again.set_view_number(1);
   log.log.add_presented(again, log.now);
-  again.set_view_number(99);  // Never asked for.
+  again.set_view_number(99);  // Never requested.
   log.log.add_presented(again, log.now);
   EXPECT_EQ(log.gauge("frames"), 1.0);
 }
@@ -146,14 +146,14 @@ TEST(VisitLog, counts_a_dropped_frame_once_whoever_tells_of_it) {
   end.set_complete(false);
   end.set_reason("a node was lost");
   log.log.add_end(end, log.now);
-  dropped.set_view_number(1);  // The display repeats what the farm said.
+  dropped.set_view_number(1);  // The display repeats the farm's report.
   log.log.add_not_shown(dropped);
   EXPECT_EQ(log.gauge("dropped: a node was lost"), 1.0);
   EXPECT_EQ(log.gauge("dropped: " + dropped.reason()), -1.0);
   dropped.set_view_number(2);
   dropped.set_reason("a damaged tile");
   log.log.add_not_shown(dropped);
-  log.log.add_not_shown(dropped);  // By another display.
+  log.log.add_not_shown(dropped);  // Reported by another display.
   EXPECT_EQ(log.gauge("dropped: a damaged tile"), 1.0);
 }
 

@@ -45,7 +45,7 @@ void add_options(CLI::App& app, Options* options) {
                  "Folder for what people ask of the system: a file 'update' or 'factory-reset', for systemd to see");
 }
 
-/// Objects of a page with a PIN; empty for a page without.
+/// State of a page with a PIN; empty for a page without.
 struct Door {
   std::optional<PageCertificate> certificate;
   std::optional<HttpTls> tls;

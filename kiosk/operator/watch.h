@@ -26,16 +26,16 @@ class Watch {
 
   /// Returns the observations in the order of the links.
   [[nodiscard]] std::vector<Observation> observations() const;
-  /// As ProcessLink::picture(), but at most ten requests a second for one picture from all callers together. Errors:
-  /// kNotFound also for a process that is not watched.
+  /// Returns ProcessLink::picture(), with at most ten requests a second for one picture from all callers together.
+  /// Errors: kNotFound also for a process that is not watched.
   Result<std::shared_ptr<const wire::Picture>> picture(const std::string& process, const std::string& name);
-  /// As ProcessLink::steer(). Errors: kNotFound if no tour is watched.
+  /// Calls ProcessLink::steer(). Errors: kNotFound if no tour is watched.
   Status steer(const wire::SteerRequest& request) const;
 
  private:
   using Picture = Result<std::shared_ptr<const wire::Picture>>;
-  /// Pages that request a picture while one is on its way wait for the same answer, at most as long as that call may
-  /// take.
+  /// Pages that request a picture while a request is in flight wait for the same answer, at most as long as that call
+  /// may take.
   struct Shown {
     std::shared_future<Picture> answer;
     TimePoint asked_at{};

@@ -13,8 +13,7 @@
 
 namespace cyclorama {
 
-/// Collects the verdict on a folder. Sentences omit the folder's path, since the reader only knows where it came from.
-/// Thread-bound.
+/// Collects the verdict on a folder. Sentences omit the folder's path, which means nothing to the reader. Thread-bound.
 class FolderCheck {
  public:
   FolderCheck(const std::filesystem::path& folder, const SettingsCheck& how)
@@ -30,7 +29,7 @@ class FolderCheck {
   /// Checks that a path from a setting leads to a file of this folder; `where` names the setting. Problems quote the
   /// path, unless it looks like a file's content.
   bool is_ours(const std::filesystem::path& path, const std::string& where);
-  /// As is_ours(), for a file that holds a password; nothing is quoted, since people write the password itself there.
+  /// Does the same for a file that holds a password; nothing is quoted, since people write the password itself there.
   bool is_ours_unquoted(const std::filesystem::path& path, const std::string& where);
   void keep_secret(const std::filesystem::path& path, const std::string& group);
   /// Checks that the files exist, belong together, have not expired and are for `role`; `words` are the arguments of

@@ -17,8 +17,8 @@ Status check_pin(std::string_view pin);
 /// check_pin(); kSystem if OpenSSL has no scrypt.
 Result<std::string> hashed_pin(std::string_view pin);
 
-/// Returns whether the PIN matches the hash. As slow as hashed_pin() in either case; the comparison takes the same time
-/// for all wrong PINs. Errors: kBadData if `hash` is invalid or requires more than 128 MiB.
+/// Returns whether the PIN matches the hash. It is as slow as hashed_pin() in either case, and the comparison takes the
+/// same time for all wrong PINs. Errors: kBadData if `hash` is invalid or requires more than 128 MiB.
 Result<bool> is_pin(std::string_view pin, std::string_view hash);
 
 }  // namespace cyclorama

@@ -54,8 +54,8 @@ Status move(const fs::path& from, const fs::path& to) {
   return Error::from_errno(fmt::format("renaming '{}' to '{}'", from.string(), to.string()));
 }
 
-/// Settings are readable by every service, a secret by one. Where its group is unknown, or this user may not give files
-/// away, only this user can read it.
+/// Settings are readable by every service, a secret by one; or by this user only, if the group is unknown or this user
+/// may not give files away.
 Status protect(const fs::path& file, const std::optional<std::string>& group) {
   mode_t mode = 0644;
   if (group) {

@@ -15,7 +15,7 @@ struct RampLimits {
   double jerk = 10.0;
 };
 
-/// A value, in any unit per second, and that per second.
+/// A speed in any unit per second, and its acceleration. A value.
 struct Ramp {
   double speed = 0.0;
   double acceleration = 0.0;

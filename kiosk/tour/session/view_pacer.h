@@ -11,10 +11,10 @@
 
 namespace cyclorama {
 
-/// At most two frames are in flight: one is rendered while the other crosses the network. As soon as there is room, a
-/// view that shows something new is requested. At rest, nothing is requested from a farm that refines, since every view
-/// would restart the refinement; any other farm gets one view a second, which keeps the picture fresh for displays that
-/// join. Pure; thread-bound.
+/// At most two frames are in flight: one is rendered while the other crosses the network. A view that shows something
+/// new is requested once there is room. At rest, nothing is requested from a farm that refines, since every view would
+/// restart the refinement; any other farm gets one view a second, which keeps the picture fresh for displays that join.
+/// Pure; thread-bound.
 class ViewPacer {
  public:
   static constexpr std::size_t kFramesInFlight = 2;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Curves side by side, as SVG."""
+"""Draws panels of curves side by side as SVG."""
 import math
 import pathlib
 from dataclasses import dataclass
@@ -10,7 +10,10 @@ WIDTH, HEIGHT, LEFT, TOP, GAP = 260, 200, 60, 40, 90
 
 @dataclass
 class Panel:
-    """Logarithmic upwards, and across unless it is told otherwise. `series` are names with points (x, y); y > 0, and x > 0 on a logarithmic axis."""
+    """A panel of curves. The vertical axis is logarithmic, and so is the horizontal one unless `is_linear_across`.
+
+    `series` has a list of points (x, y) for each name; coordinates on a logarithmic axis are positive.
+    """
     title: str
     x_label: str
     y_label: str
@@ -54,7 +57,7 @@ def drawn(number, panel):
 
 
 def write_panels(file, panels):
-    """To the SVG `file`, from left to right."""
+    """Writes the panels to the SVG `file`, from left to right."""
     shapes = [line for number, panel in enumerate(panels) for line in drawn(number, panel)]
     size = (LEFT + len(panels) * (WIDTH + GAP), TOP + HEIGHT + 50)
     pathlib.Path(file).write_text(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What measurements of whole displays begin with: a room of one projector, a farm of simple pictures, and a tour."""
+"""A room with one projector, a farm of simple pictures and a tour, for measurements of whole displays."""
 import re
 import subprocess
 import sys
@@ -27,12 +27,12 @@ tilt_deg = -3
 
 
 def installation(projector, pan_deg=0):
-    """The text of an installation.toml."""
+    """Returns the text of an installation.toml."""
     return ROOM.format(projector, pan_deg)
 
 
 class Processes:
-    """Children that are killed at the end of the `with`, the newest first."""
+    """Child processes, which the end of the `with` kills, the newest first."""
 
     def __init__(self, build):
         self.build, self.children = build, []
@@ -50,7 +50,7 @@ class Processes:
         return self.children[-1]
 
     def start_tour(self, *farm_words):
-        """The farm, and where the tour listens."""
+        """Starts farm and tour. Returns the farm and the tour's address."""
         farm = self.start("tests/test-farm", *farm_words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         port = farm.stdout.readline().split()[1]
         tour = self.start("bin/cyclorama-tour", "--listen", "[::1]:0", "--farm", f"[::1]:{port}", "--samples", 1,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Of the records of `solve_bench extremes`: a drawing of each sweep, error against what is swept.
+"""Draws each sweep in the records of `solve_bench extremes`: the error against the swept value.
 
 Run: extremes_plot.py RECORDS.jsonl OUT.svg
 """
@@ -15,7 +15,7 @@ MOST_PX = 1.2
 
 
 def sweeps(records):
-    """{name: [(x, record)]}, both in the order in which they were run; what was refused has no error."""
+    """Returns {name: [(x, record)]}, both in the order of the runs. Refused cases have no error."""
     found = {}
     for record in records:
         match = re.match(r"(.*?) ?(-?\d+\.?\d*)( .*)? seed \d+$", record["key"])
@@ -25,7 +25,7 @@ def sweeps(records):
 
 
 def drawn(number, name, points):
-    """One panel; what is swept stands in even steps, since most sweeps are neither linear nor logarithmic."""
+    """Returns one panel. Swept values are evenly spaced, since most sweeps are neither linear nor logarithmic."""
     left = LEFT + (number % ACROSS) * (WIDTH + GAP_X)
     top = TOP + (number // ACROSS) * (HEIGHT + GAP_Y)
     step = WIDTH / max(1, len(points))
@@ -59,7 +59,7 @@ def main(source, target):
         shapes += drawn(number, name, points)
     for number, (key, colour) in enumerate(COLOURS.items()):
         shapes.append(f'<text x="{LEFT + 200 * number}" y="22" fill="{colour}">{WORDS[key]}</text>')
-    shapes.append(f'<text x="{LEFT + 200 * len(COLOURS)}" y="22">× refused, with what to add</text>')
+    shapes.append(f'<text x="{LEFT + 200 * len(COLOURS)}" y="22">× refused with a remedy</text>')
     rows = (len(panels) + ACROSS - 1) // ACROSS
     size = (LEFT + ACROSS * (WIDTH + GAP_X), TOP + rows * (HEIGHT + GAP_Y))
     pathlib.Path(target).write_text(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Of the figures of `calibration_bench trade`: a table of every point, a drawing (large dots: the defaults), and the JSON line.
+"""Writes a table and a drawing of the figures of `calibration_bench trade` and prints the JSON line.
 
-Run: trade.py FIGURES FOLDER, where calibration.csv and calibration.svg are written.
+Large dots are the defaults. Run: trade.py FIGURES FOLDER, which gets calibration.csv and calibration.svg.
 """
 import csv
 import json
@@ -14,7 +14,7 @@ WIDTH, HEIGHT, LEFT, TOP, ACROSS = 360, 220, 60, 30, 2
 
 
 def place_in(points):
-    """Logarithmic axes: museum's seconds across, registration's p95 up."""
+    """Returns the logarithmic axes (seconds across, registration p95 up) as a function of a point, and their ends."""
     ends = []
     for key in ("museum_s", "p95_px"):
         values = [math.log10(max(point[key], 1e-4)) for point in points]
@@ -30,7 +30,7 @@ def place_in(points):
 
 
 def panel(knob, points, place, ends, colour):
-    """One knob alone; all panels have the same axes."""
+    """Draws one parameter; all panels have the same axes."""
     out = [f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH}" height="{HEIGHT}" fill="none" stroke="#888"/>',
            f'<text x="{LEFT}" y="{TOP - 8}" font-weight="bold">{knob}</text>']
     for end in (0, 1):
@@ -42,7 +42,7 @@ def panel(knob, points, place, ends, colour):
         out.append(f'<polyline points="{path}" fill="none" stroke="{colour}"/>')
     taken = []
     for point, (x, y) in sorted(zip(points, places), key=lambda at: at[1][1]):
-        # Labels go down until they are clear of the one above.
+        # Each label moves down until it is clear of the one above.
         at = max([y + 4] + [other + 11 for other_x, other in taken if abs(other_x - x) < 150])
         taken.append((x, at))
         out.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{5 if point["default"] else 3}" fill="{colour}"/>')
@@ -51,7 +51,8 @@ def panel(knob, points, place, ends, colour):
 
 
 def drawing(points):
-    points = [point for point in points if not point["knob"].startswith("model")]  # One scan, another drawing: no time of their own.
+    # Models share one scan and have another drawing.
+    points = [point for point in points if not point["knob"].startswith("model")]
     place, ends = place_in(points)
     knobs = {}
     for point in points:

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table and the JSON line of tracer-equal-error: compare.py FOLDER QUICK."""
+"""Prints the table and the JSON line of tracer-equal-error: compare.py FOLDER QUICK."""
 import array
 import json
 import pathlib
 import sys
 
-EPSILON = 0.01  # Of relMSE: (picture - reference)^2 / (reference^2 + EPSILON), mean over pixels and channels.
+EPSILON = 0.01  # In relMSE: (picture - reference)^2 / (reference^2 + EPSILON), mean over pixels and channels.
 
 folder, quick = pathlib.Path(sys.argv[1]), sys.argv[2] == "1"
 
 
 def read(name):
-    """Values of a little-endian colour PFM, as they lie."""
+    """Returns the values of a little-endian colour PFM in the file's order."""
     data = (folder / f"{name}.pfm").read_bytes()
     header, rest = data.split(b"\n", 3)[:3], data.split(b"\n", 3)[3]
     assert header[0] == b"PF" and float(header[2]) < 0, name
@@ -38,7 +38,7 @@ for name, prefix in [("ours", "")] + ([] if quick else [("cycles", "cycles_"), (
                prefix + "relmse_cpu_s": round(error * seconds, 5)}
 if not quick:
     ours, cycles = read("ours-mean"), read("cycles-mean")
-    # Of each channel; the first row is at the bottom in both.
+    # One pair for each channel; the first row is at the bottom in both.
     means = [(sum(ours[k::3]) / len(ours) * 3, sum(cycles[k::3]) / len(cycles) * 3) for k in range(3)]
     worst = max(abs(a / b - 1) for a, b in means)
     print("mean       " + "   ".join(f"{a:.6f} ours, {b:.6f} Cycles" for a, b in means) + f"   differ by {worst:.2e}")

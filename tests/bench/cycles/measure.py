@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renders a museum hall with cyclorama-render and Cycles, then compares them: measure.py BUILD_FOLDER SCENE [--quick].
 
-Paths have four edges from the eye to the light; render.py explains how each renderer counts them. --quick renders ours alone.
+Paths have four edges from the eye to the light; render.py explains how each renderer counts them. --quick renders only
+ours.
 """
 import pathlib
 import subprocess

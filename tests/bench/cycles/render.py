@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same scene package in Cycles: blender -b --python render.py -- PACKAGE OUT.pfm [options]. Blender 3.4 and 4.3.
+"""Renders a scene package in Cycles: blender -b --python render.py -- PACKAGE OUT.pfm [options]. Blender 3.4 and 4.3.
 
-What is matched, so that the pictures agree to their noise:
+These properties are matched, so that the pictures agree up to noise:
   geometry   binary PLY as cyclorama-grotto --kind interior writes it: flat triangles, sRGB colours per vertex
-  materials  Cycles' diffuse BSDF of roughness 0, which is Lambert
-  lamps      rectangles as area lights, calibrated by looking at one: what Blender's watts mean differs by version
+  materials  Cycles' diffuse BSDF of roughness 0, which is Lambertian
+  lamps      rectangles as area lights, calibrated by rendering one: the meaning of Blender's watts differs by version
   camera     perspective, as wide as --azimuth-deg; pixels are boxes
   paths      path length as Mitsuba and pbrt count it: edges from the eye to the light. 4 are three surfaces at most, two
              bounces of indirect light: Cycles' max_bounces = length - 2, --bounces = length - 2 of cyclorama-render
@@ -24,7 +24,7 @@ import numpy as np
 
 try:
     import tomllib
-except ImportError:  # Debian 12 has Python 3.11, so this is only for hands that run it elsewhere.
+except ImportError:  # Debian 12 has Python 3.11; other systems may have an older one.
     import tomli as tomllib
 
 
@@ -44,7 +44,7 @@ def options():
 
 
 def read_ply(path):
-    """Positions (n, 3), colours (n, 3) in 0..255, triangles (m, 3)."""
+    """Returns positions (n, 3), colours (n, 3) in 0..255 and triangles (m, 3)."""
     with open(path, "rb") as file:
         counts, fields, element = {}, {"vertex": [], "face": []}, None
         kinds = {"float": "<f4", "uchar": "u1"}
@@ -90,7 +90,7 @@ def add_mesh(path, material):
     mesh.loops.foreach_set("vertex_index", triangles.ravel())
     mesh.polygons.add(len(triangles))
     mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * len(triangles), 3, dtype=np.int32))
-    if bpy.app.version < (4, 0):  # Later it follows from the starts.
+    if bpy.app.version < (4, 0):  # Newer versions derive it from the loops' starts.
         mesh.polygons.foreach_set("loop_total", np.full(len(triangles), 3, dtype=np.int32))
     mesh.polygons.foreach_set("use_smooth", np.zeros(len(triangles), dtype=bool))
     paint = mesh.color_attributes.new("paint", "FLOAT_COLOR", "POINT")
@@ -103,9 +103,9 @@ def add_mesh(path, material):
 
 
 def add_lamp(lamp):
-    """Emits one watt; an area light shines along its own -z, which is downwards here."""
+    """Adds an area light of one watt. It shines along its own -z, which is downwards here."""
     if lamp["kind"] != "rectangle" or lamp.get("direction", [0, -1, 0]) != [0, -1, 0]:
-        raise SystemExit("only rectangles that shine downwards are matched")
+        raise SystemExit("only rectangles that shine downwards are supported")
     light = bpy.data.lights.new(lamp.get("name", "lamp"), "AREA")
     light.shape = "RECTANGLE"
     light.size, light.size_y = lamp["size_m"]
@@ -127,7 +127,7 @@ def add_camera(eye, heading_deg, azimuth_deg, size):
     camera.clip_start, camera.clip_end = 1e-3, 1e4
     thing = bpy.data.objects.new("eye", camera)
     thing.location = (eye[0], -eye[2], eye[1])
-    # A camera looks along its -z with y up; upright it looks along the scene's -z.
+    # A camera looks along its -z with y up; rotated upright, it looks along the scene's -z.
     thing.rotation_euler = (0.5 * math.pi, 0.0, -math.radians(heading_deg))
     scene = bpy.context.scene
     scene.collection.objects.link(thing)
@@ -141,7 +141,7 @@ def configure(wanted):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.render.threads_mode, scene.render.threads = "FIXED", wanted.threads
-    scene.render.use_persistent_data = True  # So that a second picture costs its rays alone.
+    scene.render.use_persistent_data = True  # Keeps data between pictures, so that a second one costs only its rays.
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
     scene.view_settings.view_transform = "Standard"
@@ -161,7 +161,7 @@ def configure(wanted):
 
 
 def render(samples):
-    """The picture, bottom row first, and what it cost."""
+    """Returns the picture, bottom row first, and its cpu time."""
     scene = bpy.context.scene
     scene.cycles.samples = samples
     with tempfile.TemporaryDirectory() as folder:
@@ -180,7 +180,7 @@ def render(samples):
 
 
 def calibrate(lamps, lights):
-    """Looks straight up at each lamp kind and sets its power so that it has the package's radiance."""
+    """Renders each kind of lamp from below and sets its power so that it has the package's radiance."""
     scene = bpy.context.scene
     place, lamp = scene.camera, lamps[0]
     kept = place.location.copy(), place.rotation_euler.copy(), scene.render.resolution_x, scene.render.resolution_y
@@ -211,7 +211,7 @@ def main():
     size = tuple(int(n) for n in wanted.size.split("x"))
     add_camera(package["start"]["eye_m"], package["start"]["heading_deg"], wanted.azimuth_deg, size)
     watt = calibrate(package["lamp"], lights)
-    render(1)  # Builds the BVH and warms what stays between pictures.
+    render(1)  # Builds the BVH and warms the data that stay between pictures.
     pixels, cpu = render(wanted.samples)
     exposed = (pixels * package.get("exposure", 1.0)).astype("<f4")
     with open(wanted.out, "wb") as file:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table and the JSON line of display-decode: decode.py BUILD_FOLDER SECONDS.
+"""Prints the table and the JSON line of display-decode: decode.py BUILD_FOLDER SECONDS.
 
-Megapixels per cpu-second. tjbench reports per second of wall time, which is turned into cpu time by its own use of the
-processor; it and ours take short turns, and a ratio is the middle one of the turns'. Its `-yuv` decodes to planes, as we do;
-without it, to RGB, as displays without planes must.
+The unit is megapixels per cpu-second. tjbench reports per second of wall time, which its measured use of the processor
+converts to cpu time. tjbench and our decoder take short turns, and a ratio is the turns' median. With `-yuv` tjbench
+decodes to planes, as we do; without it to RGB, as displays without planes must.
 """
 import json
 import os
@@ -22,7 +22,7 @@ BENCH = f"{build}/tests/display_bench"
 
 
 def run(*command):
-    """What it printed, and how much of a processor it had."""
+    """Returns its output and its share of a processor."""
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     text = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
     after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic() - start

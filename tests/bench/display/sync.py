@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether several displays keep in step: sync.py BUILD [--quick] [--seconds N] [--keep DIR].
+"""Measures whether several displays are synchronised: sync.py BUILD [--quick] [--seconds N] [--keep DIR].
 
-A tour, a farm of plain pictures (20 a second, each its own) and a visitor who turns; real displays, each a process
-with a clock that is ahead by some and goes at a rate of its own, and heads in memory that refresh by that clock. Every
-display logs which frame was seen at which refresh; the lines are compared
+It runs a tour, a farm of plain pictures (20 a second, all different), a visitor who turns, and real displays: each is a
+process whose clock has an offset and a rate of its own, with heads in memory that refresh by that clock. Every display
+logs which frame each refresh showed. The logs are compared
 
-- by the number that all displays share (what the system promises), and
-- in true time, which only this machine knows: outputs that run free differ by their phases, up to one refresh.
+- by the refresh number that all displays share (the system's goal), and
+- in true time, which only this machine knows: unsynchronised outputs differ by their phases, up to one refresh.
 """
 import argparse
 import bisect
@@ -21,7 +21,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from small_show import Processes, installation  # noqa: E402
 
 WARM_UP_S = 10
-# Ahead by, faster by, refreshes. What a museum has is the first two columns' thousandth.
+# Clock offset, rate error and refresh rate. Real museums have a thousandth of the first two.
 DISPLAYS = [
     {"skew-ms": 0, "drift-ppm": 0, "refresh-hz": 60},
     {"skew-ms": -1234.5, "drift-ppm": 60, "refresh-hz": 60},
@@ -30,7 +30,7 @@ DISPLAYS = [
 
 
 class Log:
-    """One display's refreshes after the warm-up."""
+    """The refreshes of one display after the warm-up."""
 
     def __init__(self, path):
         self.rows, self.gauges = [], {}
@@ -41,7 +41,7 @@ class Log:
             elif words[1] != "-":
                 self.rows.append((int(words[0]), int(words[1]), int(words[2]), int(words[3]), int(words[4]), float(words[5])))
         if not self.rows:
-            sys.exit(f"{path}: it never kept step")
+            sys.exit(f"{path}: it was never synchronised")
         begin = self.rows[0][0] + WARM_UP_S * 1_000_000_000
         self.rows = [row for row in self.rows if row[0] >= begin]
         self.numbers = sorted({row[1] for row in self.rows})
@@ -49,7 +49,7 @@ class Log:
         self.times = [row[0] for row in self.rows]
 
     def at(self, number):
-        """What was seen at that number; one that was left out shows what was seen before."""
+        """Returns the row of that refresh number; a skipped refresh shows the previous frame."""
         return self.by_number[self.numbers[bisect.bisect_right(self.numbers, number) - 1]]
 
     def seen(self, t):
@@ -71,14 +71,14 @@ def compare(logs):
         headings += len({row[5] for row in rows}) == 1
     begin, end = max(log.times[0] for log in logs), min(log.times[-1] for log in logs)
     moments = sorted({t for log in logs for t in log.times if begin <= t < end})
-    agreeing_ns, most = 0, 0
+    agreeing_ns, largest = 0, 0
     for t, following in zip(moments, moments[1:]):
         ranks = [rank[log.seen(t)[2]] for log in logs]
-        most = max(most, max(ranks) - min(ranks))
+        largest = max(largest, max(ranks) - min(ranks))
         agreeing_ns += (following - t) if max(ranks) == min(ranks) else 0
     return {
         "agree_fraction": round(agreeing / refreshes, 6),
-        "max_difference": max(max(differences), most),
+        "max_difference": max(max(differences), largest),
         "refreshes": refreshes,
         "frames": len(rank),
         "heading_agree_fraction": round(headings / refreshes, 6),
@@ -114,7 +114,7 @@ def main():
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--seconds", type=float)
-    parser.add_argument("--keep", type=pathlib.Path, help="leave the logs there")
+    parser.add_argument("--keep", type=pathlib.Path, help="leaves the logs in this folder")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = args.keep or pathlib.Path(temporary)
@@ -122,7 +122,8 @@ def main():
         logs, told = run(args.build.resolve(), args.seconds or (30 if args.quick else 120), folder)
     figures = compare(logs)
     gauges = dict(line.rsplit(" ", 1) for line in told[:-1])
-    print(f"{'display':<9}{'clock ahead':>13}{'faster':>10}{'rate':>10}{'measured ahead':>18}{'late frames':>13}{'late headings':>15}{'in step':>11}")
+    print(f"{'display':<9}{'clock ahead':>13}{'faster':>10}{'rate':>10}{'measured ahead':>18}{'late frames':>13}"
+          f"{'late headings':>15}{'in sync':>11}")
     worst_skew_ms = 0.0
     for n, (display, log) in enumerate(zip(DISPLAYS, logs)):
         worst_skew_ms = max(worst_skew_ms, abs(log.gauges["clock_skew_ms"] - display["skew-ms"]))
@@ -130,7 +131,7 @@ def main():
               f"{log.gauges['clock_skew_ms']:>10.2f} ± {log.gauges['clock_error_ms']:.2f}"
               f"{sum(row[3] > 0 for row in log.rows):>13}{sum(row[4] > 0 for row in log.rows):>15}"
               f"{log.gauges['in_step_percent']:>10.3f} %")
-    print(f"the tour says: {told[-1]}")
+    print(f"the tour reports: {told[-1]}")
     for name, gauge in (("frame_lead_ms", "frame_lead_ms"), ("heading_lead_ms", "heading_lead_ms")):
         figures[name] = round(float(gauges[gauge]), 1)
     print(json.dumps({"benchmark": "display-sync", **figures, "displays": len(logs),

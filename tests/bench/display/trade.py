@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Of the figures of `display_bench trade`: a table of every point, a drawing, and the JSON line.
+"""Writes a table and a drawing of the figures of `display_bench trade` and prints the JSON line.
 
-Run: trade.py FIGURES FOLDER, where display.csv and display.svg are written.
+Run: trade.py FIGURES FOLDER, which gets display.csv and display.svg.
 """
 import csv
 import json

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""How evenly real nodes share a picture, beside what the simulation says of the same frames; and that it is the same picture.
+"""Measures how evenly real nodes share a picture, next to a simulation of the same frames, and compares the pictures.
 
 Run: balance_real.py BUILD_FOLDER FRAMES NODES...
 
-The measure is cpu time of each node per frame: more nodes than processors stretch the wall's time, not that one. Stealing
-goes by the wall's time, though: whom the system lets wait loses work to others. So, as root, each node gets the same
-fixed part of a processor, and is as slow as all others at any time; else only strategies without stealing say something.
+The measure is each node's cpu time per frame: more nodes than processors lengthen wall time but not cpu time. Stealing
+depends on wall time, though: a node that the system keeps waiting loses work to others. As root, each node therefore
+gets the same fixed share of a processor, so that all are equally slow at any time; otherwise only strategies without
+stealing give meaningful results.
 """
 import json
 import os
@@ -20,16 +21,16 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scenario")
 from farm.farm import Farm, make_scene, render  # noqa: E402
 from farm.processor_share import ProcessorShare  # noqa: E402
 
-LEARNT = 5  # Frames before the measure: nothing was measured for the first to go by.
+LEARNT = 5  # Frames before the measurement, in which the balancer learns the costs.
 SIZE = ("--width", 1920, "--height", 1080)
-POSES = 720  # Half a degree from frame to frame, as a visitor turns.
+POSES = 720  # Half a degree per frame, the speed of a visitor who turns.
 TRIANGLES = 200000
-USED = 0.8  # Of this machine's processors, by all nodes together.
-ALIKE = 40  # Pictures that are compared, over the whole walk.
+USED = 0.8  # Share of this machine's processors that all nodes use together.
+ALIKE = 40  # Number of pictures that are compared, over the whole walk.
 
 
 def walk(build, folder, scene, nodes, frames, options=()):
-    """The frames of that many nodes, each asked for when the one before has come."""
+    """Returns the frames of so many nodes; each frame is requested when the previous one has arrived."""
     views = pathlib.Path(folder) / "walk"
     views.write_text("\n".join(str(number) for number in range(1, frames + 1)) + "\n")
     shares = []
@@ -41,7 +42,7 @@ def walk(build, folder, scene, nodes, frames, options=()):
                 shares[-1].add(node.process)
         museum = farm.add_museum("walker", "--views", views, size=SIZE, poses=POSES)
         if museum.process.popen.wait(1800) != 0:
-            raise SystemExit(f"the walk with {nodes} nodes did not end well")
+            raise SystemExit(f"the walk with {nodes} nodes failed")
         museum.reader.join()
     for share in shares:
         share.remove()
@@ -49,7 +50,7 @@ def walk(build, folder, scene, nodes, frames, options=()):
 
 
 def simulated(build, record, nodes, strategy):
-    """What cyclorama-balance says of the recorded frames."""
+    """Returns cyclorama-balance's mean efficiency for the recorded frames."""
     out = record.parent / "replay.json"
     subprocess.run([f"{build}/bin/cyclorama-balance", "replay", *sorted(record.iterdir()), "--nodes", str(nodes), "--strategy",
                     strategy, "--json", out], check=True, capture_output=True)

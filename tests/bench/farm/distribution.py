@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Moves a generated scene from a head to nodes with empty caches, with real processes over loopback.
+"""Sends a generated scene from a coordinator to nodes with empty caches, with real processes over loopback.
 
-Run: farm_distribution.py BUILD_FOLDER SCENE_FOLDER
+Run: distribution.py BUILD_FOLDER SCENE_FOLDER
 """
 import contextlib
 import json
@@ -23,14 +23,14 @@ def free_port():
 
 
 class Farm:
-    """A head that hands the scene out, and nodes; everything ends with it."""
+    """A coordinator that sends the scene, and nodes; end() ends all processes."""
 
     def __init__(self, programs, scene, out):
         self.programs, self.scene, self.out = programs, scene, out
         self.museums, self.nodes = f"[::1]:{free_port()}", f"[::1]:{free_port()}"
         self.processes = []
         self.head = self.start("cyclorama-farm", "--scene-on-head", f"grotto={scene}", "--museums", self.museums, "--nodes", self.nodes)
-        self.wait_for(lambda: "files of" in self.log("cyclorama-farm"))  # The head has read the scene.
+        self.wait_for(lambda: "files of" in self.log("cyclorama-farm"))  # The coordinator has read the scene.
 
     def start(self, name, *options):
         log = open(self.out / f"{name}.log", "ab")
@@ -49,7 +49,7 @@ class Farm:
         end = time.monotonic() + limit_s
         while not enough():
             if time.monotonic() > end:
-                raise TimeoutError("what the benchmark waits for did not come")
+                raise TimeoutError("the benchmark waited in vain")
             time.sleep(0.002)
         return time.monotonic()
 
@@ -59,7 +59,7 @@ class Farm:
         return time.monotonic()
 
     def end(self):
-        """Bytes of files that the head sent."""
+        """Ends all processes and returns the number of bytes of files that the coordinator sent."""
         for process in reversed(self.processes):
             process.send_signal(signal.SIGTERM)
             process.wait(30)
@@ -69,7 +69,7 @@ class Farm:
 
 def bytes_in(folder):
     total = 0
-    with contextlib.suppress(FileNotFoundError):  # A part gets its name while it is looked at.
+    with contextlib.suppress(FileNotFoundError):  # A part may be renamed at this moment.
         total = sum(f.stat().st_size for f in folder.iterdir())
     return total
 
@@ -79,7 +79,7 @@ def scene_of(cache):
 
 
 def move(programs, scene, out):
-    """Seconds for the files alone, and from the node's start to the museum's first picture."""
+    """Returns the seconds for the files, to the museum's first picture with an empty cache, and with a full one."""
     cache = out / "cache"
     farm = Farm(programs, scene, out)
     begun = time.monotonic()
@@ -97,7 +97,7 @@ def move(programs, scene, out):
 
 
 def kill_in_the_middle(programs, scene, out, size):
-    """Bytes that the head sent twice."""
+    """Returns the number of bytes that the coordinator sent twice."""
     cache = out / "killed"
     farm = Farm(programs, scene, out)
     node = farm.node(cache)
@@ -118,7 +118,7 @@ def main(build, scene):
         files_s, picture_s, again_s = move(programs, scene, out)
         resent = kill_in_the_middle(programs, scene, out, size)
     rate = size / files_s / 1e6
-    print(f"{size / 1e6:.0f} MB over loopback, verified and on the disk: {files_s:.2f} s, {rate:.0f} MB/s")
+    print(f"{size / 1e6:.0f} MB over loopback, verified and on disk: {files_s:.2f} s, {rate:.0f} MB/s")
     print(f"from the node's start to the first picture: {picture_s:.1f} s with an empty cache, {again_s:.1f} s with a full one")
     print(f"sent twice when the node was killed half-way: {resent / 1e6:.2f} MB")
     print(json.dumps({"benchmark": "farm-distribution", "bytes": size, "mb_per_s": round(rate, 1), "first_picture_s": round(picture_s, 2),

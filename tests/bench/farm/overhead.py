@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What the farm adds to the rays: real processes on loopback, rendering a scene that costs next to nothing, one view after
-the other. The head has the first core for itself, the two nodes and the museum share the second, as far as there are two.
+"""Measures what the farm adds to the rays, with real processes on loopback and a scene whose rays are nearly free.
+
+The coordinator has the first core to itself; the two nodes and the museum share the second one, if there is one.
 
 Run: overhead.py BUILD_FOLDER FRAMES
 """
@@ -18,11 +19,12 @@ from farm.farm import Farm  # noqa: E402
 SIZE = ("--width", 1920, "--height", 1080)
 TRIANGLE = "v -1 0 -5\nv 1 0 -5\nv 0 2 -5\nf 1 2 3\n"
 STAGES = ("queue", "plan", "fan_out", "render", "encode", "relay", "overhead", "farm")
-RAYS_GIVE_WAY = 10  # Of nice: a museum and an encoder that wait for rays are no host of their own.
+# Niceness of the nodes: encoder and museum, which share the core here, shall not wait for rays.
+RAYS_GIVE_WAY = 10
 
 
 def settle(process, core, nice=0):
-    """All threads of it that there are, and with them all that they start."""
+    """Binds all threads of a process, and those that they start later, to a core."""
     for task in os.listdir(f"/proc/{process.pid}/task"):
         os.sched_setaffinity(int(task), {core})
         os.setpriority(os.PRIO_PROCESS, int(task), os.getpriority(os.PRIO_PROCESS, int(task)) + nice)
@@ -51,12 +53,12 @@ def main(build, frames):
             command = [f"{build}/bin/cyclorama-farm", "top", "--inspect", inspect, "--json"]
             stages = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["stages"]
     print(f"1920x1080, one triangle, 1 sample per pixel, {frames} frames one after the other, 2 nodes of 1 thread each")
-    print(f"the head on core {heads_core}; nodes and museum on core {others_core}")
+    print(f"the coordinator on core {heads_core}; nodes and museum on core {others_core}")
     print(f"  {'step of a frame':<18}{'p50 ms':>9}{'p95 ms':>9}{'p99 ms':>9}{'count':>9}")
     for stage in STAGES:
         row = stages[stage]
         print(f"  {stage:<18}{row['p50_ms']:>9.2f}{row['p95_ms']:>9.2f}{row['p99_ms']:>9.2f}{row['count']:>9}")
-    print(f"the head's cpu time: {head_ms / int(frames):.2f} ms per frame, {head_ms / tiles:.3f} ms per tile")
+    print(f"the coordinator's cpu time: {head_ms / int(frames):.2f} ms per frame, {head_ms / tiles:.3f} ms per tile")
     print(json.dumps({"benchmark": "farm-overhead", "frames": int(frames), "plan_ms_p99": stages["plan"]["p99_ms"],
                       "fan_out_ms_p99": stages["fan_out"]["p99_ms"], "relay_ms_p99": stages["relay"]["p99_ms"],
                       "total_ms_p99": stages["overhead"]["p99_ms"], "head_cpu_ms_per_tile": round(head_ms / tiles, 4)}))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Walks, rests, joins and leaves for minutes: what a head and nodes that stay hold of memory, files and threads.
+"""Measures memory, files and threads of a coordinator and its nodes during minutes of walks, rests, joins and leaves.
 
 Run: soak.py BUILD_FOLDER MINUTES
 """
@@ -16,28 +16,28 @@ from farm.farm import Farm  # noqa: E402
 from farm.museum import now  # noqa: E402
 from farm.processes import wait_until  # noqa: E402
 
-PERIOD_S = 2.0   # Between two looks.
+PERIOD_S = 2.0   # Between two measurements.
 CHANGE_S = 10.0  # Between two joins or leaves.
-WARM = 0.33      # Of the whole time, the first: caches fill.
+WARM = 0.33      # The first part of the time, in which caches fill.
 GOVERNED = ("--budget-ms", 100, "--reference-samples", 32)
 
 
 def slope(points):
-    """Least squares, per unit of the first coordinate."""
+    """Returns the slope of the least-squares line through the points."""
     n = len(points)
     mean_x, mean_y = sum(x for x, _ in points) / n, sum(y for _, y in points) / n
     return sum((x - mean_x) * (y - mean_y) for x, y in points) / sum((x - mean_x) ** 2 for x, _ in points)
 
 
 class Guests:
-    """A node and two museums that come and go, one change at a time."""
+    """A node and two museums that join and leave, one change at a time."""
 
-    def __init__(self, farm, lots):
-        self.farm, self.lots, self.node, self.changes = farm, lots, None, 0
+    def __init__(self, farm, random_numbers):
+        self.farm, self.random, self.node, self.changes = farm, random_numbers, None, 0
 
     def change(self):
         self.changes += 1
-        what = self.lots.choice(["node", "guest-1", "guest-2"])
+        what = self.random.choice(["node", "guest-1", "guest-2"])
         if what == "node":
             if self.node is None:
                 self.node = self.farm.add_node()

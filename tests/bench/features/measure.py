@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the tables and the JSON line of tracer-features: measure.py BUILD_FOLDER SIZE REPETITIONS INTERIOR GROTTO [--quick]
+"""Prints the tables and the JSON line of tracer-features.
 
-Every scene is measured as it is; the two generated ones also under a sky alone, because a feature is measured on scenes
-without it, and every scene has lights. Without --quick the real scenes follow where their data are there. Time is that of
-`cyclorama-render features`. The processor counts instructions where it can; elsewhere valgrind does, on a small picture:
-exact, but it emulates a processor with AVX2 at most. There the kernels differ by their shading stage alone; the rest is
-shared out evenly.
+Run: measure.py BUILD_FOLDER SIZE REPETITIONS INTERIOR GROTTO [--quick]
+
+Every scene is measured as it is; the two generated ones also under a sky alone, because a feature is measured on
+scenes without it, and every scene has lights. Without --quick the real scenes follow where their data are there. Time
+is that of `cyclorama-render features`. The processor counts instructions where it can; elsewhere valgrind does, on a
+small picture: exact, but it emulates a processor with AVX2 at most. There the kernels differ by their shading stage
+alone; the rest is shared out evenly.
 """
 import json
 import os
@@ -21,7 +23,7 @@ scenes = dict(zip(("interior", "grotto"), sys.argv[4:6]))
 RENDER = f"{build}/bin/cyclorama-render"
 REAL = ("scenes/grotto_thousand_buddhas.glb", "scenes/hotel_room.glb", "relics/buddha_head_100k.glb", "relics/Hermes.glb")
 COUNTED_SIZE = "48x18"
-NEEDS = ["textures", "normal_maps", "surface", "lights", "environment"]  # As SceneNeeds has them.
+NEEDS = ["textures", "normal_maps", "surface", "lights", "environment"]  # In the order of SceneNeeds.
 
 
 def run(*command):
@@ -32,7 +34,7 @@ def run(*command):
 
 
 def under_sky(package):
-    """The same package without its lamps."""
+    """Returns a copy of the package with a sky instead of its lamps."""
     package = pathlib.Path(package)
     other = pathlib.Path("build/features") / f"{package.parent.name}-{package.name}-sky"
     other.mkdir(parents=True, exist_ok=True)
@@ -55,13 +57,13 @@ def features(scene, picture, times, prefix=()):
 
 
 def kernel_of(mangled):
-    """(textures, normal maps, ...) of a shading stage's symbol; trailing zeros are left out of it."""
+    """Returns (textures, normal maps, ...) from a shading stage's symbol, which omits trailing zeros."""
     values = [int(v) for v in re.findall(r"L(?:b|NS_12SurfaceLevelE)([0-2])E", mangled.split("EEEvRK")[0] + "E")]
     return tuple(values + [0] * (len(NEEDS) - len(values)))
 
 
 def emulated(scene, times):
-    """Instructions of all cells, and of each kernel's shading stage with all that it calls."""
+    """Returns the instructions of all cells, and of each kernel's shading stage with its callees."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
         report = features(scene, COUNTED_SIZE, times,
@@ -78,11 +80,11 @@ def emulated(scene, times):
 
 
 def count_by_valgrind(scene, report):
-    """Fills in the instructions: what a second repetition adds, so that nothing that happens once counts."""
+    """Sets the instructions to those that a second repetition adds, which excludes work that happens once."""
     _, cells_once, once = emulated(scene, 1)
     counted, cells_twice, twice = emulated(scene, 2)
     of_kernel = {kernel: twice[kernel] - once[kernel] for kernel in twice}
-    # A kernel that two rows share ran once for each.
+    # A kernel shared by two rows ran once for each.
     rows = [report["kernel"]] + [f["kernel"] for f in report["features"].values()]
     rows = [tuple(int(kernel[need]) for need in NEEDS) for kernel in rows]
     stage = {kernel: of_kernel[kernel] / rows.count(kernel) for kernel in set(rows)}

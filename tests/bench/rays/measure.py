@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table and the JSON line of tracer-rays: measure.py BUILD_FOLDER PACKAGE SIZE FRAMES.
+"""Prints the table and the JSON line of tracer-rays: measure.py BUILD_FOLDER PACKAGE SIZE FRAMES.
 
-The three take turns, and a ratio is the middle one of the turns'. The tutorial is Debian's /usr/bin/pathtracer. It
-sends a shadow ray to every lamp at every surface, so it gets one lamp, a point in the middle of the ceiling: then its
-rays are half shadow rays, as ours nearly are. Some of its start away from the lamp and end at once; we send none of
-those. Its BVH is not in robust mode, which favours it by one or two percent. It prints its rays per second of wall
-time; rays per frame follow from that, and cpu-seconds are those of the process with FRAMES frames less those with one,
-so that loading is not counted.
+The three programs take turns, and a ratio is the turns' median. The tutorial is Debian's /usr/bin/pathtracer. It
+traces a shadow ray to every lamp at every surface, so it gets one lamp, a point in the middle of the ceiling: half of
+its rays are then shadow rays, nearly as with ours. Some of its shadow rays point away from the lamp and end at once; we
+trace none of those. Its BVH is not in robust mode, which favours it by one or two percent. It prints its rays per
+second of wall time, from which rays per frame follow. Its cpu-seconds are those of a run with FRAMES frames minus those
+of a run with one, which excludes loading.
 """
 import json
 import os
@@ -27,7 +27,7 @@ FIELD_DEG = 75.0
 
 
 def run(*command):
-    """What it printed, and its cpu-seconds."""
+    """Returns its output and its cpu-seconds."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The geometry of a package that cyclorama-grotto --kind interior wrote, as one OBJ: to_obj.py PACKAGE OUT.obj."""
+"""Writes the geometry of a package from cyclorama-grotto --kind interior as one OBJ: to_obj.py PACKAGE OUT.obj."""
 import pathlib
 import sys
 import tomllib

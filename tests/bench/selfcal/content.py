@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Renders what the museums of the selfcal benchmarks show, once: content.py BUILD_FOLDER makes BUILD_FOLDER/selfcal/grotto.png."""
+"""Renders the content of the selfcal benchmarks' museums once: content.py BUILD_FOLDER makes its selfcal/grotto.png."""
 import pathlib
 import subprocess
 import sys

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws how far the picture is off after a bump: curve.py OUT.svg < the benchmark's last line."""
+"""Draws the picture's error after a bump: curve.py OUT.svg < the last line of ./bench.sh selfcal-bump."""
 import json
 import math
 import sys

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Of the figures of `selfcal_bench trade`: a table of every point, a drawing, and the JSON line.
+"""Writes a table and a drawing of the figures of `selfcal_bench trade` and prints the JSON line.
 
-Run: trade.py FIGURES FOLDER, where selfcal.csv and selfcal.svg are written.
+Run: trade.py FIGURES FOLDER, which gets selfcal.csv and selfcal.svg.
 """
 import csv
 import json
@@ -11,7 +11,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from panels import Panel, write_panels  # noqa: E402
 
-# What is drawn across for each knob.
+# The horizontal axis of each parameter's panel.
 ACROSS = {"rate_hz": ("Corrections", "pictures compared per second", lambda p: p["value"]),
           "patch_step_px": ("Patches", "patches that fit, in three cameras", lambda p: p["patches"]),
           "patch_radius_px": ("A patch's size", "pixels of the camera across", lambda p: 2 * p["value"] + 1),
@@ -23,9 +23,9 @@ UP = {"off, p50, px": "p50_px", "off, p95, px": "p95_px", "7 px healed after, s"
 
 def panels(points):
     for knob, (title, label, across) in ACROSS.items():
-        # Where nothing fits there is no place on a logarithm.
+        # A value of zero has no place on a logarithmic axis.
         line = sorted((p for p in points if p["knob"] == knob and across(p) > 0), key=across)
-        if len(line) > 1:  # One point is no curve.
+        if len(line) > 1:  # One point makes no curve.
             yield Panel(title, label, "px, s, cores", {name: [(across(p), max(p[key], 1e-3)) for p in line] for name, key in UP.items()})
 
 

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a moved wand to a changed wall, through the real processes: motion_to_photon.py BUILD [--quick] [--camera-hz N].
+"""Measures the time from a turned wand to a changed wall, through the real processes.
 
-A simulated hand holds a wand still and turns it all at once, again and again, at moments known to the nanosecond. The
-real cyclorama-tracker sees that in pictures, the real cyclorama-tour steers, the real cyclorama-display turns what its head
-shows; the head's pixels, as they are published with the moment of their refresh, are compared with those before:
+Run: motion_to_photon.py BUILD [--quick] [--camera-hz N]
+
+A simulated hand holds a wand still and turns it abruptly, again and again, at times known to the nanosecond. The real
+cyclorama-tracker sees that in its pictures, the real cyclorama-tour steers, and the real cyclorama-display turns the
+picture of its head. The head's pixels, published with the time of their refresh, are compared with the previous ones:
 
     wand turns ──▶ next exposure ──▶ picture ──▶ detect, pose ──▶ steer ──▶ next refresh ──▶ the first pixels that differ
 
-Nobody says when: only pixels in and pixels out. The farm's pictures are stripes that stand still in the scene, so a new frame
-changes nothing: what is seen first is the heading that the display applies. It needs no ray.
+Only pixels go in and only pixels come out. The farm's pictures are stripes that are fixed in the scene, so a new frame
+changes nothing: the first change is the heading that the display applies, which needs no ray.
 
-The moments of the turns on this machine's clock come from the tracker's OSC: picture n was exposed at begin + n / rate.
+The times of the turns on this machine's clock come from the tracker's OSC: picture n was exposed at begin + n / rate.
 """
 import argparse
 import json
@@ -29,15 +31,15 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from small_show import Processes, installation  # noqa: E402
 
 TURN_DEG = 25
-STEP_S = 0.002  # The turn itself: the wand begins to turn, and the clock runs.
-HELD_S = 0.4  # Turned for so long; then straight until all is at rest again.
-PULSES = 8  # In a loop, right and left by turns, at odd distances from each other.
-QUIET_S = 0.12  # Before a turn nothing may change for so long, or the turn does not count.
+STEP_S = 0.002  # Duration of the turn; time is measured from its start.
+HELD_S = 0.4  # The wand stays turned for so long, then straight until all is at rest.
+PULSES = 8  # Turns per loop, alternately right and left, at irregular intervals.
+QUIET_S = 0.12  # A turn counts only if nothing changed for so long before it.
 LATEST_S = 0.5
 
 
 def hand(camera_hz):
-    """The hand's file, and when in its loop the wand turns."""
+    """Returns the text of the hand's file and the times in its loop at which the wand turns."""
     rng = random.Random(7)
     keys, turns, at = [], [], 0.5
     for n in range(PULSES):
@@ -52,7 +54,7 @@ def hand(camera_hz):
 
 
 class Poses(threading.Thread):
-    """What the tracker says, with the moment when it was said."""
+    """Receives the tracker's messages with the times of their arrival."""
 
     def __init__(self):
         super().__init__(daemon=True)
@@ -80,12 +82,12 @@ class Poses(threading.Thread):
 
 
 class Head(threading.Thread):
-    """When a head's picture became another one."""
+    """Records when a head's picture changed."""
 
     def __init__(self, path):
         super().__init__(daemon=True)
         self.path, self.going = path, True
-        self.changes = []  # presented ns, pixels that differ by more than 8 codes
+        self.changes = []  # (time of the refresh in ns, pixels that differ by more than 8 code values)
 
     def run(self):
         with open(self.path, "rb") as file:
@@ -103,10 +105,11 @@ class Head(threading.Thread):
             begin = pixels + 8 * words * (number % 2)
             picture = shared[begin:begin + size]
             if struct.unpack_from("=Q", shared, started)[0] >= number + 2:
-                continue  # It was written over; the next one is there.
+                continue  # It was overwritten; the next one is there.
             last = number
             if picture != before:
-                row = len(picture) // 2 - len(picture) // 2 % (3 * width)  # One row is enough to see upright stripes turn.
+                # One row is enough to see vertical stripes move.
+                row = len(picture) // 2 - len(picture) // 2 % (3 * width)
                 much = sum(abs(a - b) > 8 for a, b in zip(picture[row:row + 3 * width:3], before[row:row + 3 * width:3]))
                 self.changes.append((presented, much))
                 before = picture
@@ -158,7 +161,7 @@ def latencies(turns, loop_s, camera_hz, poses, changes):
             plain = next((at for at, much in changes if at >= t and much >= 3), None)
             told = next((row for row in poses if row[1] >= t - 5e6 and abs(row[3]) > 0.02), None)
             if seen is None or seen - t > LATEST_S * 1e9 or told is None:
-                rows.append(None)  # Never seen: worse than any number.
+                rows.append(None)  # A turn that was never seen is worse than any number.
                 continue
             rows.append({"all": (seen - t) / 1e6, "plain": (plain - t) / 1e6 if plain else LATEST_S * 1e3,
                          "shutter": max(0.0, (told[1] - t) / 1e6), "tracker": (told[2] - max(told[1], t)) / 1e6,
@@ -176,7 +179,8 @@ def main():
     args = parser.parse_args()
     seconds = args.seconds or (40 if args.quick else 200)
     result = {}
-    print(f"{'camera':<9}{'turns':>6}{'not seen':>10}{'p50':>9}{'p95':>9}{'max':>9}   of p50: until the shutter, tracker, tour and display;  plainly seen p95")
+    print(f"{'camera':<9}{'turns':>6}{'not seen':>10}{'p50':>9}{'p95':>9}{'max':>9}"
+          "   of p50: until the shutter, tracker, tour and display;  clearly seen p95")
     for camera_hz in args.camera_hz or [30, 60]:
         with tempfile.TemporaryDirectory() as folder:
             turns, loop_s, poses, changes = measure(args.build.resolve(), camera_hz, args.refresh_hz, seconds, pathlib.Path(folder))

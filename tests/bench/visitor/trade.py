@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Of the figures of `tracker_bench trade`: a table of every point, a drawing, and the JSON line.
+"""Writes a table and a drawing of the figures of `tracker_bench trade` and prints the JSON line.
 
-Run: trade.py FOLDER FIGURES..., where FOLDER/visitor.csv and visitor.svg are written; of several files with a part of the knobs each, all points.
+Run: trade.py FOLDER FIGURES..., where FOLDER gets visitor.csv and visitor.svg. Each file may have a part of the
+parameters.
 """
 import csv
 import json
@@ -13,7 +14,7 @@ from panels import Panel, write_panels  # noqa: E402
 
 
 def by(points, name, x, y):
-    """Points of logarithmic axes: nothing at zero."""
+    """Returns the series of points for logarithmic axes, without those at zero."""
     series = {}
     for point in points:
         if point[x] > 0 and point[y] > 0:
@@ -29,7 +30,8 @@ def panels(points):
         return f"at {point['distance_m']} m"
 
     filters = [point for point in of("filter") if point["cutoff_hz"] in (0.5, 1.0, 2.0, 4.0)]
-    searches = [point for point in of("decimation", "decimation, tiles") if point["found_share"] > 0.75]  # Else few of many tell nothing.
+    # Too few samples give no meaningful value.
+    searches = [point for point in of("decimation", "decimation, tiles") if point["found_share"] > 0.75]
     drawn = [
         Panel("Filter, by cut-off at rest", "lag of the yaw, ms", "jitter at 2 m, degrees",
               by(filters, lambda point: f"{point['cutoff_hz']:g} Hz", "yaw_lag_ms", "yaw_jitter_2m_deg")),

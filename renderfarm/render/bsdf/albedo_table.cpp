@@ -7,15 +7,15 @@
 namespace cyclorama {
 namespace {
 
-/// Evenly in the square root of the cosine: towards grazing angles everything changes faster.
+/// Columns are spaced evenly in the square root of the cosine, because values change faster towards grazing angles.
 float cosine_of(int column, int columns) {
   constexpr float kGrazing = 1e-4f;
   const float root = static_cast<float>(column) / static_cast<float>(columns - 1);
   return std::max(kGrazing, root * root);
 }
 
-/// The mean over a cosine-weighted hemisphere of what is linear in the square root of the cosine between columns:
-/// 4 u³ du, exact by three points of Gauss and Legendre.
+/// Returns the mean over a cosine-weighted hemisphere of a function that is linear in the square root of the cosine
+/// between columns: 4 u³ du, integrated exactly by three-point Gauss-Legendre quadrature.
 template <typename At>
 float mean_of_columns(int columns, const At& at) {
   constexpr std::array<float, 3> kPlaces = {0.1127016654f, 0.5f, 0.8872983346f};
@@ -30,7 +30,7 @@ float mean_of_columns(int columns, const At& at) {
   return sum;
 }
 
-/// Sums weight(wo, h, facets) over the visible normals, evenly.
+/// Calls weight(wo, h, facets, share) for visible normals on a uniform grid; the shares sum to 1.
 template <typename Weight>
 void for_visible_normals(float cosine, float alpha, int steps, const Weight& weight) {
   const Vec3 wo(std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)), 0.0f, cosine);
@@ -44,7 +44,7 @@ void for_visible_normals(float cosine, float alpha, int steps, const Weight& wei
   }
 }
 
-/// Shadowing of light towards the cosine `cos_i`, of what wo sees.
+/// Returns the shadowing of light towards the cosine `cos_i`, for normals visible from wo.
 float shadowing(const Microfacets& facets, float cos_i) {
   return facets.visibility(cos_i) * cos_i / facets.mirrored_density(1.0f, false);
 }
@@ -66,7 +66,7 @@ BounceAlbedo bounce_albedo(float cosine, float alpha) {
   return sum;
 }
 
-/// The part lost.
+/// Returns the share that is lost.
 float glass_lost(float cosine, float alpha, float eta) {
   float sum = 0.0f;
   for_visible_normals(cosine, alpha, 14, [&](const Vec3& wo, const Vec3& h, const Microfacets& facets, float part) {

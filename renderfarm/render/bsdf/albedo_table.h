@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How much light a rough surface gives back after one bounce between its facets. What is missing from one bounced on:
-/// lobes that are added to make it up are built from these numbers.
+/// Albedo of a rough surface after a single bounce between its facets. The rest bounces on; the lobes that compensate
+/// for
+/// it are built from these numbers.
 ///
 /// Source of the idea: Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017.
 #pragma once
@@ -11,19 +12,20 @@
 
 namespace cyclorama {
 
-/// One bounce in even light is f0 * low + f90 * high, by Schlick's Fresnel. low + high + lost is 1.
+/// Under uniform illumination, one bounce reflects f0 * low + f90 * high, by Schlick's Fresnel. low + high + lost is 1.
 struct BounceAlbedo {
   float low = 1.0f;
   float high = 0.0f;
-  float lost = 0.0f;    ///< Kept by itself: it has digits of its own.
-  float darker = 0.0f;  ///< What a smooth coat's narrow() takes beyond its reflection, off perfect mirrors.
+  float lost = 0.0f;  ///< Stored separately for its precision.
+  /// Excess over its reflection that a smooth coat's narrow() removes, for perfect mirrors as facets.
+  float darker = 0.0f;
 };
 
-/// The reflectance of a coat's index, 1.5.
+/// Reflectance at normal incidence of a coat with ior 1.5.
 inline constexpr float kCoatF0 = 0.04f;
 
-/// Of one roughness, by the cosine of the viewer; and its mean over a cosine-weighted hemisphere. Bilinear, and so the
-/// mean is that of the interpolated numbers exactly. Reentrant.
+/// Albedos for one roughness, by the cosine of the viewer, and their mean over a cosine-weighted hemisphere. Bilinear
+/// interpolation makes the mean exactly that of the interpolated values. Reentrant.
 class AlbedoRow {
  public:
   static constexpr int kCosines = 32;
@@ -67,14 +69,14 @@ class AlbedoRow {
   float part_;
 };
 
-/// What one bounce loses at the surface of a body of index of refraction `ior`, of what it reflects and lets through
-/// together, seen from outside or from inside. Reentrant.
+/// The share that one bounce loses at the surface of a body with index of refraction `ior`, for reflected and
+/// transmitted light together, seen from outside or from inside. Reentrant.
 class GlassLoss {
  public:
   static constexpr int kCosines = 16;
   static constexpr int kWidths = 16;
-  static constexpr int kIors = 10;              ///< Evenly in the fourth root of their f0.
-  using Row = std::array<float, kCosines + 1>;  ///< The last is the mean.
+  static constexpr int kIors = 10;              ///< Evenly spaced in the fourth root of their f0.
+  using Row = std::array<float, kCosines + 1>;  ///< The last element is the mean.
   using Table = std::array<std::array<std::array<Row, 2>, kWidths>, kIors>;
 
   GlassLoss(float alpha, float ior);

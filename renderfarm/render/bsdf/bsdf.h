@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One surface point's material: what a Material says, its textures looked up. Reentrant.
+/// The material at one surface point: a Material with its textures applied. Reentrant.
 #pragma once
 
 #include <limits>
@@ -10,7 +10,7 @@
 
 namespace cyclorama {
 
-/// What the textures hold at one point, decoded to linear; ones where there is none. They multiply the factors.
+/// Texture values at one point, decoded to linear; ones if there is no texture. They multiply the factors.
 struct SurfaceTexels {
   Vec3 base_colour = Vec3::Ones();  ///< Vertex colour included.
   float metallic = 1.0f;
@@ -22,26 +22,26 @@ struct SurfaceTexels {
   float transmission = 1.0f;
 };
 
-/// Colours are linear, in [0, 1], as are all parts; the default mirrors nothing.
+/// Parameters of the reflection model. Colours are linear, in [0, 1], as are all shares; the default has no gloss.
 struct Bsdf {
   Vec3 base_colour = Vec3::Zero();
   float metallic = 0.0f;
-  Vec3 f0 = Vec3::Zero();  ///< Reflectance of the dielectric along its normal,
-  float f90 = 0.0f;        ///< and along its surface.
-  float alpha = 1.0f;      ///< GGX's width: roughness squared.
+  Vec3 f0 = Vec3::Zero();  ///< Reflectance of the dielectric at normal incidence.
+  float f90 = 0.0f;        ///< Reflectance of the dielectric at grazing incidence.
+  float alpha = 1.0f;      ///< GGX width: roughness squared.
 
-  // Only SurfaceLevel::kLayered looks at these.
+  // Used only by SurfaceLevel::kLayered.
   float transmission = 0.0f;
-  bool thin = true;       ///< Light that goes through leaves on the other side as it came.
+  bool thin = true;       ///< Transmitted light leaves in the direction in which it came.
   bool inside = false;    ///< The viewer is within the body. Never with `thin`.
-  float ior = 1.5f;       ///< Of the body; at least 1.
+  float ior = 1.5f;       ///< Index of refraction of the body; at least 1.
   float specular = 1.0f;  ///< Scales the body's reflectance.
-  float coat = 0.0f;      ///< How much of the surface is coated.
+  float coat = 0.0f;      ///< Coated share of the surface.
   float coat_alpha = 0.0f;
-  Vec3 coat_normal = Vec3::Zero();  ///< On the viewer's side; zero is the surface's own.
+  Vec3 coat_normal = Vec3::Zero();  ///< On the viewer's side; zero selects the surface's own.
 };
 
-/// Below this width a lobe is a mirror: float directions and real lamps do not resolve it.
+/// Lower bound of a lobe's width, below which it is a mirror: neither float directions nor real lamps resolve it.
 inline constexpr float kLeastAlpha = 1e-3f;
 
 [[nodiscard]] inline float alpha_of(float roughness) {
@@ -49,19 +49,18 @@ inline constexpr float kLeastAlpha = 1e-3f;
   return r * r < kLeastAlpha ? 0.0f : r * r;
 }
 
-/// Lambert's reflection alone.
+/// Returns a purely Lambertian surface.
 [[nodiscard]] inline Bsdf make_matte(const Vec3& albedo) {
   Bsdf bsdf;
   bsdf.base_colour = albedo;
   return bsdf;
 }
 
-/// glTF's reflectance of a dielectric. An ior near 1 mirrors nothing at grazing angles either, where Schlick's fit
-/// does.
+/// Sets glTF's reflectance of a dielectric. For an ior near 1 it vanishes at grazing angles too, unlike Schlick's fit.
 inline void set_dielectric(float ior, float specular, const Vec3& specular_colour, Bsdf* bsdf) {
   const float root = (ior - 1.0f) / (ior + 1.0f);
   const float f0 = root * root;
-  constexpr float kFullF0 = 0.02f;  // That of water, 1.33.
+  constexpr float kFullF0 = 0.02f;  // Reflectance of water, ior 1.33.
   bsdf->f0 = (f0 * specular_colour).cwiseMin(1.0f) * specular;
   bsdf->f90 = specular * std::min(1.0f, f0 / kFullF0);
   bsdf->ior = ior;
@@ -78,8 +77,8 @@ inline void set_dielectric(float ior, float specular, const Vec3& specular_colou
   return bsdf;
 }
 
-/// `inside`: the ray that found the point came from behind the triangle, as its winding has it. `level`: what the
-/// kernel is compiled for; what is above it is left out.
+/// Returns the material at a point. `inside`: the ray hit the triangle's back, as given by its winding. `level` is the
+/// level of the kernel; properties above it are ignored.
 [[nodiscard]] inline Bsdf make_bsdf(const Material& material, const SurfaceTexels& texels, bool inside,
                                     SurfaceLevel level) {
   const auto unit = [](float value) { return std::clamp(value, 0.0f, 1.0f); };
@@ -99,12 +98,13 @@ inline void set_dielectric(float ior, float specular, const Vec3& specular_colou
   return bsdf;
 }
 
-/// Whether rays go on within the body.
+/// Returns true if rays continue within the body.
 [[nodiscard]] inline bool encloses_body(const Material& material) {
   return material.transmission > 0.0f && material.thickness > 0.0f;
 }
 
-/// Per metre of the way inside: exp(-absorption * metres) is left. Finite; zero where nothing is absorbed.
+/// Returns the absorption per metre inside the body: exp(-absorption * metres) is transmitted. Finite; zero if nothing
+/// is absorbed.
 [[nodiscard]] inline Vec3 absorption_of(const Material& material) {
   const float distance = material.attenuation_distance;
   if (!encloses_body(material) || !(distance > 0.0f) || !std::isfinite(distance)) return Vec3::Zero();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// KHR_materials_clearcoat: a colourless lobe of index 1.5 above the rest, and how much light it leaves to the rest.
+/// KHR_materials_clearcoat: a colourless lobe of index 1.5 on top, and the attenuation of the layers below it.
 ///
-/// The extension weighs what is below by the viewer's angle alone; here light and viewer may be swapped. For wide lobes
-/// below, both angles count, in balance; for narrow ones, which leave as they came, the lesser share does.
+/// The extension attenuates the layers below by the viewer's angle alone; here the attenuation is reciprocal. For wide
+/// lobes below, it is the product for both angles over the mean; for narrow lobes, whose light leaves at the angle at
+/// which it came, the smaller of the two.
 #pragma once
 
 #include "renderfarm/render/bsdf/albedo_table.h"
@@ -12,7 +13,7 @@
 
 namespace cyclorama {
 
-/// Directions are in the surface's frame, not local. Seen from inside a body it is only passed. Thread-bound.
+/// A clear coat. Directions are in the surface's frame, not local. From inside a body it only attenuates. Thread-bound.
 class Coat {
  public:
   Coat(const Bsdf& bsdf, const Vec3& normal, const Vec3& wo)
@@ -31,25 +32,25 @@ class Coat {
     mean_kept_ = 1.0f - part_ * (kCoatF0 * mean.low + mean.high);
   }
 
-  /// Zero where it is not seen.
+  /// Returns the coated share of the surface; zero if the coat is not visible.
   [[nodiscard]] float part() const { return shines_ ? part_ : 0.0f; }
   [[nodiscard]] bool is_mirror() const { return mirror_; }
-  /// What it reflects of light that is the same from everywhere.
+  /// Returns the share that the coat reflects under uniform illumination.
   [[nodiscard]] float albedo() const { return faces_ ? 1.0f - kept_ : 0.0f; }
-  /// The part of the light that it leaves to a narrow lobe below, from wo to wi.
+  /// Returns the attenuation of a narrow lobe below, from wo to wi.
   [[nodiscard]] float narrow(const Vec3& wi) const { return shines_ ? std::min(kept_, kept(cosine(wi))) : 1.0f; }
   [[nodiscard]] float wide(const Vec3& wi) const {
     return shines_ ? kept_ * kept(cosine(wi)) / std::max(1e-6f, mean_kept_) : 1.0f;
   }
-  /// Into or out of a body: only the direction outside crosses the coat.
+  /// Returns the attenuation of light that enters or leaves a body: only the outside direction crosses the coat.
   [[nodiscard]] float crossed(const Vec3& wi) const {
     if (!(part_ > 0.0f)) return 1.0f;
     return shines_ ? kept_ : kept(cosine(wi));
   }
-  /// About the mean of both.
+  /// Returns an approximate mean of narrow() and wide().
   [[nodiscard]] float left() const { return shines_ ? kept_ : 1.0f; }
 
-  /// With the cosine, without mirrors.
+  /// Returns BRDF times cosine, excluding mirrors.
   [[nodiscard]] float evaluate(const Vec3& wi) const {
     if (!faces_ || mirror_) return 0.0f;
     const Vec3 local = frame_.to_local(wi);
@@ -82,7 +83,7 @@ class Coat {
   Vec3 wo_;
   bool mirror_;
   bool shines_;         ///< Seen from outside a body.
-  bool faces_ = false;  ///< And from above its own normal.
+  bool faces_ = false;  ///< Also seen from above its own normal.
   Microfacets facets_;
   AlbedoRow row_;
   float kept_ = 1.0f;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How much a smooth surface mirrors. Reentrant.
+/// Fresnel reflectance of smooth surfaces. Reentrant.
 #pragma once
 
 #include "renderfarm/render/vectors.h"
 
 namespace cyclorama {
 
-/// Schlick's weight of the reflectance at grazing angles.
+/// Returns Schlick's weight of the reflectance at grazing angles.
 [[nodiscard]] inline float schlick(float cosine) {
   const float m = std::clamp(1.0f - cosine, 0.0f, 1.0f);
   const float m2 = m * m;
@@ -16,8 +16,9 @@ namespace cyclorama {
 /// The mean of f0 + (f90 - f0) * schlick over a cosine-weighted hemisphere.
 inline constexpr float kMeanSchlick = 1.0f / 21.0f;
 
-/// Fresnel's reflectance, unpolarised. `eta` is the index of refraction beyond the surface over that before it;
-/// `cosine` > 0 is the incident one. 1 where all is reflected, with ret_cosine (beyond the surface) 0.
+/// Returns the unpolarised Fresnel reflectance. `eta` is the index of refraction beyond the surface over that before
+/// it; `cosine` > 0 is the incident one. Under total reflection it returns 1 and sets ret_cosine (beyond the surface)
+/// to 0.
 [[nodiscard]] inline float dielectric_reflectance(float cosine, float eta, float* ret_cosine) {
   const float sine2 = std::max(0.0f, 1.0f - cosine * cosine) / (eta * eta);
   *ret_cosine = 0.0f;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a facet of a surface that lets light through does: mirror or pass. In the surface's local frame.
+/// The facets of a transmissive surface, which reflect or transmit. Local frame of the surface.
 ///
-/// Thin: a sheet of glass so thin that light leaves as it came; roughness blurs it as it blurs the mirror image
-/// (KHR_materials_transmission). A body (KHR_materials_volume): Snell's law (Walter et al. 2007).
+/// Thin: a sheet of glass so thin that light leaves in the direction in which it came; roughness blurs it as it blurs
+/// the
+/// reflection (KHR_materials_transmission). Body (KHR_materials_volume): Snell's law (Walter et al. 2007).
 #pragma once
 
 #include "renderfarm/render/bsdf/microfacet.h"
@@ -10,13 +11,13 @@
 
 namespace cyclorama {
 
-/// Colours of what a facet mirrors and passes.
+/// Reflectance and transmittance of a facet, by colour.
 struct FacetShare {
   Vec3 mirrored = Vec3::Zero();
   Vec3 passed = Vec3::Zero();
   float beyond = 1.0f;  ///< Cosine between the facet's normal and the refracted direction; bodies only.
 
-  /// How often a sample mirrors.
+  /// Returns the probability with which a sample is reflected.
   [[nodiscard]] float mirror_chance() const {
     const float mirror = luminance(mirrored);
     const float pass = luminance(passed);
@@ -28,7 +29,7 @@ struct FacetShare {
 struct FacetTurn {
   Vec3 h = Vec3::UnitZ();
   float o_h = 1.0f;
-  float jacobian = 0.0f;  ///< Solid angle of h per solid angle of wi. Zero: no facet does that.
+  float jacobian = 0.0f;  ///< Solid angle of h per solid angle of wi. Zero if no facet causes this change.
 };
 
 /// Thread-bound.
@@ -43,7 +44,7 @@ class Interface {
         thin_f90_(bsdf.f90),
         body_(!bsdf.thin && part_ > 0.0f),
         eta_(bsdf.inside ? 1.0f / bsdf.ior : bsdf.ior) {
-    constexpr float kLeastBending = 1e-3f;  // Below it Snell's law has no digits left in float.
+    constexpr float kLeastBending = 1e-3f;  // Below it, Snell's law exceeds float's precision.
     straight_ = body_ && bsdf.ior < 1.0f + kLeastBending;
     const float root = (bsdf.ior - 1.0f) / (bsdf.ior + 1.0f);
     plain_f0_ = root * root;
@@ -51,7 +52,7 @@ class Interface {
 
   [[nodiscard]] bool passes() const { return part_ > 0.0f; }
   [[nodiscard]] bool is_body() const { return body_; }
-  /// A body of air: light goes through as if nothing were there, whatever the roughness.
+  /// Returns true for a body of air, which light crosses unchanged whatever the roughness.
   [[nodiscard]] bool is_straight() const { return straight_; }
   [[nodiscard]] float part() const { return part_; }
   [[nodiscard]] const Vec3& passing() const { return passing_; }
@@ -72,7 +73,8 @@ class Interface {
       share.mirrored += Vec3::Constant(part_);
       return share;
     }
-    // Where glTF puts Schlick's fit between f0 and f90, the real curve: ior 1 is then nothing at all.
+    // The exact Fresnel curve replaces Schlick's fit between glTF's f0 and f90, so that an ior of 1 has no effect at
+    // all.
     const float grazing = plain_f0_ < 0.9999f ? std::clamp((plain - plain_f0_) / (1.0f - plain_f0_), 0.0f, 1.0f) : 1.0f;
     const Vec3 reflectance = f0_ * (1.0f - grazing) + Vec3::Constant(f90_ * grazing);
     share.mirrored += reflectance * part_;
@@ -80,7 +82,7 @@ class Interface {
     return share;
   }
 
-  /// The facet that passes light from `wi`, below the surface, to `wo`.
+  /// Returns the facet that transmits light from `wi`, below the surface, to `wo`.
   [[nodiscard]] FacetTurn turn(const Vec3& wo, const Vec3& wi) const {
     FacetTurn turn;
     if (!body_) {
@@ -98,7 +100,7 @@ class Interface {
     if (sum != 0.0f) turn.jacobian = -i_h / (sum * sum);
     return turn;
   }
-  /// Where a facet passes light to.
+  /// Returns the direction in which a facet transmits.
   [[nodiscard]] Vec3 pass(const Vec3& wo, const Vec3& h, const FacetShare& share) const {
     const float o_h = wo.dot(h);
     if (body_) return normalized_or((o_h / eta_ - share.beyond) * h - wo / eta_, -wo);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Scattering of every surface there is: a clear coat over a surface that mirrors, scatters and lets light through.
+/// Scattering of general surfaces: a clear coat over a surface that reflects, scatters and transmits light.
 #pragma once
 
 #include <numeric>
@@ -25,13 +25,13 @@ class Scattering<SurfaceLevel::kLayered> {
         wide_(bsdf, base_, interface_, wo_.z()),
         coat_(bsdf, normal, wo) {
     if (coat_.part() > 0.0f && !mirror_) {
-      // A rough coat reflects more evenly; measured on white metals of all widths.
+      // A rough coat reflects more evenly; the factor was measured on white metals of all widths.
       const float part = coat_.part() * (1.0f - std::sqrt(bsdf.coat_alpha));
       const float seen = base_.bounce(wo_.z()).darker * part;
       under_coat_ = base_.mean_facet() * share(seen, base_.mean_bounce().darker);
       under_coat_albedo_ = base_.mean_facet() * seen;
     }
-    // A bounded choice of facets leaves out some that pass light.
+    // Bounded sampling would miss some facets that transmit light.
     bounded_ = !interface_.passes() || interface_.is_straight();
     chances_[kCoat] = coat_.albedo();
     chances_[kFacets] = luminance(facets_albedo()) * coat_.left();
@@ -43,7 +43,7 @@ class Scattering<SurfaceLevel::kLayered> {
     for (float& chance : chances_) chance = sum > 0.0f ? chance / sum : 0.0f;
   }
 
-  // Its parts know each other.
+  // Neither copied nor moved, because its parts refer to each other.
   Scattering(const Scattering&) = delete;
   Scattering& operator=(const Scattering&) = delete;
 
@@ -86,12 +86,12 @@ class Scattering<SurfaceLevel::kLayered> {
  private:
   enum Lobe { kCoat, kFacets, kDiffuse, kUp, kDown, kStraight, kLobes };
 
-  /// The part of the surface whose gloss is that of an opaque one: bodies mirror by their interface.
+  /// Returns the share of the surface with the gloss of an opaque one; bodies reflect through their interface instead.
   [[nodiscard]] static float opaque_dielectric(const Bsdf& bsdf) {
     return (1.0f - bsdf.metallic) * (bsdf.thin ? 1.0f : 1.0f - bsdf.transmission);
   }
 
-  /// What one bounce off the facets, or one way through them, returns of even light.
+  /// Returns the albedo of a single bounce off the facets or a single pass through them, under uniform illumination.
   [[nodiscard]] Vec3 facets_albedo() const {
     Vec3 albedo = base_.gloss_albedo();
     if (!interface_.passes() || interface_.is_straight()) return albedo;
@@ -156,7 +156,7 @@ class Scattering<SurfaceLevel::kLayered> {
   [[nodiscard]] ScatterSample sample_coat(const Vec2& u, float chance) const {
     const Vec3 wi = coat_.sample(u);
     const Vec3 local = frame_.to_local(wi);
-    // Where the coat has a normal of its own, it may point below the surface.
+    // The coat's own normal may point below the surface.
     if (!(local.z() > 0.0f)) return {wi, Vec3::Zero(), 0.0f, false};
     if (coat_.is_mirror()) return {wi, Vec3::Constant(coat_.mirrored() / chance), 0.0f, false};
     return weighed(local, wi);
@@ -191,7 +191,7 @@ class Scattering<SurfaceLevel::kLayered> {
   Interface interface_;
   WideGlass wide_;
   Coat coat_;
-  // What Coat::narrow() takes too much, as a wide lobe.
+  // Energy that Coat::narrow() removes in excess, returned as a wide lobe.
   Vec3 under_coat_ = Vec3::Zero();
   Vec3 under_coat_albedo_ = Vec3::Zero();
   std::array<float, kLobes> chances_{};

@@ -10,7 +10,7 @@
 
 namespace cyclorama {
 
-/// A frame about a unit normal.
+/// An orthonormal frame around a unit normal.
 class Frame {
  public:
   explicit Frame(const Vec3& n) : s_(from_frame_of(n, Vec3::UnitX())), t_(from_frame_of(n, Vec3::UnitY())), n_(n) {}
@@ -23,8 +23,8 @@ class Frame {
   Vec3 n_;
 };
 
-/// Directions above the surface, for light that bounced often between facets of width `alpha`: one bounce loses about
-/// alpha² / (cos² + alpha²), and the density by cosine is proportional to cos times that.
+/// A lobe above the surface for light that bounced several times between facets of width `alpha`. A single bounce loses
+/// about alpha² / (cos² + alpha²), and the pdf over the cosine is proportional to cos times that.
 class GrazingLobe {
  public:
   explicit GrazingLobe(float alpha)
@@ -43,27 +43,29 @@ class GrazingLobe {
   float range_;
 };
 
-/// A shading normal may turn away from the viewer near silhouettes; the lobes want to be seen.
+/// Returns `wo` raised above the shading normal's horizon: near silhouettes the normal may point away from the viewer,
+/// but the lobes require a visible one.
 [[nodiscard]] inline Vec3 seen_from_above(const Vec3& wo) {
   constexpr float kLeastCosine = 1e-3f;
   if (wo.z() >= kLeastCosine) return wo;
   return normalized_or({wo.x(), wo.y(), kLeastCosine}, Vec3::UnitZ());
 }
 
-/// GGX of width `alpha` > 0, seen from `wo` with wo.z > 0.
+/// The GGX distribution of width `alpha` > 0, seen from `wo` with wo.z > 0.
 class Microfacets {
  public:
   Microfacets(float alpha, const Vec3& wo) : alpha2_(alpha * alpha), alpha_(alpha), wo_(wo), root_(root(wo.z())) {}
 
-  /// Of normals: h.z > 0. By sine and cosine, because 1 - cos² has no digits left in a narrow lobe.
+  /// Returns the distribution of normals with h.z > 0. Uses sine and cosine, because 1 - cos² loses its precision in a
+  /// narrow lobe.
   [[nodiscard]] float density(const Vec3& h) const {
     const float d = h.x() * h.x() + h.y() * h.y() + alpha2_ * h.z() * h.z();
     return d > 0.0f ? alpha2_ / (kPi * d * d) : 0.0f;
   }
-  /// Masking and shadowing over 4 times both cosines (Heitz 2014, equation 99); the cosines are positive.
+  /// Returns masking and shadowing over 4 times both cosines (Heitz 2014, equation 99); the cosines are positive.
   [[nodiscard]] float visibility(float cos_i) const { return 0.5f / (cos_i * root_ + wo_.z() * root(cos_i)); }
 
-  /// A normal that wo sees. `bounded`: among those that mirror wo to above the surface, nearly.
+  /// Samples a normal visible from wo. With `bounded`, nearly all samples mirror wo to a direction above the surface.
   [[nodiscard]] Vec3 sample(const Vec2& u, bool bounded) const {
     const Vec3 stretched = Vec3(alpha_ * wo_.x(), alpha_ * wo_.y(), wo_.z()) / root_;
     const float b = (bounded ? bound() : 1.0f) * stretched.z();
@@ -73,16 +75,16 @@ class Microfacets {
     const Vec3 h = stretched + Vec3(radius * std::cos(angle), radius * std::sin(angle), z);
     return normalized_or({alpha_ * h.x(), alpha_ * h.y(), h.z()}, Vec3::UnitZ());
   }
-  /// Of the directions to which the sampled normals mirror wo; `d` is density(h).
+  /// Returns the pdf of the directions to which the sampled normals mirror wo; `d` is density(h).
   [[nodiscard]] float mirrored_density(float d, bool bounded) const {
     return 0.5f * d / ((bounded ? bound() : 1.0f) * wo_.z() + root_);
   }
-  /// Of the sampled normals themselves, not bounded; `d` is density(h), o_h the cosine between wo and h.
+  /// Returns the pdf of the sampled normals themselves, unbounded; `d` is density(h), o_h the cosine between wo and h.
   [[nodiscard]] float normal_density(float d, float o_h) const { return 2.0f * d * o_h / (wo_.z() + root_); }
 
  private:
   [[nodiscard]] float root(float cosine) const { return std::sqrt(alpha2_ + (1.0f - alpha2_) * cosine * cosine); }
-  /// Eto and Tokuyoshi's k.
+  /// Returns Eto and Tokuyoshi's k.
   [[nodiscard]] float bound() const {
     const float s = 1.0f + std::sqrt(std::max(0.0f, 1.0f - wo_.z() * wo_.z()));
     const float s2 = s * s;

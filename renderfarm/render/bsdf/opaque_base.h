@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// glTF's opaque surface: a metal, or Lambert's reflection under a dielectric's gloss, or a part of each.
+/// glTF's opaque surface: a metal, or Lambertian reflection under a dielectric's gloss, or a mixture of both.
 ///
-/// Beyond appendix B of glTF 2.0, which loses light on rough surfaces: light that bounces on between the facets leaves
-/// as a wide lobe (Kulla and Conty 2017), and what passes the gloss both ways is kept in balance by the same means, so
-/// that white stays white, and light and viewer may be swapped.
+/// This extends appendix B of glTF 2.0, which loses light on rough surfaces: light that bounces on between the facets
+/// leaves as a wide lobe (Kulla and Conty 2017), and light that passes the gloss both ways is normalised in the same
+/// manner, so that white stays white and the BRDF is reciprocal.
 #pragma once
 
 #include "renderfarm/render/bsdf/albedo_table.h"
@@ -12,8 +12,8 @@
 
 namespace cyclorama {
 
-/// Of light that bounces more than once off facets that reflect `mean` of it: what comes out in the end.
-/// `once` is the mean part that comes out after one bounce off a perfect mirror.
+/// Returns the share of light that emerges after two or more bounces off facets of mean reflectance `mean`. `once` is
+/// the mean share that emerges after one bounce off a perfect mirror.
 [[nodiscard]] inline float after_more_bounces(float mean, float once) {
   return mean * mean * once / std::max(1e-6f, 1.0f - mean * (1.0f - once));
 }
@@ -21,13 +21,14 @@ namespace cyclorama {
   return {after_more_bounces(mean.x(), once), after_more_bounces(mean.y(), once), after_more_bounces(mean.z(), once)};
 }
 
-/// For lobes that are f(o) f(i) / mean(f): the first factor over the last.
+/// Returns the first factor over the last of a lobe f(o) f(i) / mean(f).
 [[nodiscard]] inline float share(float here, float mean) { return mean > 0.0f ? here / mean : 0.0f; }
 
-/// The glossy lobe's colour, and all the rest as one wide lobe. Thread-bound.
+/// The glossy lobe's colour, and everything else as one wide lobe. Thread-bound.
 class OpaqueBase {
  public:
-  /// `dielectric` and `diffuse` are the parts of the surface that are a dielectric's gloss, and Lambert's below it.
+  /// `dielectric` and `diffuse` are the shares of the surface with a dielectric's gloss and with Lambertian reflection
+  /// below.
   OpaqueBase(const Bsdf& bsdf, float cos_o, float dielectric, float diffuse)
       : row_(bsdf.alpha),
         f0_(bsdf.f0 * dielectric + bsdf.base_colour * bsdf.metallic),
@@ -53,31 +54,32 @@ class OpaqueBase {
     diffuse_ *= share(under, 1.0f - reflected(mean));
   }
 
-  /// The facets' reflectance; `o_h` is the cosine at a facet.
+  /// Returns the facets' reflectance; `o_h` is the cosine at a facet.
   [[nodiscard]] Vec3 facet(float o_h) const {
     const float grazing = schlick(o_h);
     return f0_ * (1.0f - grazing) + Vec3::Constant(f90_ * grazing);
   }
-  /// The wide lobe times pi, without the cosine. Zero at cosines of 0.
+  /// Returns the wide lobe times pi, without the cosine. Zero for cosines of 0.
   [[nodiscard]] Vec3 wide(float cos_i) const {
     const BounceAlbedo lit = row_.at(cos_i);
     return more_ * lit.lost + diffuse_ * std::max(0.0f, 1.0f - reflected(lit));
   }
-  /// One bounce off facets of this roughness.
+  /// Returns the albedo of one bounce off facets of this roughness.
   [[nodiscard]] BounceAlbedo bounce(float cosine) const { return row_.at(cosine); }
   [[nodiscard]] BounceAlbedo mean_bounce() const { return row_.mean(); }
-  /// What the dielectric's gloss gives back of that.
+  /// Returns the share of lost light that the dielectric's gloss recovers in further bounces.
   [[nodiscard]] float gloss_more() const { return gloss_more_; }
-  /// What the dielectric's facets reflect of one bounce.
+  /// Returns the dielectric's reflectance for a single bounce.
   [[nodiscard]] float gloss_once(const BounceAlbedo& a) const { return gloss_f0_ * a.low + gloss_f90_ * a.high; }
-  /// The mean reflectance of all facets.
+  /// Returns the mean reflectance of all facets.
   [[nodiscard]] Vec3 mean_facet() const { return f0_ + (Vec3::Constant(f90_) - f0_) * kMeanSchlick; }
   [[nodiscard]] const Vec3& gloss_albedo() const { return gloss_albedo_; }
   [[nodiscard]] const Vec3& more_albedo() const { return more_albedo_; }
   [[nodiscard]] const Vec3& diffuse_albedo() const { return diffuse_albedo_; }
 
  private:
-  /// What a dielectric's gloss reflects in all. The largest component: a tinted gloss is not to tint what is below.
+  /// Returns the total reflectance of the dielectric's gloss: its largest component, so that a tinted gloss does not
+  /// tint the layer below.
   [[nodiscard]] float reflected(const BounceAlbedo& a) const {
     return gloss_f0_ * a.low + gloss_f90_ * a.high + gloss_more_ * a.lost;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Light that bounces more than once between the facets of rough glass: it leaves widely on both sides, so that rough
-/// glass in even light is as white as clear glass. Source: Kulla and Conty 2017, for dielectrics.
+/// Light that bounces more than once between the facets of rough glass. It leaves as a wide lobe on both sides, so that
+/// rough glass under uniform illumination is as bright as clear glass. Source: Kulla and Conty 2017, for dielectrics.
 #pragma once
 
 #include <optional>
@@ -27,7 +27,7 @@ class WideGlass {
     const float here = glass_->mean(inside_);
     const float there = glass_->mean(!inside_);
     if (!(here > 0.0f) || !(there > 0.0f)) return;
-    // Shared so that light and viewer may be swapped, but for the square of the index of refraction.
+    // Distributed such that the lobe is reciprocal except for the square of the index of refraction.
     const float eta2 = interface.eta() * interface.eta();
     const float passed = eta2 * there / (here + eta2 * there);
     up_albedo_ = interface.part() * (1.0f - passed) * lost;
@@ -36,7 +36,7 @@ class WideGlass {
     down_ = down_albedo_ / there;
   }
 
-  /// Times pi, without the cosine, which is `cos_i` > 0.
+  /// Returns BSDF times pi, without the cosine, which is `cos_i` > 0.
   [[nodiscard]] float up(float cos_i) const { return glass_ ? up_ * glass_->at(cos_i, inside_) : 0.0f; }
   [[nodiscard]] Vec3 down(float cos_i) const {
     if (glass_) return down_ * glass_->at(cos_i, !inside_);
@@ -44,7 +44,7 @@ class WideGlass {
   }
   [[nodiscard]] float up_albedo() const { return up_albedo_; }
   [[nodiscard]] const Vec3& down_albedo() const { return down_albedo_; }
-  /// Of one bounce.
+  /// Returns the albedo of a single bounce.
   [[nodiscard]] float once(float cos_o) const { return glass_ ? 1.0f - glass_->at(cos_o, inside_) : 1.0f; }
 
  private:

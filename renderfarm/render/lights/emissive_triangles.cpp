@@ -10,16 +10,16 @@
 namespace cyclorama {
 namespace {
 
-/// Farther than this many times its size, a triangle is sampled by area without a look at its solid angle.
+/// Distance, in multiples of a triangle's size, beyond which it is sampled by area without computing its solid angle.
 constexpr float kFarSizes = 32.0f;
 
-/// Where the texture of a triangle is looked at for its mean: a lattice of barycentric weights.
+/// Subdivisions of the lattice of barycentric weights at which a triangle's texture is averaged.
 constexpr int kLattice = 4;
 
 Vec3 centroid() { return Vec3::Constant(1.0f / 3.0f); }
 
-/// Uniform over the triangle, keeping neighbours together. Source: Heitz, "A Low-Distortion Map Between Triangle and
-/// Square", 2019.
+/// Maps the unit square uniformly to the triangle, keeping neighbours together. Source: Heitz, "A Low-Distortion Map
+/// Between Triangle and Square", 2019.
 Vec3 uniform_weights(const Vec2& u) {
   float x = 0.5f * u.x();
   float y = 0.5f * u.y();
@@ -119,7 +119,7 @@ LightBounds EmissiveTriangles::bounds(std::size_t index) const {
 
 namespace {
 
-/// A triangle about the place that it lights.
+/// A triangle relative to the point that it lights.
 struct SeenTriangle {
   Vec3 a, b, c;
   Vec3 doubled_area;
@@ -130,7 +130,7 @@ struct SeenTriangle {
     if (distance2 > kFarSizes * kFarSizes * size2) return std::nullopt;
     return SphericalTriangle::see(a.cast<double>(), b.cast<double>(), c.cast<double>());
   }
-  /// Barycentric weights of where the line along `direction` meets the plane.
+  /// Returns the barycentric weights of the point where the line along `direction` meets the plane.
   [[nodiscard]] Vec3 weights_along(const Eigen::Vector3d& direction) const {
     const Eigen::Vector3d da = a.cast<double>();
     const Eigen::Vector3d db = b.cast<double>();

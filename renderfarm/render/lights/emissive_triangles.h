@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Triangles that glow, as lights: of meshes whose material is emissive, at each place where they stand.
+/// Emissive triangles as lights: those of meshes with an emissive material, once for each placement.
 #pragma once
 
 #include <cstdint>
@@ -14,28 +14,32 @@ namespace cyclorama {
 struct Placement;
 struct TriangleHit;
 
-/// What the surface gives off there, seen from its front. Colour of the emission's texture included, alpha not.
+/// Returns the radiance emitted at the hit, seen from the front. Includes the colour of the emission's texture, not its
+/// alpha.
 [[nodiscard]] Vec3 emitted_radiance(const TriangleHit& hit);
 
-/// A value; queries are thread-safe. Borrows the placements that it was made of, which must stay where they are.
+/// The emissive triangles of a scene. A value; queries are thread-safe. Borrows the placements that it was made of,
+/// which
+/// must neither move nor change.
 ///
-/// A triangle shines on its front, where its corners run counter-clockwise; a double-sided material's on both sides.
-/// Seen from behind, other triangles glow as well, but no ray aims there. Those whose texture is black where it was
-/// looked at are left out in the same way: rays that meet them by chance still see them glow.
+/// Sampling covers a triangle's front, where its corners run counter-clockwise, and both sides for a double-sided
+/// material. Backs of other triangles emit as well but are not sampled. Triangles whose texture is black at all
+/// positions
+/// checked are left out likewise; rays that hit them by chance still see their emission.
 class EmissiveTriangles {
  public:
   EmissiveTriangles() = default;
   explicit EmissiveTriangles(const std::vector<Placement>& placements);
 
   [[nodiscard]] std::size_t size() const { return triangles_.size(); }
-  /// The number of a placement's triangle among these; -1 if it is none.
+  /// Returns the number of a placement's triangle among these; -1 if it is not included.
   [[nodiscard]] int find(unsigned placement, unsigned primitive) const;
   [[nodiscard]] LightBounds bounds(std::size_t triangle) const;
 
-  /// False where `u` gives no light. Near triangles are sampled uniformly in solid angle, others by area. Source: Arvo,
-  /// "Stratified Sampling of Spherical Triangles", 1995.
+  /// Samples a position; returns false if `u` gives no light. Near triangles are sampled uniformly in solid angle,
+  /// others by area. Source: Arvo, "Stratified Sampling of Spherical Triangles", 1995.
   [[nodiscard]] bool sample(std::size_t triangle, const Vec3& p, const Vec2& u, LightSample* ret_sample) const;
-  /// That of sample() for a ray from `p` that met the triangle after `distance`.
+  /// Returns the pdf of sample() for a ray from `p` that hit the triangle after `distance`.
   [[nodiscard]] float density(std::size_t triangle, const Vec3& p, const Vec3& direction, float distance) const;
   [[nodiscard]] std::size_t bytes() const;
 
@@ -55,7 +59,7 @@ class EmissiveTriangles {
 
   const Placement* placements_ = nullptr;
   std::vector<Triangle> triangles_;
-  /// By placement and triangle: the number here; empty for placements that do not glow.
+  /// Triangle numbers, by placement and primitive; empty for placements that do not emit.
   std::vector<std::vector<std::int32_t>> numbers_;
 };
 

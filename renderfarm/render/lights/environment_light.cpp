@@ -8,10 +8,10 @@
 namespace cyclorama {
 namespace {
 
-constexpr float kLeastSine = 1e-6f;  // At the poles, where a whole row of texels is one direction.
+constexpr float kLeastSine = 1e-6f;  // Applies at the poles, where a whole row of texels is one direction.
 constexpr float kLeastShare = 1e-3f;
 
-/// Chooses the first of two with probability first / (first + second); `u` becomes a fresh number.
+/// Returns true with probability first / (first + second) and rescales `u` to a fresh random number.
 bool chooses_first(float first, float second, float* u) {
   const float share = first / (first + second);
   if (*u < share) {
@@ -22,7 +22,7 @@ bool chooses_first(float first, float second, float* u) {
   return false;
 }
 
-/// In [0, 1] with a density that goes linearly from a to b.
+/// Samples [0, 1] with a pdf that is linear from a to b.
 float sample_linear(float u, float a, float b) {
   if (a == b) return u;
   const float root = std::sqrt(a * a + u * (b * b - a * a));
@@ -35,7 +35,7 @@ float bilinear(const std::array<float, 4>& corners, float x, float y) {
   return top + y * (bottom - top);
 }
 
-/// The rows of cells between texel centres; the first and the last are half as high. In units of v.
+/// Bounds of the rows of cells between texel centres, in units of v; the first and the last row are half as high.
 float row_top(int row, int height) {
   return std::max(0.0f, (static_cast<float>(row) - 0.5f) / static_cast<float>(height));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Light from all around: an environment map or the gradient sky, and directions chosen by how bright they are.
+/// Environment light: a map or the gradient sky, with directions sampled by brightness.
 #pragma once
 
 #include <array>
@@ -12,32 +12,35 @@
 
 namespace cyclorama {
 
-/// A value; queries are thread-safe.
+/// Light from infinitely far. A value; queries are thread-safe.
 ///
-/// The map is cut into cells whose corners are texel centres, so that in each radiance is bilinear in (u, v). A cell is
-/// chosen by what it gives, going down a pyramid of sums (Clarberg et al., "Wavelet Importance Sampling", 2005), which
-/// keeps neighbouring samples neighbours; in it a place is chosen in proportion to the bilinear luminance. So the
-/// density is nowhere zero where there is light. The gradient sky is smooth: its density is that of a surface's
-/// cosine, which leaves matte surfaces in the open without noise, and in proportion to its luminance for both sides.
+/// The map is divided into cells whose corners are texel centres, such that radiance is bilinear in (u, v) within each.
+/// A
+/// cell is chosen by its power, descending a pyramid of sums (Clarberg et al., "Wavelet Importance Sampling", 2005),
+/// which
+/// keeps neighbouring samples together; a position within it is chosen in proportion to the bilinear luminance. The pdf
+/// is thus zero only where there is no light. The gradient sky is smooth: its pdf is that of the surface's cosine,
+/// which
+/// renders matte surfaces in the open without noise, or proportional to luminance for both sides.
 class EnvironmentLight {
  public:
   EnvironmentLight() = default;  ///< Dark.
-  /// `map` may be null: then the sky shines, else the map alone.
+  /// If `map` is null, the sky shines, otherwise the map alone.
   EnvironmentLight(const Sky& sky, std::shared_ptr<const EnvironmentMap> map);
 
   [[nodiscard]] bool shines() const { return shines_; }
   [[nodiscard]] Vec3 radiance(const Vec3& direction) const;
-  /// For a surface with normal `n`; zero for both sides. Precondition: shines(). False where `u` meets nothing but
-  /// black.
+  /// Samples a direction for a surface with normal `n`; zero stands for both sides. Returns false if `u` leads to black
+  /// only. Precondition: shines().
   [[nodiscard]] bool sample(const Vec3& n, const Vec2& u, LightSample* ret_sample) const;
-  /// Per steradian; that of sample().
+  /// Returns the pdf of sample() per steradian.
   [[nodiscard]] float density(const Vec3& n, const Vec3& direction) const;
-  /// About the irradiance (luminance) on an unshadowed surface with normal `n`; for a zero one, from all around. Above
-  /// zero wherever light comes from that side.
+  /// Returns an estimate of the irradiance (luminance) on an unshadowed surface with normal `n`; a zero `n` gathers
+  /// light from all directions. Positive wherever light comes from that side.
   [[nodiscard]] float estimate(const Vec3& n) const;
 
  private:
-  /// A cell, and the place in it, both in [0, 1].
+  /// A cell and a position in it; x and y are in [0, 1].
   struct Place {
     int column = 0;
     int row = 0;
@@ -71,9 +74,9 @@ class EnvironmentLight {
   bool shines_ = false;
   Sky sky_;
   std::shared_ptr<const EnvironmentMap> map_;
-  std::vector<Level> levels_;     ///< Of sums of luminance times solid angle: cells first, one number last.
+  std::vector<Level> levels_;     ///< Sums of luminance times solid angle, from the cells down to a single number.
   float total_ = 0.0f;            ///< Luminance over the whole sphere.
-  float upper_ = 0.0f;            ///< Sky: of the upper half.
+  float upper_ = 0.0f;            ///< Sky: luminance over the upper half.
   std::array<float, 6> faces_{};  ///< Irradiance of surfaces that face +x, -x, +y, -y, +z, -z.
 };
 

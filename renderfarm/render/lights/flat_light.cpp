@@ -7,20 +7,21 @@
 namespace cyclorama {
 namespace {
 
-/// Farther than this many half diagonals, a rectangle is sampled by area: the density then varies by less than 1 % from
-/// uniform in solid angle but for the cosine, and costs a third.
+/// Distance, in half diagonals, beyond which a rectangle is sampled by area. The pdf then differs by less than 1 % from
+/// uniform in solid angle, except for the cosine, at a third of the time.
 constexpr double kFarHalfDiagonals = 16.0;
-/// A disk, whose square is hit by 4/pi more: nearer.
+/// The same for disks, in radii. It is smaller, because solid-angle sampling of the bounding square misses the disk
+/// with 1 - pi/4 of its samples.
 constexpr double kFarRadii = 4.0;
 
-/// The light's rectangle (of a disk, the square around it) as seen from p: its corners (x, y) in its own plane, which
-/// is z > 0 away. Double, because the solid angle is a difference.
+/// The light's rectangle (for a disk, its bounding square) as seen from p: its corners (x, y) in its own plane, at
+/// distance z > 0. Double, because the solid angle is a difference.
 struct View {
   double x0 = 0.0;
   double x1 = 0.0;
   double y0 = 0.0;
   double y1 = 0.0;
-  double z = 0.0;  ///< Not above 0: from behind.
+  double z = 0.0;  ///< Zero or negative if seen from behind.
   bool far = false;
 };
 
@@ -36,21 +37,23 @@ View view_of(const FlatLight& light, const Vec3& p) {
   return {x - hx, x + hx, y - hy, y + hy, z, x * x + y * y + z * z > size2};
 }
 
-/// The solid angle of a View, and what sampling it needs besides.
+/// The solid angle of a View, with the angle k that sampling needs.
 ///
-/// The inner angles of the spherical rectangle are the arguments of four complex numbers: from the normals of the
+/// The inner angles of the spherical rectangle are the arguments of four complex numbers, computed from the normals of
+/// the
 /// planes through p and an edge (Ureña et al., equation 4 with the square roots multiplied out, so that nothing
-/// cancels). Their sum less 2 pi is the solid angle, and is read off the product: one arctangent instead of four
-/// arccosines.
+/// cancels).
+/// Their sum minus 2 pi is the solid angle. It is read off the product of the numbers, with one arctangent instead of
+/// four arccosines.
 struct SolidAngle {
   double value = 0.0;
-  double cos_k = 1.0;  ///< Of the paper's k.
+  double cos_k = 1.0;  ///< Cosine of the paper's k.
   double sin_k = 0.0;
 };
 
 using Complex = std::complex<double>;
 
-Complex product(const Complex& a, const Complex& b) {  // std::complex's looks after infinities, which is slow.
+Complex product(const Complex& a, const Complex& b) {  // Faster than std::complex's, which handles infinities.
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
@@ -78,7 +81,7 @@ struct Place {
   double y = 0.0;
 };
 
-/// Ureña et al., section 4.
+/// Samples by solid angle. Source: Ureña et al., section 4.
 Place place_by_solid_angle(const View& v, const SolidAngle& angle, const Vec2& u) {
   const double turn = static_cast<double>(u.x()) * angle.value;
   const double cos_turn = std::cos(turn);
@@ -104,7 +107,7 @@ Place place_by_solid_angle(const View& v, const SolidAngle& angle, const Vec2& u
   return {x, std::clamp(y, v.y0, v.y1)};
 }
 
-/// Shirley and Chiu's concentric map of the square onto the disk, which keeps neighbours together.
+/// Returns Shirley and Chiu's concentric map of the square to the disk, which keeps neighbours together.
 Vec2 on_unit_disk(const Vec2& u) {
   const Vec2 s = 2.0f * u - Vec2::Ones();
   if (s.isZero(0.0f)) return Vec2::Zero();
@@ -148,7 +151,7 @@ bool sample_flat(const FlatLight& light, const Vec3& p, const Vec2& u, LightSamp
   const View view = view_of(light, p);
   if (!(view.z > 0.0)) return false;
   Place at;
-  double solid_angle = 0.0;  // One over the density.
+  double solid_angle = 0.0;  // Inverse of the pdf.
   if (!view.far) {
     const SolidAngle angle = solid_angle_of(view);
     solid_angle = angle.value;

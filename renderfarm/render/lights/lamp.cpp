@@ -6,14 +6,15 @@
 namespace cyclorama {
 namespace {
 
-/// A sphere that is seen under less than this sine is a point to float: its cap has no digits left.
+/// Squared sine of the half angle below which a sphere is treated as a point, because its cap exceeds float's
+/// precision.
 constexpr float kLeastSine2 = 1e-12f;
 
-/// The lamp's sphere as seen from a place outside.
+/// The lamp's sphere as seen from a point outside.
 struct SphereView {
   Vec3 to_centre = Vec3::UnitY();
   float distance = 0.0f;
-  float sine2 = 0.0f;  ///< Of half the angle that it fills; 0 is a point.
+  float sine2 = 0.0f;  ///< Squared sine of half the angle that it subtends; 0 for a point.
   float one_minus_cos = 0.0f;
   bool inside = false;
 };
@@ -44,7 +45,7 @@ LightSample sample_disc(const Lamp& lamp, const Vec2& u) {
   return {direction, kEndless, lamp.intensity, 0.0f};
 }
 
-/// From inside the shining sphere: its surface, seen all around.
+/// Samples the emitting sphere from inside, where its surface fills all directions.
 LightSample sample_from_inside(const Lamp& lamp, const Vec3& p, const Vec2& u) {
   const Vec3 to_centre = lamp.position - p;
   const Vec3 direction = uniform_cap(u, 2.0f);
@@ -94,7 +95,7 @@ LightSample sample_lamp(const Lamp& lamp, const Vec3& p, const Vec2& u) {
     return {view.to_centre, short_of(p, std::max(0.0f, view.distance - lamp.radius), 1.0f),
             shining / (view.distance * view.distance), 0.0f};
   }
-  // The sphere fills a cap; radiance is intensity / (pi r^2), density 1 / (2 pi (1 - cos)).
+  // The sphere fills a cap; radiance is intensity / (pi r^2), pdf 1 / (2 pi (1 - cos)).
   const Vec3 local = uniform_cap(u, view.one_minus_cos);
   const float radius2 = lamp.radius * lamp.radius;
   const float along = view.distance * local.z();
@@ -114,7 +115,7 @@ float lamp_density(const Lamp& lamp, const Vec3& p) {
 Vec3 lamp_radiance(const Lamp& lamp, const Vec3& p) {
   if (!(lamp.radius > 0.0f)) return Vec3::Zero();
   const SphereView view = view_of(lamp, p);
-  // A sphere too small to be aimed at by its cap is all counted where it is aimed at as a point.
+  // A sphere that is sampled as a point is fully counted there, so a ray that hits it adds nothing.
   if (!view.inside && !(view.sine2 > 0.0f)) return Vec3::Zero();
   const Vec3 shining = view.inside ? lamp.intensity : intensity_towards(lamp, view);
   return shining / (kPi * lamp.radius * lamp.radius);

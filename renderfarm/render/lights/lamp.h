@@ -11,35 +11,35 @@ namespace cyclorama {
 struct Lamp {
   LightKind kind = LightKind::kPoint;
   Vec3 position = Vec3::Zero();
-  Vec3 axis = Vec3(0.0f, -1.0f, 0.0f);  ///< Where it shines.
+  Vec3 axis = Vec3(0.0f, -1.0f, 0.0f);  ///< Direction of emission.
   Vec3 intensity = Vec3::Zero();        ///< Candela; lux for directional lamps.
   float power = 0.0f;                   ///< Luminance of the intensity.
   float radius = 0.0f;                  ///< Point and spot, metres.
-  float inverse_range = 0.0f;           ///< 0 is without end.
-  float cos_outer = -1.0f;              ///< Spot.
+  float inverse_range = 0.0f;           ///< 0: unlimited.
+  float cos_outer = -1.0f;              ///< Spot only.
   float inverse_cone = 1.0f;            ///< Spot: 1 / (cos inner - cos outer).
-  float one_minus_cos_disc = 0.0f;      ///< Directional: of the angular radius.
-  float sin_disc = 0.0f;                ///< Directional: of the angular radius.
-  bool visible = false;                 ///< Rays meet it.
+  float one_minus_cos_disc = 0.0f;      ///< Directional: for the angular radius.
+  float sin_disc = 0.0f;                ///< Directional: for the angular radius.
+  bool visible = false;                 ///< Rays can hit it.
 };
 
-/// Nearer to a lamp without a size, its light would grow without bound.
+/// Lower bound of distances, in metres, that keeps the light of point lamps finite.
 inline constexpr float kLeastLampDistance = 1e-3f;
 
-/// `light` is a point, spot or directional one; rebased to `origin`.
+/// `light` is a point, spot or directional light; the lamp's position is relative to `origin`.
 [[nodiscard]] Lamp make_lamp(const Light& light, const Eigen::Vector3d& origin);
-/// Whether it gives any light, and that in numbers.
+/// Returns true if the lamp emits light, with finite parameters.
 [[nodiscard]] bool is_lit(const Lamp& lamp);
 
-/// Aims at a place on the lamp chosen by `u`, uniformly in solid angle as seen from `p`; at a directional one within
-/// its disc. Inside of a sphere its surface shines from all around.
+/// Samples a position on the lamp, uniform in solid angle as seen from `p`; for a directional lamp, a direction within
+/// its disc. From inside a sphere, its surface shines from all directions.
 [[nodiscard]] LightSample sample_lamp(const Lamp& lamp, const Vec3& p, const Vec2& u);
-/// That of sample_lamp() for a ray that met the lamp.
+/// Returns the pdf of sample_lamp() for a ray that hit the lamp.
 [[nodiscard]] float lamp_density(const Lamp& lamp, const Vec3& p);
-/// Of its sphere, seen from `p`.
+/// Returns the radiance of the lamp's sphere, seen from `p`.
 [[nodiscard]] Vec3 lamp_radiance(const Lamp& lamp, const Vec3& p);
 
-/// KHR_lights_punctual's fading towards the range, without the 1/d^2.
+/// Returns KHR_lights_punctual's attenuation towards the range, without 1/d^2.
 [[nodiscard]] inline float fading(const Lamp& lamp, float distance) {
   const float part = distance * lamp.inverse_range;
   const float part2 = part * part;

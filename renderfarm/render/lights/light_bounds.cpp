@@ -11,7 +11,7 @@ void DirectionCone::extend(const DirectionCone& other) {
     *this = other;
     return;
   }
-  constexpr float kRounding = 1e-6f;  // In angle, so that what is inside stays inside.
+  constexpr float kRounding = 1e-6f;  // In radians, so that enclosed directions stay enclosed.
   const DirectionCone& wide = cosine <= other.cosine ? *this : other;
   const DirectionCone& narrow = cosine <= other.cosine ? other : *this;
   if (wide.axis == narrow.axis) {
@@ -21,7 +21,7 @@ void DirectionCone::extend(const DirectionCone& other) {
   const auto angle_of = [](float c) { return std::acos(std::clamp(c, -1.0f, 1.0f)); };
   const float half_wide = angle_of(wide.cosine);
   const float half_narrow = angle_of(narrow.cosine);
-  // The chord keeps its digits where the cosine has lost them.
+  // The chord is precise for small angles, unlike the cosine.
   const float between = 2.0f * std::asin(std::min(1.0f, 0.5f * (wide.axis - narrow.axis).norm()));
   if (between + half_narrow <= half_wide) {
     *this = wide;

@@ -11,7 +11,7 @@ using Ball = std::array<float, 4>;  ///< Centre and radius.
 
 Vector to_array(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-/// A buffer that Embree owns, filled with `values`; nothing if it could not be had.
+/// Fills a new buffer owned by Embree with `values`; does nothing if it could not be allocated.
 template <typename T>
 void fill(RTCGeometry geometry, RTCBufferType type, RTCFormat format, const std::vector<T>& values) {
   void* const memory = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), values.size());

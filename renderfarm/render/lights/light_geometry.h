@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lamps that rays meet: their shapes for Embree, and back from a hit to the lamp.
+/// Embree geometries of lamps that rays can hit, and the mapping from a hit back to the lamp.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace cyclorama {
 
-/// Which lamp a hit on one of attach_lamps()'s geometries is. A value.
+/// Maps hits on the geometries of attach_lamps() to lamps. A value.
 ///
 ///     if (lamps.holds(hit.geomID)) light = lamps.light_of(hit.geomID, hit.primID);
 ///
-/// Asked before instances are: a lamp stands in the top scene itself, with hit.instID[0] invalid.
+/// Check holds() before instances: a lamp is in the top-level scene itself, with hit.instID[0] invalid.
 class LampGeometries {
  public:
   [[nodiscard]] bool holds(unsigned geometry) const { return geometry >= first_ && geometry - first_ < kShapes; }
@@ -30,8 +30,9 @@ class LampGeometries {
   std::array<std::vector<LightIndex>, kShapes> lights_;
 };
 
-/// Adds the visible lamps of `lights` to `top`, before it is committed, as at most three geometries from id `first` on;
-/// placements come before. They have no user data and no filters. What goes wrong is left in the device's error.
+/// Adds the visible lamps of `lights` to `top`, before it is committed, as up to three geometries with ids from
+/// `first`; the placements have lower ids. The geometries have no user data and no filters. Errors remain in the
+/// device.
 [[nodiscard]] LampGeometries attach_lamps(const LightSet& lights, unsigned first, RTCDevice device, RTCScene top);
 
 }  // namespace cyclorama

@@ -5,29 +5,29 @@
 
 namespace cyclorama {
 
-/// Four lights side by side, looked at together: about what each gives to one place. A value.
+/// Four lights that are evaluated together: estimates of what each contributes at one point. A value.
 class LightLanes {
  public:
   using Four = Eigen::Array4f;
 
   LightLanes();  ///< Dark.
-  /// `lane` in [0, 4).
+  /// Sets one light; `lane` is in [0, 4).
   void set(std::size_t lane, const LightBounds& light);
-  /// Irradiance (luminance) of each, at most about; zero only where it cannot shine. A zero `n` is a surface that is
-  /// lit from both sides.
+  /// Returns an approximate upper bound of each light's irradiance (luminance); zero only where it cannot shine. A zero
+  /// `n` is a surface lit from both sides.
   [[nodiscard]] Four estimate(const Vec3& p, const Vec3& n) const;
 
  private:
-  Four x_, y_, z_, radius_;        ///< A sphere around the light.
-  Four axis_x_, axis_y_, axis_z_;  ///< Zero: shines all around.
-  Four cos_edge_;                  ///< Shines up to here; -1: all around.
+  Four x_, y_, z_, radius_;        ///< Bounding sphere of the light.
+  Four axis_x_, axis_y_, axis_z_;  ///< Zero: emits in all directions.
+  Four cos_edge_;                  ///< Cosine of the limit of emission; -1: all directions.
   Four slope_;                     ///< 1 / (1 - cos_edge)
   Four power_;
   Four inverse_range_;
 };
 
 inline LightLanes::Four LightLanes::estimate(const Vec3& p, const Vec3& n) const {
-  constexpr float kLeastDistance2 = 1e-6f;  // Nearer to a light without a size, it would grow without bound.
+  constexpr float kLeastDistance2 = 1e-6f;  // Lower bound that keeps the estimate finite near point lights.
   const Four dx = x_ - p.x();
   const Four dy = y_ - p.y();
   const Four dz = z_ - p.z();
@@ -35,7 +35,7 @@ inline LightLanes::Four LightLanes::estimate(const Vec3& p, const Vec3& n) const
   const Four least2 = (radius_ * radius_).max(kLeastDistance2);
   const Four distance = distance2.max(1e-30f).sqrt();
   const Four inverse = 1.0f / distance;
-  // The light is seen within an angle b of its centre; cos(a - b) is at most cos a + sin b.
+  // The light lies within an angle b of the direction to its centre; cos(a - b) is at most cos a + sin b.
   const Four sin_b = radius_ * inverse;
   const float both_sides = n.isZero(0.0f) ? 1.0f : 0.0f;
   const Four cosine = (dx * n.x() + dy * n.y() + dz * n.z()) * inverse;

@@ -33,7 +33,7 @@ int LightList::choose(const Estimates& estimates, const Choice& choice, float* r
   for (std::size_t i = 0; i < size_; ++i) {
     const float e = estimates.each[i];
     if (!(e > 0.0f)) continue;
-    // Rounding may leave a rest after the last one: it belongs to the last.
+    // Rounding may leave a remainder after the last light, which is then chosen.
     chosen = static_cast<int>(i);
     left -= static_cast<double>(e);
     if (left < 0.0) break;

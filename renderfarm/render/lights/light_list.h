@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Chooses among a few lights by looking at each of them: better than LightTree where they are few.
+/// Chooses among a few lights by evaluating each: better than LightTree for small numbers.
 #pragma once
 
 #include <array>
@@ -10,30 +10,32 @@
 
 namespace cyclorama {
 
-/// A value; queries are thread-safe.
+/// A list of up to kMost lights. A value; queries are thread-safe.
 class LightList {
  public:
-  /// Among more the tree is better. Measured with points in a box of 20 m (ns for the choice; variance of the estimate
-  /// that the choice alone adds, relative to its square; a shadow ray costs some 200 ns):
+  /// Maximum number of lights; the tree is better beyond it. Measured with points in a box of 20 m: time of the choice
+  /// in
+  /// ns (a shadow ray costs some 200 ns), and variance that the choice alone adds to the estimate, relative to its
+  /// square:
   ///
-  ///     lights      16      32      64      128     256
-  ///     list        61      109     187     352     673       0
-  ///     tree        53      75      81      105     132       0.2 - 1.0
+  ///     lights      16      32      64      128     256     variance
+  ///     list        61      109     187     352     673     0
+  ///     tree        53      75      81      105     132     0.2 - 1.0
   static constexpr std::size_t kMost = 64;
 
-  /// What each light gives to one place at most about (irradiance, luminance), and their sum.
+  /// Approximate upper bounds of each light's irradiance (luminance) at one point, and their sum.
   struct Estimates {
     std::array<float, kMost> each;
     float sum = 0.0f;
   };
 
-  /// Precondition: fewer than kMost so far.
+  /// Precondition: size() < kMost.
   void add(const LightBounds& light);
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// Zero only where a light cannot shine. A zero `n` is a surface that is lit from both sides.
+  /// Estimates each light; zero only if it cannot shine. A zero `n` is a surface lit from both sides.
   void estimate(const Vec3& p, const Vec3& n, Estimates* ret_estimates) const;
-  /// Returns the light's index, -1 if none can shine.
+  /// Returns the light's index, or -1 if none can shine.
   [[nodiscard]] int choose(const Estimates& estimates, const Choice& choice, float* ret_probability) const;
 
  private:

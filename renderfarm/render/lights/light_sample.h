@@ -9,19 +9,19 @@ namespace cyclorama {
 
 inline constexpr float kEndless = std::numeric_limits<float>::infinity();
 
-/// One aim at a light from a place p.
+/// A sampled position on a light, seen from a point p.
 struct LightSample {
   Vec3 direction = Vec3::Zero();  ///< Towards the light, unit length.
-  /// A shadow ray from p ends here: just before the light, by the bound of what rounding may do, so that it does not
-  /// meet the light itself. Infinite for what is infinitely far.
+  /// End of a shadow ray from p: short of the light by the bound of the rounding errors, so that the ray does not hit
+  /// the light itself. Infinite for lights that are infinitely far.
   float distance = 0.0f;
-  Vec3 radiance_over_density = Vec3::Zero();  ///< Times BSDF and cosine it is an unbiased estimate.
-  /// Per steradian. 0 where no ray that is aimed at random would meet the light: nothing to weigh it against.
+  Vec3 radiance_over_density = Vec3::Zero();  ///< An unbiased estimate when multiplied by BSDF and cosine.
+  /// Pdf per steradian; 0 if BSDF sampling cannot hit the light, so that its multiple-importance weight is 1.
   float density = 0.0f;
 };
 
-/// LightSample::distance for a surface at `distance` from p that is met with this cosine. Both ends are rounded, and so
-/// is the ray's own arithmetic; on a surface met at a slant that error is as much longer.
+/// Returns LightSample::distance for a surface at `distance` from p that is hit at this cosine. Both ends are rounded,
+/// and so is the ray's own arithmetic; the error grows by 1 / cosine at oblique incidence.
 [[nodiscard]] inline float short_of(const Vec3& p, float distance, float cosine) {
   constexpr float kRoundings = 32.0f * 0x1p-24f;
   const float error = kRoundings * (2.0f * p.lpNorm<1>() + distance);

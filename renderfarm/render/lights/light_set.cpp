@@ -9,13 +9,13 @@
 namespace cyclorama {
 namespace {
 
-/// Estimates know nothing of what stands in the way, and the sun's is often a thousand times a lamp's, indoors as well.
-/// So this part is dealt out evenly among the kinds that shine: variance grows by a third at most where the estimates
-/// are right, and stays bounded where they are wrong.
+/// Share of the probability that is divided evenly among the kinds of light that shine. Estimates ignore occlusion, and
+/// the sun's is often a thousand times a lamp's, even indoors. The even share raises the variance by at most a third
+/// where the estimates are right, and bounds it where they are wrong.
 constexpr float kEvenShare = 0.25f;
 
-/// One number for all choices. The float's 24 bits are not enough for a tree of a million lights: the rest is made of
-/// them and of `u`.
+/// Returns one random number for all choices. The float's 24 bits do not suffice for a tree of a million lights, so
+/// further bits are hashed from them and from `u`.
 Choice choice_of(float choice, const Vec2& u) {
   const std::uint32_t more =
       mix_bits(std::bit_cast<std::uint32_t>(choice) ^
@@ -110,7 +110,7 @@ bool LightSet::sample(const Vec3& p, const Vec3& n, float choice, const Vec2& u,
   LightList::Estimates estimates;
   if (tree_.empty()) list_.estimate(p, n, &estimates);
   const Shares share = shares(tree_.empty() ? estimates.sum : tree_.estimate(p, n), n);
-  // The last of the kinds takes what is left, whatever rounding made of it.
+  // The last kind takes the remainder, including rounding errors.
   if (share.finite > 0.0f && lot.takes(static_cast<double>(share.finite))) {
     float probability = 0.0f;
     const int light =

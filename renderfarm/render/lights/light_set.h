@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// All that shines in a scene, for estimates of direct light: one light is chosen, and one place on it.
+/// All lights of a scene, for estimates of direct light: one light is chosen, and one position on it.
 ///
 ///     LightSample aim;
 ///     if (lights.sample(p, n, choice, u, &aim)) sum += bsdf(aim.direction) * aim.radiance_over_density * weight;
 ///
-/// p is where the shadow ray starts, in the render frame. n is the normal of the side that is lit; lights behind it are
-/// not chosen, and n = 0 stands for both sides. A ray that meets a light by itself finds what it sees and how likely
-/// sample() would have aimed there:
+/// p is the start of the shadow ray, in the render frame. n is the normal of the lit side; lights behind it are not
+/// chosen, and n = 0 stands for both sides. A ray that hits a light gets its radiance, and the pdf with which sample()
+/// would have chosen that direction, as follows:
 ///
 ///     hits a placement         radiance: the material's emission    density(p, n, lights.of_triangle(...), ...)
 ///     hits a visible lamp      radiance(light, p, direction)        density(p, n, light, ...)
 ///     hits nothing             environment(direction)               environment_density(p, n, direction)
 ///
-/// Densities are per steradian and contain the choice of the light. 0: sample() never aims there, so that the hit
-/// counts in full.
+/// A pdf is per steradian and includes the choice of the light. 0 means that sample() never chooses the direction, so
+/// the
+/// hit has full weight.
 #pragma once
 
 #include <memory>
@@ -29,32 +30,34 @@
 
 namespace cyclorama {
 
-/// Numbers a light that has a place: lamps (points, spots, spheres), then rectangles and disks, then triangles.
+/// Index of a light with a position: lamps (points, spots, spheres), then rectangles and disks, then triangles.
 using LightIndex = int;
 inline constexpr LightIndex kNoLight = -1;
 
-/// A value; queries are thread-safe. Lights that give nothing or no numbers are left out.
+/// The lights of a scene. A value; queries are thread-safe. Lights without power or with non-finite parameters are left
+/// out.
 class LightSet {
  public:
   LightSet() = default;  ///< Dark.
-  /// Borrows `placements`, which must stay where they are. `environment` may be null; else it shines instead of `sky`.
+  /// Borrows `placements`, which must neither move nor change. `environment` may be null; otherwise it replaces `sky`.
   LightSet(const std::vector<Light>& lights, const Eigen::Vector3d& origin, const std::vector<Placement>& placements,
            const Sky& sky, std::shared_ptr<const EnvironmentMap> environment);
 
   [[nodiscard]] bool empty() const { return !has_finite() && suns_.empty() && !environment_.shines(); }
   [[nodiscard]] bool has_environment() const { return environment_.shines(); }
 
-  /// `choice` and `u` in [0, 1). False where they lead to no light.
+  /// Samples a light; `choice` and `u` are in [0, 1). Returns false if they lead to no light.
   [[nodiscard]] bool sample(const Vec3& p, const Vec3& n, float choice, const Vec2& u, LightSample* ret_sample) const;
-  /// Of a ray from `p` that met `light` after `distance`.
+  /// Returns the pdf for a ray from `p` that hit `light` after `distance`.
   [[nodiscard]] float density(const Vec3& p, const Vec3& n, LightIndex light, const Vec3& direction,
                               float distance) const;
   [[nodiscard]] Vec3 environment(const Vec3& direction) const { return environment_.radiance(direction); }
   [[nodiscard]] float environment_density(const Vec3& p, const Vec3& n, const Vec3& direction) const;
 
-  /// Of triangle `primitive` of a placement; kNoLight if it does not glow.
+  /// Returns the light of triangle `primitive` of a placement; kNoLight if it is not sampled.
   [[nodiscard]] LightIndex of_triangle(unsigned placement, unsigned primitive) const;
-  /// What a ray from `p` sees of a visible lamp that it met. Black from behind; zero for triangles.
+  /// Returns the radiance that a ray from `p` sees of a visible lamp that it hit. Black from behind; zero for
+  /// triangles.
   [[nodiscard]] Vec3 radiance(LightIndex light, const Vec3& p, const Vec3& direction) const;
 
   [[nodiscard]] bool chooses_by_tree() const { return !tree_.empty(); }
@@ -62,16 +65,16 @@ class LightSet {
   [[nodiscard]] std::span<const Lamp> lamps() const { return lamps_; }
   [[nodiscard]] std::span<const FlatLight> flats() const { return flats_; }
   [[nodiscard]] std::size_t triangles() const { return triangles_.size(); }
-  /// Lights with a place, so that indices are below it.
+  /// Returns the number of lights with a position, which is above every LightIndex.
   [[nodiscard]] std::size_t size() const { return lamps_.size() + flats_.size() + triangles_.size(); }
   [[nodiscard]] LightIndex index_of_lamp(std::size_t lamp) const { return static_cast<LightIndex>(lamp); }
   [[nodiscard]] LightIndex index_of_flat(std::size_t flat) const {
     return static_cast<LightIndex>(lamps_.size() + flat);
   }
-  [[nodiscard]] std::size_t bytes() const;  ///< Without the environment's.
+  [[nodiscard]] std::size_t bytes() const;  ///< Excludes the environment.
 
  private:
-  /// With what probability each kind is chosen.
+  /// Probability with which each kind of light is chosen.
   struct Shares {
     float finite = 0.0f;
     float suns = 0.0f;
@@ -89,9 +92,9 @@ class LightSet {
   std::vector<Lamp> lamps_;
   std::vector<FlatLight> flats_;
   EmissiveTriangles triangles_;
-  std::vector<Lamp> suns_;  ///< Directional.
+  std::vector<Lamp> suns_;  ///< Directional lamps.
   EnvironmentLight environment_;
-  LightList list_;  ///< Of few lights with a place; of many, the tree.
+  LightList list_;  ///< For few lights with a position; the tree is for many.
   LightTree tree_;
 };
 

@@ -9,19 +9,20 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kBins = 12;
-/// Of more lights than this only the longest axis is tried.
+/// Above this number of lights, only the longest axis is considered.
 constexpr std::size_t kManyLights = 128;
-/// Deeper, where positions run over many powers of ten, halves have equal numbers.
+/// Depth below which nodes are split into halves of equal number, without the cost. Reached if positions span many
+/// powers of ten.
 constexpr int kDeepest = 64;
-/// Two lights nearer than this to a place are told apart no more by their distance.
+/// Lower bound of squared distances, in m²: closer lights are no longer distinguished by distance.
 constexpr float kLeastDistance2 = 1e-6f;
 constexpr std::uint32_t kNowhere = 0xffffffffu;
 
-/// What a group of lights costs, as far as the choice of a split needs it.
+/// Summary of a group of lights, for the cost of a split.
 struct Heap {
   Vec3 low = Vec3::Constant(std::numeric_limits<float>::infinity());
   Vec3 high = Vec3::Constant(-std::numeric_limits<float>::infinity());
-  Vec3 normals = Vec3::Zero();  ///< Their sum: short when they point apart.
+  Vec3 normals = Vec3::Zero();  ///< Sum of the normals: short if they diverge.
   float power = 0.0f;
   float count = 0.0f;
 
@@ -32,9 +33,9 @@ struct Heap {
     power += other.power;
     count += other.count;
   }
-  /// Power x extent x solid angle that the group shines into. Unit normals spread evenly over a cap have the mean
-  /// length (1 + cos) / 2, and the paper's measure of orientation is nearly linear in that cosine, from pi for a plane
-  /// to 4 pi. The extent is the diagonal's square and not the area, which lights in a row have none of.
+  /// Returns power x extent x solid angle of emission. Unit normals spread evenly over a cap have the mean length (1 +
+  /// cos) / 2, and the paper's measure of orientation is nearly linear in that cosine, from pi for a plane to 4 pi. The
+  /// extent is the squared diagonal, because the surface area vanishes for lights in a row.
   [[nodiscard]] float cost() const {
     if (!(count > 0.0f)) return 0.0f;
     const float spread = 1.0f - std::min(1.0f, normals.norm() / count);
@@ -50,7 +51,7 @@ Heap heap_of(const LightBounds& light) {
 }  // namespace
 
 struct LightTree::Item {
-  LightBounds bounds;  ///< Its own: what is looked at together lies together.
+  LightBounds bounds;  ///< Stored by value, for locality.
   std::uint32_t light = 0;
   [[nodiscard]] Vec3 place() const { return bounds.centre(); }
 };
@@ -63,7 +64,7 @@ std::size_t bin_of(float place, float low, float inverse_size) {
 }
 
 struct Split {
-  int axis = -1;  ///< None separates them.
+  int axis = -1;  ///< -1 if no axis separates them.
   std::size_t bin = 0;
   float cost = std::numeric_limits<float>::infinity();
 };
@@ -86,7 +87,7 @@ Split best_split(std::span<const Item> items, const Vec3& low, const Vec3& size,
   for (std::size_t i = 0; i + 1 < kBins; ++i) {
     below.add(bins[i]);
     if (!(below.count > 0.0f) || below.count >= all) continue;
-    // Thin slices are worse than their cost says.
+    // Penalises thin slices, which are worse than their cost suggests.
     const float cost = (below.cost() + cost_above[i + 1]) * (size.maxCoeff() / size[axis]);
     if (cost < best.cost) best = {axis, i, cost};
   }
@@ -110,7 +111,7 @@ LightTree::LightTree(std::span<const LightBounds> lights) {
 }
 
 void LightTree::set(std::uint32_t node, const LightBounds& bounds, std::uint32_t next) {
-  // Rounding may leave a corner just outside of the box about the centre.
+  // Rounding may leave a corner slightly outside the box around the centre.
   constexpr float kRoundings = 4.0f * 0x1p-24f;
   const Vec3 centre = bounds.centre();
   const Vec3 slack = kRoundings * bounds.low.cwiseAbs().cwiseMax(bounds.high.cwiseAbs());
@@ -186,7 +187,8 @@ float LightTree::importance(const Node& node, const Vec3& p, const Vec3& n) {
   const float near2 = std::max({distance2, radius2, kLeastDistance2});
   float strength = node.power / near2;
   if (!n.isZero(0.0f)) {
-    const float highest = n.dot(offset) + n.cwiseAbs().dot(node.half);  // Of the box's corners, above the horizon.
+    // Greatest height of the box's corners above the horizon.
+    const float highest = n.dot(offset) + n.cwiseAbs().dot(node.half);
     if (!(highest > 0.0f)) return 0.0f;
     strength *= std::min(1.0f, highest / std::sqrt(near2));
   }
@@ -201,7 +203,7 @@ float LightTree::importance(const Node& node, const Vec3& p, const Vec3& n) {
 
   const float cosine = -node.axis.dot(offset) / distance;
   if (cosine >= node.cos_normals) return strength;
-  // The angle to the axis less the cone's, less that within which the box is seen around its centre.
+  // Angle to the axis minus the cone's half angle, minus the half angle that the box subtends at p.
   const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
   const float sin_normals = std::sqrt(std::max(0.0f, 1.0f - node.cos_normals * node.cos_normals));
   const float cos_left = cosine * node.cos_normals + sine * sin_normals;

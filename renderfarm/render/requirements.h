@@ -21,8 +21,7 @@ struct SceneNeeds {
   friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
 };
 
-/// Derives the needs from what is used: a material without triangles needs nothing. Reads the alpha of every texel of
-/// textures that blend. Reentrant.
+/// Derives the needs from what is used: a material without triangles needs nothing. Reentrant.
 [[nodiscard]] SceneNeeds needs_of(const Scene& scene);
 
 /// Returns the union of both.

@@ -32,8 +32,8 @@ inline constexpr int kMostPassages = 16;
 /// Draws the random numbers of one surface for every ray in flight.
 void draw_lots(PathBatch& batch);
 /// Returns the seed for decisions at half-transparent surfaces along a ray that starts at the path's surface number
-/// `surfaces`, counted from 1; that of a camera ray is 0. A path that meets the same surface twice thus draws twice.
-/// The Owen scramble keeps the samples of a pixel evenly distributed.
+/// `surfaces`, counted from 1; that of a camera ray is 0. A path that meets the same surface twice draws a new number
+/// each time. The Owen scramble keeps the samples of a pixel evenly distributed.
 [[nodiscard]] inline std::uint32_t veil_lot(std::uint32_t index_reversed, std::uint32_t seed, std::uint32_t surfaces) {
   return scrambled_reversed(index_reversed, mix_bits(seed ^ mix_bits(surfaces + 1)));
 }

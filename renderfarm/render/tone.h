@@ -13,9 +13,8 @@
 namespace cyclorama {
 
 /// Converts exposed radiance to display light in [0, 1], monotonically; NaN and negative light give 0.
-///   shoulder  identity up to one half, so that measured and painted values are kept, then an exponential that
-///   continues
-///             with the same slope and ends at 1
+///   shoulder  identity up to one half, so that measured and painted values are kept, then an exponential with the
+///             same slope that ends at 1
 ///   linear    identity up to 1, then clipped
 ///   filmic    the S-curve of film, white from 7.25 on: Narkowicz, "ACES Filmic Tone Mapping Curve", 2016, per channel
 [[nodiscard]] inline float tone_mapped(float exposed, ToneCurve curve = ToneCurve::kShoulder) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Chooses among many lights by what they may give to a place, in time that grows with the logarithm of their number.
+/// Chooses among many lights by estimated contribution, in time logarithmic in their number.
 #pragma once
 
 #include <array>
@@ -10,12 +10,12 @@
 
 namespace cyclorama {
 
-/// A number in [0, 1) that decides many things one after the other. In double, because the choices among a million
-/// lights use up the 24 bits of a float.
+/// A random number in [0, 1) that serves several decisions in turn. Double, because the choices among a million lights
+/// use up the 24 bits of a float.
 class Choice {
  public:
   explicit Choice(double number) : number_(number) {}
-  /// True with this probability.
+  /// Returns true with this probability.
   bool takes(double probability) {
     if (number_ < probability) {
       number_ /= probability;
@@ -30,25 +30,25 @@ class Choice {
   double number_;
 };
 
-/// A value; queries are thread-safe.
+/// A binary tree of lights, built by a surface-area-and-orientation heuristic. A value; queries are thread-safe.
 ///
-/// A binary tree over the lights, built by a surface-area-and-orientation heuristic; each node knows a sphere around
-/// its lights, a cone of their normals and their power. Where a node's importance is zero none of its lights can shine.
-/// Sources: Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", 2018; Pharr,
-/// Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 12.6.3.
+/// Each node stores a bounding box of its lights, a cone of their normals and their power. If a node's importance is
+/// zero, none of its lights can shine. Sources: Conty Estevez and Kulla, "Importance Sampling of Many Lights with
+/// Adaptive
+/// Tree Splitting", 2018; Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 12.6.3.
 class LightTree {
  public:
   LightTree() = default;
-  /// Lights without power are left out of it. About 90 bytes per light.
+  /// Lights without power are left out. Takes about 90 bytes per light.
   explicit LightTree(std::span<const LightBounds> lights);
 
   [[nodiscard]] bool empty() const { return nodes_.empty(); }
-  /// What all together give at most about; the unit is that of irradiance (luminance). 0: none can shine there.
-  /// A zero `n` is a surface that is lit from both sides.
+  /// Returns an approximate upper bound of the irradiance (luminance) of all lights; 0 if none can shine there. A zero
+  /// `n` is a surface lit from both sides.
   [[nodiscard]] float estimate(const Vec3& p, const Vec3& n) const;
-  /// Returns the light's index, or -1 where the choice led to lights that cannot shine there.
+  /// Returns the light's index, or -1 if the choice led to lights that cannot shine there.
   [[nodiscard]] int choose(const Vec3& p, const Vec3& n, Choice* choice, float* ret_probability) const;
-  /// That of choose(); 0 for a light that is left out.
+  /// Returns the probability with which choose() returns `light`; 0 for a light that is left out.
   [[nodiscard]] float probability(const Vec3& p, const Vec3& n, int light) const;
   [[nodiscard]] std::size_t bytes() const;
 
@@ -58,13 +58,14 @@ class LightTree {
   static constexpr std::uint32_t kLeaf = 0x80000000u;
   struct Node {
     Vec3 centre;
-    Vec3 half;  ///< Of the box around the lights.
+    Vec3 half;  ///< Half size of the lights' bounding box.
     Vec3 axis;
     float cos_normals;
     float cos_emission;
     float power;
     float inverse_range;
-    std::uint32_t next;  ///< The second child, the first follows its parent; or kLeaf and the group.
+    /// Index of the second child (the first follows its parent), or kLeaf with the index of the group.
+    std::uint32_t next;
   };
   struct Group {
     std::array<LightLanes, kLanes> lanes;
@@ -76,7 +77,7 @@ class LightTree {
 
   [[nodiscard]] static float importance(const Node& node, const Vec3& p, const Vec3& n);
   [[nodiscard]] static Estimates estimates(const Group& group, const Vec3& p, const Vec3& n);
-  /// The probability of the first of a node's children; negative where neither can shine.
+  /// Returns the probability of the first of a node's children; negative if neither can shine.
   [[nodiscard]] float first_share(std::uint32_t node, const Vec3& p, const Vec3& n) const;
   LightBounds build(std::span<Item> items, int depth);
   LightBounds add_group(std::span<const Item> items, std::uint32_t node);
@@ -85,7 +86,7 @@ class LightTree {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> parents_;
   std::vector<Group> groups_;
-  std::vector<std::uint32_t> places_;  ///< By light: kGroup times its group, and its number in it.
+  std::vector<std::uint32_t> places_;  ///< By light: kGroup times its group, plus its index in it.
 };
 
 }  // namespace cyclorama

@@ -8,13 +8,13 @@
 namespace cyclorama {
 namespace {
 
-/// Below, the density of sampling by area is nearly that of solid angle.
+/// Solid angle below which area sampling has nearly the pdf of solid-angle sampling.
 constexpr double kSmallest = 1e-3;
-constexpr double kLargest = 6.2;  // Of a hemisphere's 2 pi.
-/// Thinner triangles leave no digits for the rotation about their corner.
+constexpr double kLargest = 6.2;  // Close to the 2 pi of a hemisphere.
+/// Lower bound for the sine of the angle at corner a: the rotation about it is imprecise for thinner triangles.
 constexpr double kThinnestSine = 1e-5;
 
-/// What of `v` is square to the unit vector `n`, of unit length; zero if nothing is.
+/// Returns the unit vector of `v`'s component perpendicular to the unit vector `n`; zero if there is none.
 Eigen::Vector3d aside(const Eigen::Vector3d& v, const Eigen::Vector3d& n) {
   const Eigen::Vector3d rest = v - n * n.dot(v);
   const double length = rest.norm();
@@ -25,8 +25,8 @@ Eigen::Vector3d aside(const Eigen::Vector3d& v, const Eigen::Vector3d& n) {
 
 std::optional<SphericalTriangle> SphericalTriangle::see(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                                         const Eigen::Vector3d& c) {
-  // Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", 1983. The determinant is taken from the edges,
-  // because the corners may be nearly alike.
+  // Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", 1983. The determinant is computed from the edges,
+  // because the corners may nearly coincide.
   const double la = a.norm();
   const double lb = b.norm();
   const double lc = c.norm();
@@ -47,8 +47,8 @@ std::optional<SphericalTriangle> SphericalTriangle::see(const Eigen::Vector3d& a
 }
 
 Eigen::Vector3d SphericalTriangle::sample(double u, double v) const {
-  // The corner c moves to where the part of the area up to it is u; then a point on the arc from b to it.
-  const double part = u * solid_angle_;  // The sine and cosine of part + pi - alpha:
+  // Corner c moves so that the share u of the area lies before it; then a point is sampled on the arc from b to it.
+  const double part = u * solid_angle_;  // s and t are the sine and cosine of part + pi - alpha.
   const double s = cos_alpha_ * -std::sin(part) + sin_alpha_ * std::cos(part);
   const double t = -cos_alpha_ * std::cos(part) - sin_alpha_ * std::sin(part);
   const double k1 = t + cos_alpha_;

@@ -6,21 +6,21 @@
 
 namespace cyclorama {
 
-/// A triangle as seen from the origin, when it is large enough to be sampled by its solid angle. Double, because the
-/// solid angle is a difference.
+/// A triangle projected to the unit sphere around the origin, if it is large enough to be sampled by solid angle.
+/// Double, because the solid angle is a difference.
 class SphericalTriangle {
  public:
-  /// Nothing if it is so small or so thin that sampling by area is as good, or so large that the origin is nearly on
-  /// it.
+  /// Returns null if the triangle is so small or thin that area sampling is as good, or so large that the origin nearly
+  /// lies on it.
   [[nodiscard]] static std::optional<SphericalTriangle> see(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                                             const Eigen::Vector3d& c);
   [[nodiscard]] double solid_angle() const { return solid_angle_; }
-  /// A direction, uniform in solid angle. Source: Arvo, "Stratified Sampling of Spherical Triangles", 1995.
+  /// Samples a direction, uniform in solid angle. Source: Arvo, "Stratified Sampling of Spherical Triangles", 1995.
   [[nodiscard]] Eigen::Vector3d sample(double u, double v) const;
 
  private:
-  Eigen::Vector3d a_, b_, c_;  ///< Of unit length.
-  double cos_alpha_ = 1.0;     ///< Of the angle at a.
+  Eigen::Vector3d a_, b_, c_;  ///< Unit vectors to the corners.
+  double cos_alpha_ = 1.0;     ///< Cosine of the angle at a.
   double sin_alpha_ = 0.0;
   double solid_angle_ = 0.0;
 };

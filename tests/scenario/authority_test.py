@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""cyclorama-authority in an empty folder: what it makes, what it refuses, and who may read it.
+"""Tests cyclorama-authority in an empty folder: the files that it makes, their permissions, and what it refuses.
 
 Run: authority_test.py BUILD_FOLDER
 """
@@ -36,7 +36,7 @@ class Authority:
     def refuses(self, because, *words):
         done = self.run(*words)
         expect(done.returncode == 1 and because in done.stderr and done.stderr.count("\n") == 1,
-               f"{words}: {done.returncode}, {done.stderr!r}, and not '{because}'")
+               f"{words}: {done.returncode}, {done.stderr!r} instead of '{because}'")
 
     def openssl(self, *words):
         return subprocess.run(["openssl", *words], cwd=self.folder, capture_output=True, text=True, timeout=30).stdout
@@ -62,16 +62,16 @@ def check(authority):
 
     for secret in ("farm.tar", "hall-3.tar", "ca/private/ca.key"):
         expect((authority.folder / secret).stat().st_mode & 0o077 == 0, f"others may read {secret}")
-    expect((authority.ca / "crl.pem").stat().st_mode & 0o444 == 0o444, "the head cannot read crl.pem")
+    expect((authority.ca / "crl.pem").stat().st_mode & 0o444 == 0o444, "the coordinator cannot read crl.pem")
     head = authority.unpack("farm.tar")
-    expect((head / "key.pem").stat().st_mode & 0o077 == 0, "others may read the head's key")
-    expect('revoked = "' in (head / "settings.toml").read_text(), "the head's lines name no list of revoked ones")
+    expect((head / "key.pem").stat().st_mode & 0o077 == 0, "others may read the coordinator's key")
+    expect('revoked = "' in (head / "settings.toml").read_text(), "the coordinator's lines name no revocation list")
     museum = authority.unpack("hall-3.tar")
     expect("[farm]" in (museum / "settings.toml").read_text(), "the museum's lines are not for site.toml")
     text = authority.openssl("x509", "-in", str(head / "certificate.crt"), "-noout", "-text")
     for part in ("CN = farm", "OU = head", "DNS:farm.example.org", "IP Address:0:0:0:0:0:0:0:1", "TLS Web Server Authentication",
                  "CA:FALSE", "prime256v1"):
-        expect(part in text, f"the head's certificate has no {part}")
+        expect(part in text, f"the coordinator's certificate has no {part}")
     verified = authority.openssl("verify", "-x509_strict", "-purpose", "sslclient", "-CAfile", str(authority.ca / "ca.crt"),
                                  str(museum / "certificate.crt"))
     expect(verified.endswith("OK\n"), f"openssl verify: {verified}")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The programs that look after a museum, by their exit codes: cyclorama-provision with the display's, the tracker's and
-the calibrator's own checks, cyclorama-health, cyclorama doctor.
+"""Tests the maintenance programs by their exit codes: cyclorama-provision with the checks of display, tracker and
+calibrator, cyclorama-health and cyclorama doctor.
 
 Run: care_test.py SOURCE_ROOT BUILD_FOLDER
 """
@@ -22,7 +22,7 @@ def run(*command):
 
 
 class Parts:
-    """Pretended, from a program of their own."""
+    """The parts of a museum, which test-parts imitates."""
 
     def __init__(self, build, *options):
         self.process = subprocess.Popen([build / "bin/test-parts", *options], stdout=subprocess.PIPE, text=True)
@@ -54,7 +54,7 @@ def check_health(build, folder):
 
 
 def check_provisioning(source, build, folder):
-    """The programs that own a table are asked about it."""
+    """Each settings table is checked by the program that owns it."""
     stick, state = folder / "stick", folder / "state"
     stick.mkdir()
     (stick / "site.toml").write_text('[farm]\nheads = ["[::1]:1"]\nmuseum = "hall-3"\n[display]\nattract_after_s = 5\n')
@@ -69,7 +69,7 @@ def check_provisioning(source, build, folder):
     assert good.returncode == 0 and changed.read_text() == "000001\n", good.stderr
     assert "401773" not in "".join(p.read_text() for p in state.rglob("*") if p.is_file())
     changed.unlink()
-    assert run(*install).returncode == 0 and not changed.exists(), "the same stick starts nothing again"
+    assert run(*install).returncode == 0 and not changed.exists(), "the same stick restarts services again"
     for file, text, word in (("site.toml", "[display]\nattract_after = 5\n", "cyclorama-display refuses"),
                              ("tracker.toml", '[camera]\nkind = "v4l3"\n', "cyclorama-tracker refuses"),
                              ("calibrator.toml", '[watch]\ncompare_Hz = 4\n', "cyclorama-calibrator refuses")):
@@ -92,7 +92,7 @@ def check_provisioning(source, build, folder):
 
 
 def check_calibrator(source, build, folder, state):
-    """A museum whose fixed camera has no lens yet: it starts, and tells what is missing."""
+    """A calibrator whose fixed camera has no lens calibration starts and reports what is missing."""
     bad_lens = folder / "bad"
     shutil.copytree(state / "settings", bad_lens)
     (bad_lens / "cameras").mkdir()
@@ -133,14 +133,14 @@ def check_doctor(build, folder, state):
 
 
 def check_hours(build, state):
-    """What is said for once, by the command line: told, kept, taken back."""
+    """The command line sets, shows and removes an exception from the hours."""
     hours = [build / "bin/cyclorama", "hours", "--museum", state]
     told = run(*hours)
     assert told.returncode == 0 and told.stdout.startswith("Open now.") and "always open" in told.stdout, told
     closed = run(*hours, "closed")
     assert closed.returncode == 0 and "Closed now until" in closed.stdout, closed
     assert (state / "hours/override").read_text().startswith("closed from "), closed
-    assert "Closed now until" in run(*hours).stdout, "another process does not know it"
+    assert "Closed now until" in run(*hours).stdout, "another process does not see it"
     for wrong, words in ((("open",), "say until when"), (("open", "25:00"), "such as 22:00"), (("closed", "22:00"), "with 'open' alone")):
         refused = run(*hours, *wrong)
         assert refused.returncode == 1 and words in refused.stderr, refused
@@ -151,7 +151,7 @@ def check_hours(build, state):
 
 
 def check_projectors(source, build, folder):
-    """Where none has a network address there is nothing to keep, and nothing wrong; to switch none is a mistake."""
+    """Without a projector with a network address cyclorama-projectors runs idle; switching none is an error."""
     site = folder / "hours.toml"
     site.write_text('[farm]\nheads = ["[::1]:7401"]\n')
     projectors = [build / "bin/cyclorama-projectors", "--installation", source / "demo/installation.toml"]
@@ -165,7 +165,7 @@ def check_projectors(source, build, folder):
 
 
 class Projector:
-    """One that speaks PJLink: on, and its lamp at its end."""
+    """A projector that speaks PJLink: it is on and its lamp is worn out."""
 
     def __init__(self):
         self.listener = socket.create_server(("::1", 0), family=socket.AF_INET6)
@@ -175,13 +175,13 @@ class Projector:
     def serve(self):
         while True:
             client, _ = self.listener.accept()
-            with client, contextlib.suppress(OSError):  # Who asks may go away.
+            with client, contextlib.suppress(OSError):  # The client may disconnect.
                 client.sendall(b"PJLINK 0\r")
                 client.sendall(b"%1ERST=020000\r" if b"ERST" in client.recv(100) else b"%1POWR=1\r")
 
 
 def check_lamps(source, build, folder):
-    """What a projector tells of itself reaches the operator, with its remedy."""
+    """A projector's own report reaches the operator, with a remedy."""
     site, room = folder / "lamps.toml", folder / "installation.toml"
     site.write_text('[farm]\nheads = ["[::1]:7401"]\n')
     text = (source / "demo/installation.toml").read_text()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Several museums at one farm that want more than it can make: each gets its share, by the weight that museums.toml gives
-it, and a slow one takes nothing from the others.
+"""Tests a farm with museums that request more than it can render: each gets its share by its weight in museums.toml,
+and a slow one takes nothing from the others.
 
 Run: fairness_test.py SOURCE_ROOT BUILD_FOLDER
 """
@@ -15,13 +15,13 @@ from farm.farm import Farm, make_scene
 from farm.museum import now
 from farm.processes import wait_until
 
-GREEDY_HZ = 200  # More than any machine makes of these pictures.
+GREEDY_HZ = 200  # A frame rate that no machine reaches.
 SLOW = ("--tile-delay-ms", 300)
-ENOUGH = 15   # Frames of each, for shares to show through what else the machine does.
-UNFAIR = 1.8  # Frames of one over those of another of the same weight; 1 is fair.
+ENOUGH = 15   # Frames of each museum, so many that other work on the machine matters little.
+UNFAIR = 1.8  # Maximum ratio of frames at equal weights; 1 is fair.
 WEIGHTS = {"hall-2": 2.0, "hall-1": 1.0}
-WEIGHED = (1.5, 2.7)  # Frames of the one over those of the other.
-SLOWED = 0.4  # Of the frames per second without the slow museum, so many are left at least.
+WEIGHED = (1.5, 2.7)  # Bounds of the ratio of frames at weights 2 and 1.
+SLOWED = 0.4  # Minimum share of the frame rate that is left beside a slow museum.
 
 
 def start(farm, name, *options):
@@ -31,7 +31,7 @@ def start(farm, name, *options):
 
 
 def rates(counted, others=()):
-    """Frames per second of each, over the time in which each of the first had enough."""
+    """Returns each museum's frames per second in the time that the first ones took for enough frames."""
     began = now()
     wait_until(lambda: all(len(m.whole_frames(began)) >= ENOUGH for m in counted), 90, "frames enough for all", period=0.2)
     until = now()
@@ -48,7 +48,7 @@ def check_weights(farm):
 
 
 def trusting_farm(build, folder):
-    """Certificates for all, and a file of weights."""
+    """Makes certificates for all museums and a file of weights."""
     folder, scene = pathlib.Path(folder), make_scene(build, folder)
     authority = Authority(build, folder)
     authority.bundle("head", "farm", "--address", "::1")
@@ -57,7 +57,7 @@ def trusting_farm(build, folder):
         authority.bundle("museum", name)
     (folder / "museums.toml").write_text("".join(
         f'[[museum]]\nname = "{name}"\nscenes = ["*"]\nweight = {weight}\n' for name, weight in WEIGHTS.items()))
-    # Ports and scenes are as the command line says.
+    # The command line overrides ports and scenes.
     (folder / "farm.toml").write_text(f'museums = "[::1]:1"\nnodes = "[::1]:2"\nmuseums_file = "museums.toml"\n[[scene]]\n'
                                       f'name = "visit"\npath = "{scene}"\n[tls]\n' + TLS.format("farm"))
     (folder / "node.toml").write_text("[tls]\n" + TLS.format("nodes"))
@@ -73,7 +73,7 @@ def check_equals(farm):
     farm.forget_museum("slow")
     [alone] = rates([fast])
     assert slow.whole_frames(), "a slow museum gets nothing at all"
-    assert slow_rate < beside_slow, "the slow museum is not slow: this proves nothing"
+    assert slow_rate < beside_slow, "the slow museum is not slow, so this proves nothing"
     assert beside_slow >= SLOWED * alone, f"{alone} frames/s alone, {beside_slow} beside a slow museum"
     equal = rates([fast, *(start(farm, f"other-{i}") for i in (1, 2))])
     assert max(equal) <= UNFAIR * min(equal), f"frames/s of three museums of the same weight: {equal}"

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A farm at work, and faults picked from a seed: what is shown is never wrong, nobody's visit is lost, nothing leaks.
+"""Injects faults, drawn from a seed, into a working farm: no picture is wrong, no session is lost, nothing leaks.
 
 Run: faults_test.py SOURCE_ROOT BUILD_FOLDER [--faults N] [--seed S] [--heads 1|2] [--only KIND] [--keep FOLDER]
-The last line is a JSON object; before it comes a table by kind.
+It prints a table by kind, then one line that is a JSON object.
 """
 import argparse
 import json
@@ -17,21 +17,22 @@ from farm import faults
 from farm.farm import Farm, render
 from farm.processes import wait_until
 
-LATE_AFTER_S = 1.0  # A whole frame that took longer is late too, whatever the head calls it.
-NEAR_S, FAR = 0.7, 60  # All pictures of so long after a fault are compared, and so many others.
-# It takes what its budget grants, and shall leave the others theirs: two processors are not many.
+LATE_AFTER_S = 1.0  # A whole frame that took longer is late too, whatever the coordinator reports.
+NEAR_S, FAR = 0.7, 60  # All pictures in this time after a fault are compared, and so many others.
+# The governed museum's options: a small budget, which leaves the others enough of two processors.
 GOVERNED = ("--budget-ms", 10, "--reference-samples", 2, "--walk-s", 4, "--rest-s", 3)
 GOVERNED_RATE_HZ, GOVERNED_SIZE = 4, ("--width", 256, "--height", 128)
-GROWN = {"rss_kib": 64 * 1024, "threads": 8, "fds": 16}  # Of a head, from the first fault to the last: a leak is more.
+# Growth of a coordinator from the first fault to the last; a leak is larger.
+GROWN = {"rss_kib": 64 * 1024, "threads": 8, "fds": 16}
 
 
 def picked(kinds, count, seed):
-    """Each kind as often as the others, in an order that only the seed knows."""
-    lots = random.Random(seed)
+    """Returns every kind equally often, in an order drawn from the seed."""
+    rng = random.Random(seed)
     chosen = []
     while len(chosen) < count:
-        chosen += lots.sample(kinds, len(kinds))
-    return chosen[:count], lots
+        chosen += rng.sample(kinds, len(kinds))
+    return chosen[:count], rng
 
 
 def usage(farm):
@@ -45,10 +46,10 @@ def run(farm, kinds, count, seed):
     farm.add_museum("governed", *GOVERNED, rate_hz=GOVERNED_RATE_HZ, size=GOVERNED_SIZE)
     for museum in farm.museums.values():
         wait_until(museum.whole_frames, 60, f"{museum.name} sees something")
-    chosen, lots = picked(kinds, count, seed)
+    chosen, rng = picked(kinds, count, seed)
     before, records = usage(farm), []
     for number, fault in enumerate(chosen, 1):
-        record = faults.see_through(fault, farm, lots, LATE_AFTER_S)
+        record = faults.see_through(fault, farm, rng, LATE_AFTER_S)
         records.append(record)
         print(f"{number}/{count} {record['kind']}: full rate after {record['full_rate_s']:.2f} s, {record['late']} late, "
               f"{record['lost_sessions']} lost, {record['hangs']} hangs{''.join('; ' + r for r in record['reasons'])}", file=sys.stderr, flush=True)
@@ -58,15 +59,15 @@ def run(farm, kinds, count, seed):
     return records, grown
 
 
-def mixed_frames(farm, records, folder, lots):
-    """How many views came with other pixels than one node alone gives them, of how many compared: those next to a fault
-    first. Pictures at rest are compared with each other."""
+def mixed_frames(farm, records, folder, rng):
+    """Returns the number of views whose pixels differ from those of one undisturbed node, and the number of compared
+    views. Those next to a fault are compared first, pictures at rest with each other."""
     museums = [*farm.past, *farm.museums.values()]
     frames = {frame["view_hex"]: frame for museum in museums for frame in museum.whole_frames()}
     near = {frame["view_hex"] for museum in museums for record in records
             for frame in museum.whole_frames(record["began_s"], record["began_s"] + NEAR_S)}
     far = sorted(frames.keys() - near)
-    chosen = near | set(lots.sample(far, min(len(far), FAR)))
+    chosen = near | set(rng.sample(far, min(len(far), FAR)))
     alone = render(farm.build, folder, farm.scene, [frames[view] for view in chosen])
     assert alone.keys() == chosen
     asked, at_rest = farm.pictures()
@@ -75,7 +76,7 @@ def mixed_frames(farm, records, folder, lots):
 
 
 def table(records):
-    print(f"{'fault':<32}{'times':>6}{'late, most':>12}{'s to full rate, mean':>22}{'most':>7}{'joined s, most':>16}")
+    print(f"{'fault':<32}{'times':>6}{'late, max':>12}{'s to full rate, mean':>22}{'max':>7}{'joined s, max':>16}")
     for kind in sorted({r["kind"] for r in records}):
         of_kind = [r for r in records if r["kind"] == kind]
         seconds = [r["full_rate_s"] for r in of_kind]
@@ -117,8 +118,8 @@ def main():
     parser.add_argument("--faults", type=int, default=8)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--heads", type=int, default=1)
-    parser.add_argument("--only", help="faults whose name has this in it")
-    parser.add_argument("--keep", help="leave the logs here")
+    parser.add_argument("--only", help="faults whose name contains this")
+    parser.add_argument("--keep", help="leaves the logs in this folder")
     arguments = parser.parse_args()
     kinds = [f for f in faults.ALL if f.heads <= arguments.heads and (arguments.only or "") in f.kind]
     with tempfile.TemporaryDirectory() as folder:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Head, nodes and museum on hosts of their own: one host after the other loses its network and gets it back.
+"""Tests coordinator, nodes and museum on hosts of their own, each of which in turn loses its network and gets it back.
 
-Also that nothing but the head's two ports listens on any host.
+No port but the coordinator's two may be open on any host.
 
-Run: netns_test.py SOURCE_ROOT BUILD_FOLDER. Skips where there can be no network namespaces; with
-CYCLORAMA_REQUIRE_NETNS=1 it fails there.
+Run: netns_test.py SOURCE_ROOT BUILD_FOLDER. It is skipped where network namespaces are impossible, or fails there
+with CYCLORAMA_REQUIRE_NETNS=1.
 """
 import json
 import os
@@ -21,9 +21,9 @@ from farm.museum import Museum, now
 from farm.processes import Process, wait_until
 
 MUSEUMS, NODES = 7401, 7402
-RATE_HZ = 5  # One node of one thread can make as many.
+RATE_HZ = 5  # One node of one thread can render as many.
 CUT_S = 3.0
-LONG_CUT_S = 12.0  # Both ends notice: they ask every 5 s, and wait 5 s for the answer.
+LONG_CUT_S = 12.0  # Both ends notice: they send a keepalive every 5 s and wait 5 s for the answer.
 RENDERERS = ["node-1", "node-2"]
 
 
@@ -44,15 +44,17 @@ class Site:
         wait_until(self.museum.whole_frames, 60, "the first picture")
 
     def wait_for_word(self, word, times):
-        wait_until(lambda: self.parts["head"].said().count(word) >= times, 60, f"the head says {word!r} {times} times")
+        wait_until(lambda: self.parts["head"].said().count(word) >= times, 60,
+                   f"{word!r} in the coordinator's log {times} times")
 
     def end(self):
         ended = [self.museum.end()] + [part.end() for part in self.parts.values()]
-        assert all(ended), "not all processes stop when they are asked to"
+        assert all(ended), "not all processes stop on request"
 
 
 def cut_a_node(site):
-    """The other renders on; the node is back by itself. Yields what was done, and two times in seconds."""
+    """Cuts off nodes: the other keeps rendering, and the node returns by itself. Yields an action and two times in
+    seconds."""
     for name, seconds in (("node-1", CUT_S), ("node-2", LONG_CUT_S)):
         began = now()
         site.hosts.unplug(name)
@@ -62,18 +64,18 @@ def cut_a_node(site):
         back = now()
         wait_until(lambda: any(f["nodes"] == len(RENDERERS) for f in site.museum.whole_frames(back)), 30,
                    f"{name} takes part again")
-        assert not site.museum.events("lost", began), "a visit ended because a node was cut off"
+        assert not site.museum.events("lost", began), "a session ended because a node was cut off"
         yield f"{name} cut off for {seconds:.0f} s", without, now() - back
 
 
 def cut_everybody_from_the_head(site):
-    """Nothing can come; afterwards everything comes by itself."""
+    """Cuts off coordinator, then museum: no picture can arrive; afterwards pictures arrive by themselves."""
     site.hosts.unplug("head")
     time.sleep(CUT_S)
     site.hosts.plug_in("head")
     back = now()
-    wait_until(lambda: site.museum.whole_frames(back), 30, "pictures after the head was back")
-    yield "head cut off", CUT_S, site.museum.whole_frames(back)[0]["at_s"] - back
+    wait_until(lambda: site.museum.whole_frames(back), 30, "pictures after the coordinator was back")
+    yield "coordinator cut off", CUT_S, site.museum.whole_frames(back)[0]["at_s"] - back
 
 
 def cut_the_museum(site):
@@ -87,8 +89,8 @@ def cut_the_museum(site):
 
 def check(site):
     listening = {name: site.hosts.listeners(name) for name in site.hosts.names}
-    assert listening.pop("head") == [MUSEUMS, NODES], "the head listens on other ports than its two"
-    assert not any(listening.values()), f"somebody listens who should not: {listening}"
+    assert listening.pop("head") == [MUSEUMS, NODES], "the coordinator listens on other ports than its two"
+    assert not any(listening.values()), f"open ports that should be closed: {listening}"
     for step in (cut_a_node, cut_everybody_from_the_head, cut_the_museum):
         for what, without, back in step(site):
             print(f"{what}: {without:.1f} s without pictures in time, back after {back:.1f} s")

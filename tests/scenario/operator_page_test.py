@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The operator page of a museum in headless Chromium, on a desk and on a phone: PIN, states and remedies, calibration,
-network test, support bundle. Pictures of it are kept where CYCLORAMA_SCREENSHOTS says.
+"""Tests a museum's operator page in headless Chromium, on a desk and on a phone: PIN, states and remedies, calibration,
+network test, support bundle. CYCLORAMA_SCREENSHOTS=FOLDER keeps pictures of the page.
 
-Run: operator_page_test.py SOURCE_ROOT BUILD_FOLDER      Skips (77) without chromedriver.
+Run: operator_page_test.py SOURCE_ROOT BUILD_FOLDER      It is skipped (77) without chromedriver.
 """
 import base64
 import json
@@ -25,7 +25,7 @@ DESK, PHONE = (1280, 900), (390, 844)
 
 
 class Browser:
-    """As much of WebDriver (W3C) as is needed."""
+    """The part of WebDriver (W3C) that this test needs."""
 
     def __init__(self, folder, size, is_phone):
         port = free_port()
@@ -85,7 +85,7 @@ class Browser:
         return self.run("const e = document.querySelector(arguments[0]); return e ? e.innerText : ''", selector)
 
     def mistakes(self):
-        """What the page's own code said; the browser's word on answers that are errors by design does not count."""
+        """Returns the errors of the page's code, without the browser's notes on answers that are errors by design."""
         return [entry["message"] for entry in self.do("POST", "/se/log", {"type": "browser"})
                 if entry["level"] == "SEVERE" and "Failed to load resource" not in entry["message"]]
 
@@ -106,7 +106,7 @@ class Browser:
 
 
 class Museum:
-    """Its parts, provisioned from a stick, and the page."""
+    """A museum's parts, provisioned from a stick, and its page."""
 
     def __init__(self, source, build, folder, *parts_options):
         self.folder = folder
@@ -115,7 +115,7 @@ class Museum:
             path.mkdir()
         self.parts = subprocess.Popen([build / "bin/test-parts", *parts_options], stdout=subprocess.PIPE, text=True)
         tour, display, tracker, calibrator, projectors = self.parts.stdout.readline().split()
-        # The tour's port stands for a farm that answers; nobody is at the other one.
+        # The tour's port stands for a coordinator that answers; the other one is closed.
         (stick / "site.toml").write_text(f'[farm]\nheads = ["{tour}", "[::1]:1"]\nmuseum = "hall-3"\n'
                                          '[hours]\nopen = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00"]\n')
         shutil.copy(source / "demo/installation.toml", stick)
@@ -149,7 +149,7 @@ class Museum:
 
 
 def fits(browser, width):
-    """Nothing is wider than the window."""
+    """Checks that nothing is wider than the window."""
     found = browser.run("return [document.documentElement.scrollWidth, [...document.querySelectorAll('body *')]"
                         ".filter((e) => e.getBoundingClientRect().right > arguments[0] + 1).map((e) => e.tagName + '.' + "
                         "e.className).slice(0, 5)]", width)
@@ -159,13 +159,13 @@ def fits(browser, width):
 def enter(browser, museum, pictures, name):
     browser.open(museum.address)
     wait_until(lambda: browser.text("h1") == "The operator's page", 30, "the login page")
-    wait_until(lambda: "operator.toml:1" in browser.text("#told"), 30, "why nobody can enter")
+    wait_until(lambda: "operator.toml:1" in browser.text("#told"), 30, "the reason why nobody can log in")
     assert "plug it in again" in browser.text("#told") and PIN not in browser.text("body"), browser.text("body")
-    assert browser.run("return document.getElementById('pin').offsetParent === null"), "a PIN is asked for, and there is none"
+    assert browser.run("return document.getElementById('pin').offsetParent === null"), "it requests a PIN although there is none"
     fits(browser, browser.run("return innerWidth"))
     browser.picture(pictures / f"door-{name}.png", whole=False)
     museum.correct_the_stick()
-    wait_until(lambda: browser.run("return document.getElementById('pin').offsetParent !== null"), 30, "the way in")
+    wait_until(lambda: browser.run("return document.getElementById('pin').offsetParent !== null"), 30, "the PIN field")
     assert browser.text("#told") == "", browser.text("#told")
     browser.type("#pin", "000000")
     browser.click("button")
@@ -180,18 +180,18 @@ def enter(browser, museum, pictures, name):
 
 def check_page(browser, museum, pictures, name, size):
     enter(browser, museum, pictures, name)
-    # Panorama, three projectors, camera: each is asked for while it can be seen.
+    # Panorama, three projectors, camera: each picture is loaded while it is visible.
     for number in range(5):
         frame = f"[...document.querySelectorAll('figure:not([hidden]) .frame')][{number}]"
         browser.run(f"{frame}.scrollIntoView({{block: 'center'}})")
         wait_until(lambda: browser.run(f"return {frame}.classList.contains('live')"), 60, f"live picture {number}")
     browser.run("scrollTo(0, 0)")
     hidden = browser.run("return document.getElementById('calibrate-cancel').offsetParent === null")
-    assert hidden, "nothing runs, and it can be cancelled"
-    wait_until(lambda: browser.run("return document.querySelectorAll('#parts > li').length") == 4, 30, "every part")
+    assert hidden, "nothing runs, but it can be cancelled"
+    wait_until(lambda: browser.run("return document.querySelectorAll('#parts > li').length") == 4, 30, "all parts")
     wait_until(lambda: "Tue-Sun" in browser.text("#hours"), 30, "the opening hours")
     wait_until(lambda: ":" in browser.text("#page-state .print"), 30, "the fingerprint")
-    wait_until(lambda: "corrected by 23.4 px" in browser.text("#healing-projectors"), 30, "how the projectors are kept in place")
+    wait_until(lambda: "corrected by 23.4 px" in browser.text("#healing-projectors"), 30, "the projectors' corrections")
     assert browser.run("return document.querySelectorAll('#healing-plot polyline').length") == 4, "three lines, one with a gap"
     fits(browser, size[0])
     browser.picture(pictures / f"page-{name}.png")
@@ -201,14 +201,14 @@ def check_page(browser, museum, pictures, name, size):
 
 
 def check_lamps(browser, is_unwell):
-    """Every projector's, in the list; one that is off while the museum is open needs somebody."""
+    """Checks that every lamp is listed, and that one that is off while the museum is open needs attention."""
     wait_until(lambda: browser.run("return document.getElementById('checks').textContent").count("Its lamp is") == 3, 30, "the lamps")
     needs = browser.text("#needs") if is_unwell else ""
     assert ("Projector 'right'" in needs and "remote control" in needs) == is_unwell, needs
 
 
 def check_hours(browser, museum, pictures, name):
-    """What is said for once: closed asks twice, open takes its place, and a button takes it back."""
+    """Sets exceptions from the hours: closing is confirmed, opening replaces it, and a button removes it."""
     browser.run("document.getElementById('hours').scrollIntoView({block: 'center'})")
     browser.click("#hours-closed")
     browser.click("#hours-closed")
@@ -221,7 +221,7 @@ def check_hours(browser, museum, pictures, name):
     browser.click("#hours-open")
     wait_until(lambda: "Open until" in browser.text("#hours-state"), 30, "the museum that stays open")
     (museum.state / "hours/override").write_text("open for ever\n")
-    wait_until(lambda: "damaged" in browser.text("#hours-problem"), 30, "a word on the broken file")
+    wait_until(lambda: "damaged" in browser.text("#hours-problem"), 30, "the report on the broken file")
     browser.click("#hours-settings")
     wait_until(lambda: "of the settings apply again" in browser.text("#care-note"), 30, "the hours of the settings")
     assert not (museum.state / "hours/override").exists()
@@ -233,7 +233,7 @@ def check_work(browser, museum, pictures, name):
     browser.click("#realign")
     wait_until(lambda: "measured anew" in browser.text("#care-note"), 30, "the realignment")
     browser.click("#calibrate")
-    wait_until(lambda: "Turn the plate to 30.0 degrees" in browser.text("#calibration-question"), 30, "what is asked")
+    wait_until(lambda: "Turn the plate to 30.0 degrees" in browser.text("#calibration-question"), 30, "the question")
     browser.type("#calibration-answer", "30.5")
     browser.picture(pictures / f"asked-{name}.png", whole=False)
     browser.press_enter("#calibration-answer")
@@ -245,15 +245,15 @@ def check_work(browser, museum, pictures, name):
     browser.run("document.getElementById('care').scrollIntoView()")
     browser.picture(pictures / f"calibrating-{name}.png", whole=False)
     browser.click("#calibrate-cancel")
-    wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the end of it")
+    wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the cancellation")
     browser.picture(pictures / f"cancelled-{name}.png", whole=False)
     browser.click("#calibrate-resume")
-    wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the calibration that goes on")
+    wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the resumed calibration")
     browser.click("#calibrate-cancel")
-    wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "its end")
+    wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the cancellation")
     wait_until(lambda: browser.run("return document.getElementById('place-cameras').offsetParent !== null"), 30, "the button place-cameras")
     browser.click("#place-cameras")
-    wait_until(lambda: "saw 2814 places" in browser.text("#calibration-remarks"), 30, "where the fixed cameras stand")
+    wait_until(lambda: "saw 2814 places" in browser.text("#calibration-remarks"), 30, "the fixed cameras' positions")
     quick = browser.run("return [...document.getElementById('quick-projector').options].map((option) => option.value)")
     assert quick == ["left", "middle", "right"], quick
     browser.run("document.getElementById('calibration-card').scrollIntoView({block: 'center'})")
@@ -262,10 +262,10 @@ def check_work(browser, museum, pictures, name):
     browser.click("#calibrate-quick")
     wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the quick calibration")
     browser.click("#calibrate-cancel")
-    wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "its end")
+    wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the cancellation")
     browser.click("#calibrate-restore")
     browser.click("#calibrate-restore")
-    wait_until(lambda: "2026-10-01" in browser.text("#care-note"), 30, "the calibration of before")
+    wait_until(lambda: "2026-10-01" in browser.text("#care-note"), 30, "the previous calibration")
     browser.click("#bundle")
     bundle = museum.folder / "cyclorama-support.zip"
     wait_until(bundle.exists, 60, "the support bundle")
@@ -278,7 +278,7 @@ def check_work(browser, museum, pictures, name):
 
 def main(source, build):
     if not shutil.which("chromedriver") or not (shutil.which("chromium") or shutil.which("google-chrome")):
-        print("chromium-driver is not installed: skipped")
+        print("operator_page: skipped, chromium-driver is not installed; scripts/install-packages test installs it")
         return SKIPPED
     source, build = pathlib.Path(source), pathlib.Path(build)
     with tempfile.TemporaryDirectory() as name:

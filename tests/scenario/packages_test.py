@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The .deb files, unpacked into a bare root: every part is there and fits the others, the services say in one sentence
-what the operator must fill in, and with it they start, report to systemd, and end when told to.
+"""Tests the .deb files, unpacked into a bare root: they are complete and consistent; the services report in one
+sentence what the operator must fill in; with it they start, notify systemd, and end on request.
 
 Run: packages_test.py SOURCE_ROOT BUILD_FOLDER [COMPONENT ...]
 """
@@ -19,7 +19,7 @@ import tempfile
 import time
 
 SERVICES = {"farm": ["farm"], "node": ["node"], "museum": ["tour", "tracker", "display", "operator", "projectors", "hand", "calibrator"], "provision": [], "command": [], "tools": []}
-# They do one thing when it is needed, and end.
+# Services that do one thing on demand and end.
 HELPERS = {"provision": ["provision-esp", "provision@", "settings"]}
 PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclorama-node"],
             "command": ["cyclorama"],
@@ -58,7 +58,7 @@ def unpack(build, component, folder):
 
 
 def name_line(page):
-    """Of a man page: what `man -k` and `whatis` show."""
+    """Returns the line of a man page that `man -k` and `whatis` show."""
     lines = gzip.decompress(page.read_bytes()).decode().splitlines()
     return lines[lines.index(".SH NAME") + 1]
 
@@ -81,11 +81,11 @@ def check_files(component, root):
     control = (root / "DEBIAN/control").read_text()
     described = re.search(r"^Description: (\S.*(?:\n .*)+)", control, re.M)
     expect(described and not re.search(r"\n  ", described[1]), f"{component}: its description is not plain text:\n{control}")
-    expect(re.search(r"^Depends: .*libc6", control, re.M), f"{component}: its libraries are no dependencies:\n{control}")
+    expect(re.search(r"^Depends: .*libc6", control, re.M), f"{component}: it does not depend on its libraries:\n{control}")
     settings = sorted("/" + str(p.relative_to(root)) for p in root.glob("etc/*/*"))
     conffiles = root / "DEBIAN/conffiles"
     listed = conffiles.read_text().split() if conffiles.exists() else []
-    expect(listed == settings, f"{component}: conffiles {listed}, but in etc lies {settings}")
+    expect(listed == settings, f"{component}: conffiles {listed}, but etc has {settings}")
     for script in ("postinst", "prerm", "postrm"):
         file = root / "DEBIAN" / script
         expect(file.exists() == bool(SERVICES[component] or HELPERS.get(component)), f"{component}: {script}")
@@ -103,7 +103,7 @@ def check_units(component, root):
     expect({u.name for u in units} == {f"cyclorama-{s}.service" for s in SERVICES[component]} | helpers, f"{component}: units")
     for unit in (u for u in units if u.name in helpers):
         program = unit.service["ExecStart"].split()[0]
-        expect(unit.service["Type"] == "oneshot", f"{unit.name}: does not end")
+        expect(unit.service["Type"] == "oneshot", f"{unit.name}: is not of Type=oneshot")
         expect("cyclorama" not in program or (root / program.lstrip("/")).exists(), f"{unit.name}: {program} is not in the package")
     units = [unit for unit in units if unit.name not in helpers]
     presets = "".join(p.read_text() for p in root.glob("usr/lib/systemd/system-preset/*"))
@@ -115,7 +115,7 @@ def check_units(component, root):
     for unit in units:
         command = unit.service["ExecStart"].split()
         expect((root / command[0].lstrip("/")).exists(), f"{unit.name}: {command[0]} is not in the package")
-        expect(unit.service["User"] in users, f"{unit.name}: nobody makes the user {unit.service['User']}")
+        expect(unit.service["User"] in users, f"{unit.name}: nothing makes the user {unit.service['User']}")
         expect(f"disable {unit.name}" in presets, f"{unit.name}: starts before it is set up")
         if unit.name == "cyclorama-display.service":
             shown = " ".join(command)
@@ -124,7 +124,7 @@ def check_units(component, root):
 
 
 def fill_in(file, changes):
-    """As an operator would: takes the '#' away from the lines that begin so, and writes other values."""
+    """Fills in settings as an operator would: uncomments the lines that begin so and writes other values."""
     text = file.read_text()
     for wanted, value in changes.items():
         text, count = re.subn(rf"^#?{re.escape(wanted)}.*$", value, text, flags=re.M)
@@ -138,7 +138,7 @@ def check_service(component, root, missing, changes):
     program, settings = root / f"usr/bin/cyclorama-{component}", root / f"etc/cyclorama/{component}.toml"
     bare = run(program, "--config", settings, timeout=20)
     expect(bare.returncode == 1 and missing in bare.stderr and bare.stderr.count("\n") == 1,
-           f"{component}: as it ships it says {bare.returncode}: {bare.stderr}")
+           f"{component}: without settings it ends with {bare.returncode}: {bare.stderr}")
     with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as told:
         told.bind(f"{folder}/notify")
         told.settimeout(20)
@@ -155,7 +155,7 @@ def check_service(component, root, missing, changes):
             while "STOPPING=1" not in seen:
                 seen += told.recv(4096).decode() + "\n"
         except (OSError, subprocess.TimeoutExpired) as error:
-            problems.append(f"{component}: {error!r}; systemd was told:\n{seen}")
+            problems.append(f"{component}: {error!r}; it notified systemd of:\n{seen}")
         finally:
             process.kill()
             said = process.communicate()[1]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A governed visit with real processes: a visitor who stands still gets the reference picture, then nothing flows, and a
-turn starts it again.
+"""Tests a governed visit with real processes: a visitor who stands still gets the reference picture, then nothing is
+sent until the visitor turns.
 
 Run: rest_test.py SOURCE_ROOT BUILD_FOLDER
 """
@@ -53,7 +53,7 @@ class Visit:
             process.wait(20)
 
     def status(self):
-        """By process: the state, and the gauges."""
+        """Returns the state and the gauges of each process."""
         try:
             with urllib.request.urlopen(self.page + "/status", timeout=5) as answer:
                 return {p["name"]: p for p in json.load(answer)["processes"]}
@@ -84,7 +84,7 @@ def rests(status):
 
 
 def counted(status):
-    """What grows when anything flows."""
+    """Returns the counters that grow when anything is sent."""
     return [status["tour"]["gauges"]["frames"], status["tour"]["gauges"]["refined_frames"],
             status["head"]["gauges"]["frames"], status["head"]["gauges"]["refined_frames"],
             status["display"]["gauges"]["frames_presented"]]
@@ -92,11 +92,11 @@ def counted(status):
 
 def check(visit):
     visit.wait("the first reference", rests)
-    time.sleep(0.5)  # The display shows what was sent last.
+    time.sleep(0.5)  # Waits until the display shows the last picture.
     before = counted(visit.status())
     time.sleep(2.5)
     after = counted(visit.status())
-    assert before == after, f"at rest something flows: {before} became {after}"
+    assert before == after, f"something is sent at rest: {before} became {after}"
     visit.turn()
     visit.wait("frames of the turn", lambda s: s["tour"]["gauges"]["frames"] > before[0] + 1)
     again = visit.wait("the second reference", lambda s: rests(s) and counted(s)[1] > before[1])

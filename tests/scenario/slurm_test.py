@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Slurm places and scales the nodes of a farm: a cluster of two hosts, both this machine, runs the job script as it ships.
+"""Tests that Slurm places and scales a farm's nodes: a cluster of two hosts, both this machine, runs the shipped job
+script.
 
-Run: slurm_test.py SOURCE_ROOT BUILD_FOLDER. Ends with 77 (skipped) where Debian's slurm-wlm is not installed, or with 1
-under CYCLORAMA_REQUIRE_SLURM=1.
+Run: slurm_test.py SOURCE_ROOT BUILD_FOLDER. It ends with 77 (skipped) where Debian's slurm-wlm is not installed, or
+with 1 under CYCLORAMA_REQUIRE_SLURM=1.
 """
 import getpass
 import json
@@ -49,7 +50,7 @@ PartitionName=all Nodes=ALL Default=YES State=UP
 
 
 class Machine:
-    """Processes of one test, each with its log, ended in the opposite order."""
+    """The test's processes, each with its log; they are ended in reverse order."""
 
     def __init__(self, folder):
         self.folder, self.running = pathlib.Path(folder), []
@@ -97,7 +98,7 @@ class Cluster:
         wait("two idle hosts", lambda: self.ask("sinfo", "-h", "-t", "idle", "-o", "%D") == "2")
 
     def ask(self, *command):
-        """What it prints; nothing when it fails, as it does until slurmctld is up."""
+        """Returns the command's output, or nothing if it fails, as it does until slurmctld is up."""
         return subprocess.run(command, env=self.env, cwd=self.machine.folder, capture_output=True, text=True).stdout.strip()
 
     def do(self, *command, **env):
@@ -120,7 +121,7 @@ class Farm:
                       "--nodes", self.nodes_at, "--inspect", self.inspect)
 
     def nodes(self):
-        """How many are ready; -1 when the head says nothing."""
+        """Returns the number of ready nodes, or -1 if the coordinator does not answer."""
         status = self.folder / "status.json"
         status.unlink(missing_ok=True)
         subprocess.run([self.bin / "cyclorama", "status", "--watch", f"head={self.inspect}", "--json", status], capture_output=True)
@@ -150,13 +151,13 @@ def check(root, build, machine):
     cluster.do("scancel", job)
     wait("no node", lambda: farm.nodes() == 0)
     wait("no job", lambda: cluster.ask("squeue", "-h") == "")
-    print("nodes: 1, by the throttle 2, one replaced, by scancel none")
+    print("slurm: ok; 1 node, 2 by the throttle, one replaced, none after scancel")
 
 
 def main(root, build):
     missing = [program for program in ("munged", "slurmctld", "slurmd", "sbatch") if not shutil.which(program)]
     if missing:
-        print(f"slurm: skipped, {', '.join(missing)} not installed (Debian's slurm-wlm and munge)")
+        print(f"slurm: skipped, {', '.join(missing)} not installed; scripts/install-packages test installs them")
         return 1 if os.environ.get("CYCLORAMA_REQUIRE_SLURM") == "1" else 77
     with tempfile.TemporaryDirectory() as folder:
         machine = Machine(folder)

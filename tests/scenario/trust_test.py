@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A farm with certificates, as real processes: a museum visits what it is granted, loses it, is revoked in the middle of a
-visit, and comes back with a new certificate, all without a restart of anything.
+"""Tests a farm with certificates, with real processes: a museum visits a granted scene, loses the grant, is revoked
+during a session and returns with a new certificate, all without a restart.
 
 Run: trust_test.py BUILD_FOLDER
 """
@@ -48,7 +48,7 @@ class TrustedFarm:
         self.running.append(self.walker.process)
 
     def grant(self, scene):
-        """To hall-3; hall-4 may see all."""
+        """Grants a scene to hall-3; hall-4 may see all."""
         new = self.folder / "museums.new"
         new.write_text(f'[[museum]]\nname = "hall-3"\nscenes = ["{scene}"]\n[[museum]]\nname = "hall-4"\nscenes = ["*"]\n')
         new.rename(self.folder / "museums.toml")
@@ -61,7 +61,7 @@ class TrustedFarm:
         return [json.loads(line) for line in self.audit_file.read_text().splitlines()] if self.audit_file.exists() else []
 
     def wait_for(self, count, event, **fields):
-        """Until so many lines are like that; the last of them, and how long it took."""
+        """Waits until so many lines match. Returns the last of them and the seconds."""
         def like():
             return [line for line in self.audit() if line["event"] == event and all(
                 value in line.get(key, "") for key, value in fields.items())]
@@ -82,8 +82,8 @@ class TrustedFarm:
 def check(farm):
     opened, _ = farm.wait_for(1, "visit opened", name="hall-3", scene="visit")
     assert opened["role"] == "museum" and "[::1]" in opened["address"].replace("%5B", "[").replace("%5D", "]"), opened
-    assert "Cipher is (NONE)" in farm.tls("-tls1_2", "hall-3"), "TLS 1.2 is spoken"
-    assert "TLSv1.3, Cipher is TLS_" in farm.tls("-tls1_3", "hall-3"), "TLS 1.3 is not spoken"
+    assert "Cipher is (NONE)" in farm.tls("-tls1_2", "hall-3"), "TLS 1.2 is accepted"
+    assert "TLSv1.3, Cipher is TLS_" in farm.tls("-tls1_3", "hall-3"), "TLS 1.3 is refused"
 
     farm.grant("another")
     farm.wait_for(1, "visit ended", reason="not granted any more")
@@ -98,11 +98,11 @@ def check(farm):
     again, _ = farm.wait_for(3, "visit opened", name="hall-3")
     assert again["serial"] != opened["serial"], again
 
-    assert farm.walker.wrong() == (0, []) and len(farm.walker.events("opened")) == 1, "what is done to one, another feels"
+    assert farm.walker.wrong() == (0, []) and len(farm.walker.events("opened")) == 1, "one affects another"
     farm.authority.do("revoke", "n1")
     _, node_s = farm.wait_for(1, "node gone", reason="revoked")
-    assert all(process.alive() for process in farm.running), "something was restarted"
-    assert farm.stop(), "something did not stop when it was asked to"
+    assert all(process.alive() for process in farm.running), "a process was restarted"
+    assert farm.stop(), "a process did not stop on request"
     walked, _ = farm.wait_for(1, "visit ended", name="hall-4")
     assert walked["frames"] > 10 and walked["bytes"] > 1000 * walked["frames"], walked
     print(f"a revoked museum was gone after {museum_s:.2f} s, a node after {node_s:.2f} s")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The whole visit with real processes: ./demo.sh at a small size must show moving pictures and end cleanly.
+"""Tests the whole visit with real processes: ./demo.sh at a small size must show moving pictures and end cleanly.
 
 Run: visit_test.py SOURCE_ROOT BUILD_FOLDER
 """
@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 STAGES = ["capture", "detect", "pose", "steer", "farm_round_trip", "farm", "plan", "render", "encode", "decode", "wait", "draw",
-          "heading_to_photon", "shutter_to_photon"]  # All of docs/reference/frame-timing.md.
+          "heading_to_photon", "shutter_to_photon"]  # All stages of docs/reference/frame-timing.md.
 
 
 def main(root, build):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A farm that is watched: metrics, page and pictures over HTTP with a token, `cyclorama-farm top` through a Unix socket,
+"""Tests watching a farm: metrics, page and pictures over HTTP with a token, `cyclorama-farm top` through a Unix socket,
 and a file for node_exporter.
 
 Run: watch_test.py SOURCE_ROOT BUILD_FOLDER
@@ -35,7 +35,7 @@ SAMPLE = re.compile(r'([a-z_]+)(\{(?:[a-z]+="(?:[^"\\]|\\.)*",?)+\})? (\S+)')
 
 
 def samples(text):
-    """By name and labels, as written."""
+    """Returns the values by name and labels, as written."""
     lines = [line for line in text.splitlines() if line and not line.startswith("#")]
     matches = [SAMPLE.fullmatch(line) for line in lines]
     assert all(matches), [line for line, match in zip(lines, matches) if not match]
@@ -63,7 +63,7 @@ class Page:
 
 
 def pictures(answer, count):
-    """The next parts of a multipart/x-mixed-replace, by RFC 2046."""
+    """Reads the next parts of a multipart/x-mixed-replace stream, by RFC 2046."""
     boundary = ("--" + re.search("boundary=(.+)", answer.headers["Content-Type"])[1]).encode()
     parts = []
     while len(parts) < count:
@@ -78,7 +78,7 @@ def pictures(answer, count):
 
 
 def refuses_to_be_seen_by_all(build, folder, settings):
-    """Without a token, beyond this machine."""
+    """Checks access from other addresses without a token."""
     open_to_all = folder / "open.toml"
     open_to_all.write_text(settings.replace("[::1]:", "[::]:").replace('museums = "[::]', 'museums = "[::1]')
                            .replace('nodes = "[::]', 'nodes = "[::1]'))
@@ -105,7 +105,7 @@ def check_pictures(build, folder, page, farm):
     first, second = pictures(stream, 2)
     for name, jpeg in (("first", first), ("second", second)):
         (folder / f"{name}.jpg").write_bytes(jpeg)
-    # Both decode, are of one size, and are pictures of a visitor who walks.
+    # Both can be decoded, have one size, and differ, since the visitor walks.
     subprocess.run([build / "bin/cyclorama-render", "compare", folder / "first.jpg", folder / "second.jpg"], check=True,
                    capture_output=True, timeout=60)
     assert first != second
@@ -116,7 +116,7 @@ def check_pictures(build, folder, page, farm):
 
 def check(build, folder, page, farm):
     farm.ready()
-    wait_until(lambda: page.status("/health") == 200, 20, "the head's next look at itself")
+    wait_until(lambda: page.status("/health") == 200, 20, "the coordinator's next update")
     check_access(page)
     assert '"visits"' in page.get("/page.js")
     museum = farm.add_museum(MUSEUM, "--budget-ms", 400)
@@ -126,7 +126,7 @@ def check(build, folder, page, farm):
     wait_until(lambda: samples(page.get("/metrics"))[f"cyclorama_frames_total{label}"] >
                before[f"cyclorama_frames_total{label}"], 60, "more frames counted")
     wait_until(lambda: samples(page.get("/metrics")).get('cyclorama_node_memory_bytes{node="node-1"}', 0) > 1e6, 60,
-               "what the nodes tell")
+               "the nodes' metrics")
     metrics = samples(page.get("/metrics"))
     assert metrics["cyclorama_nodes"] == 2 and metrics[f"cyclorama_visits{label}"] == 1, metrics
     assert metrics[f"cyclorama_visit_budget_seconds{label}"] == 0.4, metrics
@@ -157,7 +157,7 @@ def main(_, build):
             except AssertionError as error:
                 print(farm.heads[0].process.said()[-2000:], error, sep="\n")
                 return 1
-        assert not (folder / "farm.prom").exists(), "the metrics of a head that stopped stay"
+        assert not (folder / "farm.prom").exists(), "the metrics of a stopped coordinator stay"
         if farm.stuck:
             print(f"{farm.stuck} processes had to be killed")
             return 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A farm's certificates, as its operator makes them."""
+"""Makes a farm's certificates as its operator would."""
 import pathlib
 import subprocess
 
@@ -7,7 +7,7 @@ TLS = 'authority = "{0}/authority.crt"\ncertificate = "{0}/certificate.crt"\nkey
 
 
 class Authority:
-    """In FOLDER/ca, with a list of those that are revoked; each bundle is unpacked in FOLDER/NAME."""
+    """An authority in FOLDER/ca with a revocation list. Each bundle is unpacked in FOLDER/NAME."""
 
     def __init__(self, build, folder):
         self.program = (pathlib.Path(build) / "bin" / "cyclorama-authority").resolve()
@@ -18,7 +18,7 @@ class Authority:
         subprocess.run([self.program, "--folder", "ca", *words], cwd=self.folder, check=True, capture_output=True, timeout=60)
 
     def bundle(self, role, name, *words):
-        """A certificate, unpacked where the last of that name was."""
+        """Makes a certificate and unpacks it over the previous one of that name."""
         self.do(role, name, *words, "--replace")
         (self.folder / name).mkdir(exist_ok=True)
         subprocess.run(["tar", "-xf", f"{name}.tar", "-C", name], cwd=self.folder, check=True)

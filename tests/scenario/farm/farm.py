@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The farm under test: heads, nodes of one thread, museums; each node and museum behind a link that can be cut."""
+"""The farm under test: coordinators, nodes of one thread and museums; a link that can be cut precedes each node and
+museum."""
 import itertools
 import pathlib
 import subprocess
@@ -8,7 +9,7 @@ from farm.link import Link, Network
 from farm.museum import Museum
 from farm.processes import Process, free_port, wait_until
 
-# Two museums of this size keep two cores half busy: a farm without room to spare has no full rate to come back to.
+# Two museums of this size keep two cores half busy: a farm without spare capacity has no full rate to return to.
 SIZE = ("--width", 320, "--height", 160)
 POSES = 120
 RATE_HZ = 10
@@ -34,7 +35,7 @@ class Head:
 
 
 class Node:
-    """Dials every head, each through a link of its own."""
+    """A node that connects to every coordinator, each through a link of its own."""
 
     def __init__(self, farm, name):
         self.farm, self.name = farm, name
@@ -48,13 +49,13 @@ class Node:
                                            *self.farm.node_options], self.farm.folder)
 
     def is_ready(self):
-        """Since it was started, a head has said that this node has the scene."""
+        """Returns whether a coordinator has logged since the node's start that it has the scene."""
         return any(f"{self.name}' has scene" in head.process.said()[heard:]
                    for head, heard in zip(self.farm.heads, self.heard))
 
 
 class Farm:
-    """Use as a context: leaves no process behind, and counts in `stuck` those that did not stop when asked to."""
+    """A context manager that leaves no process behind and counts in `stuck` those that did not stop on request."""
 
     def __init__(self, build, folder, heads=1, nodes=4, scene=None, head_options=(), node_options=()):
         self.build, self.folder = pathlib.Path(build), pathlib.Path(folder)
@@ -88,7 +89,7 @@ class Farm:
         return self.nodes[-1]
 
     def drop_node(self, node):
-        """Asks it to stop."""
+        """Requests that the node stops."""
         self.stuck += not node.process.end()
         self.nodes.remove(node)
 
@@ -97,7 +98,7 @@ class Farm:
             wait_until(node.is_ready, 60, f"{node.name} has the scene")
 
     def add_museum(self, name, *options, rate_hz=RATE_HZ, size=SIZE, poses=POSES):
-        """Replaces the one of that name."""
+        """Starts a museum in place of the one of that name."""
         links = [Link(self.network, head.museums) for head in self.heads]
         museum = Museum(name, self.build / "tests" / "test-museum", self.folder, [link.address for link in links], rate_hz,
                         [*size, "--poses", poses, *options])
@@ -113,13 +114,13 @@ class Farm:
         self.past.append(museum)
 
     def wrong(self):
-        """Of all museums that there are and were, as Museum.wrong()."""
+        """Returns the sum of Museum.wrong() over all present and former museums."""
         each = [museum.wrong() for museum in [*self.past, *self.museums.values()]]
         return sum(holes for holes, _ in each), [reason for _, breaches in each for reason in breaches]
 
     def pictures(self):
-        """Digests of whole pictures as museums got them, by what was to be seen: more than one is too many. First those
-        of views that were asked for, then those of visitors at rest."""
+        """Returns the digests of whole pictures by view; more than one digest for a view is an error. The first mapping
+        is for requested views, the second for visitors at rest."""
         asked, at_rest = {}, {}
         for museum in [*self.past, *self.museums.values()]:
             for frame in museum.events("frame"):
@@ -129,8 +130,8 @@ class Farm:
 
 
 def render(build, folder, scene, frames):
-    """What these frames show, rendered whole by one node that nothing happens to: digests by view_hex."""
-    rounds = []  # A visit's numbers grow; visits of other museums may have had the same.
+    """Renders the views of these frames by one undisturbed node and returns the digests by view_hex."""
+    rounds = []  # Numbers of views grow within a session; other museums' sessions may have had the same ones.
     for number, view in sorted({(frame["view"], frame["view_hex"]) for frame in frames}):
         free = next((views for views in rounds if views[-1][0] < number), None)
         rounds.append([(number, view)]) if free is None else free.append((number, view))

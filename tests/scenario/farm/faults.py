@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong. Each fault happens to a whole farm, is seen through, and leaves a whole farm behind."""
+"""Faults. Each one is injected into an intact farm and watched until the farm is intact again."""
 import signal
 import threading
 import time
@@ -7,15 +7,15 @@ import time
 from farm.museum import now
 from farm.processes import wait_until
 
-HELD_S = 2.0  # How long a fault that passes lasts: longer than a full rate takes to come back.
-HANG_S = 10.0  # Without a frame, though there are nodes.
-LIMIT_S = 12.0  # Nobody waits longer for a full rate.
+HELD_S = 2.0  # Duration of a passing fault: longer than the full rate takes to return.
+HANG_S = 10.0  # Without a frame, although there are nodes, for so long: a hang.
+LIMIT_S = 12.0  # A farm that has no full rate after so long has failed.
 SLOW_PERIOD_S = 0.05
 SLOWED = 10.0
 
 
 class Slowed:
-    """A process that runs a tenth of the time."""
+    """Slows a process to a tenth of its speed."""
 
     def __init__(self, process):
         self.process, self.over = process, threading.Event()
@@ -35,24 +35,25 @@ class Slowed:
 
 
 class Fault:
-    """`hurts`: whose visits it may end: nobody's, everybody's ("head"), or the one's that it happens to ("museum").
-    `to_node`: at most one frame may be late. `heads`: so many are needed. `node_comes`: in the end, a node joins."""
+    """A fault. `hurts`: whose sessions it may end: nobody's, all ("head"), or those of the affected museum ("museum").
+    `to_node`: at most one frame may be late. `heads`: the number of coordinators needed. `node_comes`: a node joins at
+    the end."""
 
     def __init__(self, kind, happen, passes=None, hurts="none", to_node=False, heads=1, node_comes=False):
         self.kind, self.happen, self.passes, self.hurts = kind, happen, passes, hurts
         self.to_node, self.heads, self.node_comes = to_node, heads, node_comes
 
 
-def some_node(farm, lots):
-    return lots.choice(farm.nodes)
+def some_node(farm, rng):
+    return rng.choice(farm.nodes)
 
 
-def some_museum(farm, lots):
-    return farm.museums[lots.choice(sorted(farm.museums))]
+def some_museum(farm, rng):
+    return farm.museums[rng.choice(sorted(farm.museums))]
 
 
-def kill_node(farm, lots):
-    node = some_node(farm, lots)
+def kill_node(farm, rng):
+    node = some_node(farm, rng)
     node.process.kill()
     return node
 
@@ -61,14 +62,14 @@ def start_again(_, part):
     part.start()
 
 
-def restart_node(farm, lots):
-    node = kill_node(farm, lots)
+def restart_node(farm, rng):
+    node = kill_node(farm, rng)
     node.start()
     return node
 
 
-def stop_node(farm, lots):
-    node = some_node(farm, lots)
+def stop_node(farm, rng):
+    node = some_node(farm, rng)
     node.process.send(signal.SIGSTOP)
     return node
 
@@ -77,12 +78,12 @@ def continue_(_, part):
     part.process.send(signal.SIGCONT)
 
 
-def slow_node(farm, lots):
-    return Slowed(some_node(farm, lots).process)
+def slow_node(farm, rng):
+    return Slowed(some_node(farm, rng).process)
 
 
-def cut_node(farm, lots):
-    node = some_node(farm, lots)
+def cut_node(farm, rng):
+    node = some_node(farm, rng)
     for link in node.links:
         link.cut()
     return node
@@ -93,8 +94,8 @@ def restore(_, part):
         link.restore()
 
 
-def reset_node(farm, lots):
-    for link in some_node(farm, lots).links:
+def reset_node(farm, rng):
+    for link in some_node(farm, rng).links:
         link.reset(downwards=False)
 
 
@@ -106,65 +107,65 @@ def drop_node(farm, node):
     farm.drop_node(node)
 
 
-def drain_node(farm, lots):
-    node = some_node(farm, lots)
+def drain_node(farm, rng):
+    node = some_node(farm, rng)
     farm.stuck += not node.process.end()
     return node
 
 
 def busiest_head(farm):
-    """Where most museums are."""
+    """Returns the coordinator that has most museums."""
     return max(farm.heads, key=lambda head: sum(
         len(museum.links[farm.heads.index(head)].writers) for museum in farm.museums.values()))
 
 
-def restart_head(farm, lots):
-    lose_head(farm, lots).start()
+def restart_head(farm, rng):
+    lose_head(farm, rng).start()
 
 
-def lose_head(farm, lots):
-    """While it is away the other must take over."""
+def lose_head(farm, rng):
+    """Stops a coordinator, which the other one must replace meanwhile."""
     head = busiest_head(farm)
     head.process.kill()
     return head
 
 
-def pause_head(farm, lots):
+def pause_head(farm, rng):
     head = busiest_head(farm)
     head.process.send(signal.SIGSTOP)
     time.sleep(1.0)
     head.process.send(signal.SIGCONT)
 
 
-def restart_museum(farm, lots):
-    museum = some_museum(farm, lots)
+def restart_museum(farm, rng):
+    museum = some_museum(farm, rng)
     museum.kill()
     options, picture = museum.asked
     return farm.add_museum(museum.name, *options, **picture)
 
 
-def pause_museum(farm, lots):
-    museum = some_museum(farm, lots)
+def pause_museum(farm, rng):
+    museum = some_museum(farm, rng)
     museum.process.send(signal.SIGSTOP)
     return museum
 
 
-def cut_museum(farm, lots):
-    museum = some_museum(farm, lots)
+def cut_museum(farm, rng):
+    museum = some_museum(farm, rng)
     for link in museum.links:
         link.cut()
     return museum
 
 
-def reset_museum(farm, lots):
-    museum = some_museum(farm, lots)
+def reset_museum(farm, rng):
+    museum = some_museum(farm, rng)
     for link in museum.links:
         link.reset(downwards=True)
     return museum
 
 
-def nothing(farm, lots):
-    """What is seen of this is the machine's doing."""
+def nothing(farm, rng):
+    """Does nothing: what is then observed is caused by the machine."""
     time.sleep(HELD_S)
 
 
@@ -178,9 +179,9 @@ ALL = [
     Fault("node's connection reset", reset_node, to_node=True),
     Fault("node joins, then leaves", join_node, drop_node, to_node=True),
     Fault("node asked to stop", drain_node, start_again, to_node=True, node_comes=True),
-    Fault("head restarted", restart_head, hurts="head"),
-    Fault("head stopped for 1 s", pause_head, hurts="head"),
-    Fault("head lost, the other takes over", lose_head, start_again, hurts="head", heads=2),
+    Fault("coordinator restarted", restart_head, hurts="head"),
+    Fault("coordinator stopped for 1 s", pause_head, hurts="head"),
+    Fault("coordinator lost, the other takes over", lose_head, start_again, hurts="head", heads=2),
     Fault("museum restarted", restart_museum, hurts="museum"),
     Fault("museum reads nothing", pause_museum, continue_, hurts="museum"),
     Fault("museum cut off", cut_museum, restore, hurts="museum"),
@@ -189,7 +190,7 @@ ALL = [
 
 
 def seconds_to_full_rate(museum, since):
-    """LIMIT_S: not even within that."""
+    """Returns the seconds, or LIMIT_S if it took longer."""
     while (at := museum.at_full_rate(since)) is None:
         if now() > since + LIMIT_S:
             return LIMIT_S
@@ -197,15 +198,15 @@ def seconds_to_full_rate(museum, since):
     return at - since
 
 
-def most_seconds_to_full_rate(museums, since):
-    """Waits for all; who rests now and then is not in the figure."""
+def max_seconds_to_full_rate(museums, since):
+    """Waits for all museums and returns the seconds; visitors who rest at times are not counted."""
     seconds = [(seconds_to_full_rate(museum, since), museum.rests) for museum in museums]
     return max([figure for figure, rests in seconds if not rests], default=0.0)
 
 
 def seconds_to_take_part(farm, node, limit_s):
-    """From the head's word that the node has the scene to the first frame that all nodes made. None: not seen; a picture
-    may be too small for one more."""
+    """Returns the seconds from the coordinator's log of the scene on the node to the first frame of all nodes. None if
+    there was none: a picture may be too small for one node more."""
     museum = next(iter(farm.museums.values()))
     wait_until(lambda: node.is_ready(), 30, f"{node.name} has the scene")
     ready = now()
@@ -218,29 +219,29 @@ def seconds_to_take_part(farm, node, limit_s):
 
 
 def lost_by(museum, fault, is_struck, since):
-    """Visits that ended though the fault was somebody else's, or that are not open again though it has passed."""
+    """Returns the sessions that ended through another's fault, or are not open again after their own has passed."""
     lost, opened = museum.events("lost", since), museum.events("opened", since)
     if fault.hurts == "head" or is_struck:
         return int(bool(lost) and not opened)
     return len(lost)
 
 
-def see_through(fault, farm, lots, late_after_s):
-    """Lets it happen and pass. Returns what was seen of it."""
+def see_through(fault, farm, rng, late_after_s):
+    """Injects a fault, waits until it has passed, and returns the observations."""
     began = passed = now()
-    thing = fault.happen(farm, lots)
+    thing = fault.happen(farm, rng)
     struck = thing if fault.hurts == "museum" else None
     others = [museum for museum in farm.museums.values() if museum is not struck]
-    seconds = most_seconds_to_full_rate(others, began)
+    seconds = max_seconds_to_full_rate(others, began)
     if fault.passes:
         time.sleep(max(0.0, began + HELD_S - now()))
         passed = now()
         fault.passes(farm, thing)
     joined = seconds_to_take_part(farm, thing, 3.0) if fault.node_comes else None
-    seconds = max(seconds, most_seconds_to_full_rate(farm.museums.values(), passed))
+    seconds = max(seconds, max_seconds_to_full_rate(farm.museums.values(), passed))
     time.sleep(0.3)
     end = now()
-    # When it happened, and once more when it passed: each counts for itself.
+    # Its begin and its end count separately.
     late = [museum.late_frames(a, b, late_after_s) for museum in others for a, b in ((began, passed), (passed, end)) if a < b]
     return {
         "kind": fault.kind, "began_s": began, "to_node": fault.to_node, "full_rate_s": seconds, "joined_s": joined,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hosts of their own on this machine: network namespaces on one switch, over IPv6. Needs root and `ip`."""
+"""Separate hosts on this machine: network namespaces on one switch, over IPv6. They need root and `ip`."""
 import os
 import random
 import shutil
@@ -7,7 +7,7 @@ import subprocess
 
 
 def why_not():
-    """Why there can be none here; empty: there can."""
+    """Returns why hosts are impossible here, or an empty text."""
     if os.geteuid() != 0:
         return "network namespaces need root"
     if shutil.which("ip") is None or shutil.which("ss") is None:
@@ -15,7 +15,7 @@ def why_not():
     probe = f"cyc-probe-{os.getpid()}"
     made = subprocess.run(["ip", "netns", "add", probe], capture_output=True, text=True)
     if made.returncode != 0:
-        return "this machine makes no network namespaces: " + made.stderr.strip()
+        return "this machine allows no network namespaces: " + made.stderr.strip()
     subprocess.run(["ip", "netns", "del", probe], check=True)
     return ""
 
@@ -25,7 +25,8 @@ def ip(*words):
 
 
 class Hosts:
-    """Use as a context. The switch is a bridge in a namespace of its own, so nothing of this machine's network changes."""
+    """A context manager. The switch is a bridge in a namespace of its own, so this machine's network does not
+    change."""
 
     def __init__(self, names):
         self.mark = f"cyc{os.getpid()}-{random.randrange(1000)}"
@@ -57,17 +58,17 @@ class Hosts:
         return f"fd00:c7c::{self.names[name]:x}"
 
     def on(self, name):
-        """What a command begins with that runs on that host."""
+        """Returns the prefix of a command that runs on that host."""
         return ["ip", "netns", "exec", self.space(name)]
 
     def unplug(self, name):
-        """Pulls the cable out of the switch: the host itself sees a link that is up and hears nobody."""
+        """Pulls the cable at the switch: the host sees a link that is up, without traffic."""
         ip("-n", self.space("switch"), "link", "set", f"port{self.names[name]}", "nomaster")
 
     def plug_in(self, name):
         ip("-n", self.space("switch"), "link", "set", f"port{self.names[name]}", "master", "bridge")
 
     def listeners(self, name):
-        """The TCP and UDP ports that somebody listens on, on that host."""
+        """Returns the TCP and UDP ports that are open on that host."""
         out = subprocess.run([*self.on(name), "ss", "-Hlntu"], check=True, capture_output=True, text=True).stdout
         return sorted({int(line.split()[4].rsplit(":", 1)[1]) for line in out.splitlines()})

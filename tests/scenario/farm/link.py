@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A TCP link that can be cut and broken: a proxy on [::1] between one process and the head."""
+"""A TCP link that can be cut and broken: a proxy on [::1] between one process and the coordinator."""
 import asyncio
 import socket
 import struct
@@ -30,8 +30,8 @@ class Network:
 
 
 class Link:
-    """Listens on `port` and passes on to `target`. While it is cut nothing passes and nobody is told, as with a cable
-    that is out: connections stay, and new ones get no answer."""
+    """Listens on `port` and forwards to `target`. While it is cut nothing passes and no end is notified, as with a
+    pulled cable: connections stay open, and new ones get no answer."""
 
     def __init__(self, network, target):
         self.network, self.target, self.port = network, target, free_port()
@@ -49,7 +49,7 @@ class Link:
         self.network.run(self._set(True))
 
     def reset(self, downwards):
-        """Ends the connections with RST in the middle of the next message of some size; `downwards`: from the head."""
+        """Ends the connections with RST within the next large message; `downwards`: from the coordinator."""
         self.network.run(self._break(downwards))
 
     async def _set(self, whole):
@@ -68,7 +68,7 @@ class Link:
         try:
             await self.whole.wait()
             up_reader, up_writer = await asyncio.open_connection("::1", self.target)
-        except OSError:  # The head is away.
+        except OSError:  # The coordinator is down.
             self.writers.discard(writer)
             writer.close()
             return
@@ -83,7 +83,7 @@ class Link:
                 end.transport.abort()
 
     async def _pump(self, reader, writer, downwards):
-        some = 2000  # Bytes: more than a message without pixels.
+        some = 2000  # Bytes: more than any message without pixels has.
         while data := await reader.read(1 << 16):
             await self.whole.wait()
             if len(data) > some and (self.break_down if downwards else self.break_up):
@@ -96,4 +96,4 @@ class Link:
                 return
             writer.write(data)
             await writer.drain()
-        raise ConnectionResetError  # One side has ended: so does the other.
+        raise ConnectionResetError  # When one side has ended, so does the other.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A museum: the program test-museum, and what it has seen so far."""
+"""A museum: the program test-museum, and the frames that it has received."""
 import json
 import statistics
 import threading
@@ -7,7 +7,7 @@ import time
 
 from farm.processes import Process
 
-RUN = 10  # So many whole frames in a row, at the rate asked for, are the full rate.
+RUN = 10  # So many whole frames in a row at the requested rate count as the full rate.
 
 
 class Museum:
@@ -32,24 +32,24 @@ class Museum:
             return [line for line in self.lines if line["event"] == kind and since <= line["at_s"] < until]
 
     def frames(self, since=0.0, until=float("inf")):
-        """Those asked for by a view of their own; a picture at rest is no new frame."""
+        """Returns the whole frames of requested views; refined pictures at rest are no new frames."""
         return [f for f in self.events("frame", since, until) if not f["refined"]]
 
     def whole_frames(self, since=0.0, until=float("inf")):
         return [f for f in self.frames(since, until) if f["complete"]]
 
     def late_frames(self, since, until, limit_s):
-        """Ended without being whole, or only after `limit_s`."""
+        """Returns the frames that were not completed, or only after `limit_s`."""
         return [f for f in self.frames(since, until)
                 if not f["complete"] or f["at_s"] - f.get("asked_s", f["at_s"]) > limit_s]
 
     def wrong(self):
-        """What no farm may do: (holes, breaches of farm.proto)."""
+        """Returns the errors that no farm may cause: (holes, breaches of farm.proto)."""
         return (sum(not f["whole"] for f in self.events("frame") if f["complete"]),
                 [v["reason"] for v in self.events("violation")])
 
     def at_full_rate(self, since):
-        """When, from `since` on, it began to get every frame in time again; None: not yet."""
+        """Returns the time after `since` from which every frame was in time, or None."""
         frames = self.frames(since)
         most_s = 1.5 * RUN / self.rate_hz
         for first in range(len(frames) - RUN):
@@ -67,7 +67,7 @@ class Museum:
         return statistics.median(frames) if frames else float("nan")
 
     def end(self):
-        """False: it had to be killed."""
+        """Ends the museum. Returns False if it had to be killed."""
         ended = self.process.end()
         self.reader.join(20)
         return ended
@@ -78,5 +78,5 @@ class Museum:
 
 
 def now():
-    """On the clock of all events."""
+    """Returns the time on the clock of all events."""
     return time.monotonic()

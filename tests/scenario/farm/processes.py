@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Processes that a test starts, looks into, and ends."""
+"""Processes that a test starts, observes and ends."""
 import os
 import pathlib
 import random
@@ -10,7 +10,7 @@ import time
 
 
 def free_port():
-    """Nobody listens on it now, and the system hands it out to nobody by itself."""
+    """Returns a port that is free and that the system does not assign by itself."""
     while True:
         port = random.SystemRandom().randrange(20000, 32000)
         with socket.socket(socket.AF_INET6) as probe:
@@ -30,7 +30,7 @@ def wait_until(is_so, seconds, what, period=0.02):
 
 
 class Process:
-    """One program; its output goes to FOLDER/NAME.log, or to a pipe when the caller reads it."""
+    """A program. Its output goes to FOLDER/NAME.log, or to a pipe if the caller reads it."""
 
     def __init__(self, name, command, folder, piped=False):
         self.name, self.log = name, pathlib.Path(folder) / f"{name}.log"
@@ -54,7 +54,7 @@ class Process:
         self.popen.wait(20)
 
     def end(self, seconds=20):
-        """Asks it to stop. False: it did not, and was killed."""
+        """Requests that it stops. Returns False if it did not and was killed."""
         self.send(signal.SIGCONT)
         self.send(signal.SIGTERM)
         try:
@@ -72,7 +72,7 @@ class Process:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def usage(self):
-        """What must not grow."""
+        """Returns the quantities that must not grow."""
         status = dict(line.split(":", 1) for line in pathlib.Path(f"/proc/{self.pid}/status").read_text().splitlines())
         return {"rss_kib": int(status["VmRSS"].split()[0]), "threads": int(status["Threads"]),
                 "fds": len(os.listdir(f"/proc/{self.pid}/fd"))}

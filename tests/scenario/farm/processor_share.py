@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A fixed part of one processor for a process: then many nodes on few processors run like as many slow machines. Needs
-root, and the kernel's cpu controller (version 2 or 1)."""
+"""A fixed share of one processor for a process, so that many nodes on few processors run like as many slow machines.
+
+It needs root and the kernel's cpu controller (version 2 or 1).
+"""
 import os
 import pathlib
 
-PERIOD_US = 5000  # The shorter the more even; the kernel grants no less than 1000 us at a time.
+PERIOD_US = 5000  # Shorter periods are more even; the kernel allows no quota below 1000 us.
 V2, V1 = pathlib.Path("/sys/fs/cgroup"), pathlib.Path("/sys/fs/cgroup/cpu")
 
 
 class ProcessorShare:
-    """Made at once; remove() it when its processes have ended."""
+    """A share, which exists from here until remove(), which is called when its processes have ended."""
 
     def __init__(self, name, of_one_processor):
         self.version2 = "cpu" in _words(V2 / "cgroup.controllers")

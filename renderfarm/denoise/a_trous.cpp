@@ -10,9 +10,9 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kChunk = 256;  ///< Pixels whose sums stay in the first cache.
+constexpr int kChunk = 256;  ///< Pixels per chunk, such that their sums fit into the L1 cache.
 
-/// Weight falls to 1/e per this much of the squared distance of two unit normals: 10 degrees.
+/// Inverse of the squared distance between unit normals at which the weight falls to 1/e: 10 degrees.
 constexpr float kPerNormal = 32.0f;
 /// The same for the neighbour's distance from the pixel's tangent plane, in footprints per pixel of step.
 constexpr float kPerFootprint = 1.0f;
@@ -21,7 +21,7 @@ struct Sums {
   alignas(64) std::array<float, kChunk> red, green, blue, variance, weight;
 };
 
-/// A run of pixels, as centres and as neighbours of others.
+/// A run of pixels, as centres or as neighbours of others.
 struct Run {
   Run(const Guide& guide, const LightPlanes& light, const Plane& inverse, int x, int y)
       : normal_x(guide.normal_x.at(x, y)),
@@ -43,7 +43,7 @@ struct Run {
   const float *red, *green, *blue, *luminance, *variance, *per_tolerance;
 };
 
-/// About exp(-d), exactly 0 from 8 on.
+/// Approximates exp(-d); exactly 0 for d >= 8.
 inline float falloff(float d) {
   const float root = 1.0f - 0.125f * d;
   const float positive = root > 0.0f ? root : 0.0f;
@@ -82,13 +82,13 @@ void gather(int count, const Run& q, const float* __restrict weight, float* __re
   }
 }
 
-/// Where neighbours lie, and how much they count.
+/// Offset and weight of a neighbour.
 struct Neighbour {
   int dx, dy;
   float kernel, per_step;
 };
 
-/// Adds what these neighbours have to tell the run of `count` pixels from (x, y).
+/// Adds the contribution of these neighbours to the run of `count` pixels from (x, y).
 void add_neighbour(const Guide& guide, const LightPlanes& light, const Plane& per_tolerance, const Neighbour& neighbour,
                    int x, int y, int count, Sums* sums) {
   const int first = std::max(x, -neighbour.dx);
@@ -117,8 +117,8 @@ void divide(int count, const Sums& sums, float* __restrict red, float* __restric
   }
 }
 
-/// One over the squared difference of luminances at which the weight falls to 1/e. With no variance at all only equals
-/// are neighbours, to what float can tell.
+/// Computes the inverse of the squared luminance difference at which the weight falls to 1/e. Without variance, only
+/// pixels equal to within float precision are averaged.
 CYCLORAMA_VECTOR_CLONES
 void invert_tolerance(std::size_t count, const float* __restrict variance, const float* __restrict luminance,
                       const float* __restrict tolerance, float* __restrict ret) {

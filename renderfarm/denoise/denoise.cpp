@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSteps[] = {1, 2, 4};
 
-/// `rect` and `px` around it, as far as that is in the film.
+/// Returns `rect` extended by `px` on each side, clipped to the film.
 PixelRect grown(const PixelRect& rect, int px, const Film& film) {
   const int left = std::max(0, rect.x - px);
   const int top = std::max(0, rect.y - px);

@@ -1,28 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Noise out of a film of few samples per pixel, by what the surfaces say about which pixels belong together.
+/// Removes noise from a film with few samples per pixel, guided by the surfaces that the pixels show.
 ///
-/// Light is divided by the surfaces' albedo, so that textures stay sharp; fireflies are taken down to what their
-/// neighbours can explain; three levels of an à-trous filter average pixels whose normal, tangent plane and light are
-/// alike, the latter measured in standard errors. So the filter does ever less as samples are added, and at many
-/// samples the picture is the film's own. It has a bias; measure_gain() tells how
-/// large it is for a scene.
+/// Light is divided by the surfaces' albedo, which keeps textures sharp; fireflies are reduced to what their neighbours
+/// can explain; three levels of an à-trous filter average pixels of similar normal, tangent plane and light, the latter
+/// measured in standard errors. The filter therefore acts less as samples are added, and at many samples it leaves the
+/// film unchanged. It has a bias, which measure_gain() measures for a scene.
 #pragma once
 
 #include "renderfarm/denoise/guide.h"
 
 namespace cyclorama {
 
-/// Keeps its memory from one picture to the next. Thread-bound.
+/// Denoises films. Keeps its memory from one picture to the next. Thread-bound.
 class Denoiser {
  public:
-  /// How far around a block the film must reach, where the picture goes on, so that the block's pixels are those of the
-  /// whole picture to the last bit, on any processor.
+  /// Returns the width of the margin that a block needs around it, inside the picture, for its pixels to equal those of
+  /// the whole picture to the last bit, on any processor.
   [[nodiscard]] static int halo_px();
 
-  /// Writes the denoised mean of `part` of `film` to the same place of `ret_picture`; exposed linear light. Reads the
-  /// film up to halo_px() around the part. Whatever the film holds, the result is finite; it is black where there are
-  /// no finite samples. Parts may be done at the same time by several denoisers. Precondition: the film has features,
-  /// `rays` and `ret_picture` are of its size, and the part lies inside.
+  /// Writes the denoised mean of `part` of `film` to the same position in `ret_picture`, as exposed linear light. Reads
+  /// the film up to halo_px() around the part. The result is always finite; it is black where there are no finite
+  /// samples. Several denoisers may process parts concurrently. Precondition: the film has features, `rays` and
+  /// `ret_picture` have its size, and the part lies inside.
   void denoise(const Film& film, const PixelRays& rays, const PixelRect& part, RadianceImage* ret_picture);
 
  private:
@@ -32,7 +31,7 @@ class Denoiser {
   Plane scratch_;
 };
 
-/// The whole of `film`, by the calling thread.
+/// Denoises all of `film` on the calling thread.
 [[nodiscard]] RadianceImage denoised(const Film& film, const PixelRays& rays);
 
 }  // namespace cyclorama

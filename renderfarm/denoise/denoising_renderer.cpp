@@ -21,10 +21,10 @@
 namespace cyclorama {
 namespace {
 
-/// Strips have margins of their own, which are filtered twice.
+/// Minimum height of a strip: each has margins of its own, which are filtered twice.
 constexpr int kLeastStripPx = 64;
 
-/// `rect` and `px` around it, as far as the picture goes.
+/// Returns `rect` extended by `px` on each side, clipped to the picture.
 PixelRect grown(const PixelRect& rect, int px, const PixelRect& picture) {
   const int left = std::max(picture.x, rect.x - px);
   const int top = std::max(picture.y, rect.y - px);
@@ -32,7 +32,7 @@ PixelRect grown(const PixelRect& rect, int px, const PixelRect& picture) {
           std::min(picture.y + picture.height, rect.y + rect.height + px) - top};
 }
 
-/// What of `rect` lies in `bounds`, which has its columns; perhaps nothing.
+/// Returns the rows of `rect` inside `bounds`, which spans the same columns; may be empty.
 PixelRect rows_within(const PixelRect& rect, const PixelRect& bounds) {
   const int top = std::max(rect.y, bounds.y);
   const int bottom = std::min(rect.y + rect.height, bounds.y + bounds.height);
@@ -48,8 +48,8 @@ void add(const RenderCost& part, RenderCost* sum) {
   sum->cell_cpu_seconds.insert(sum->cell_cpu_seconds.end(), part.cell_cpu_seconds.begin(), part.cell_cpu_seconds.end());
 }
 
-/// A film's cost, told of the cells that `rect` touches. What went into its margin and its denoising counts for all
-/// cells alike: another cut has the margin elsewhere.
+/// Returns a film's cost for the cells that `rect` touches. The cost of the margin and of denoising is spread evenly
+/// over all cells, because other cuts have their margins elsewhere.
 RenderCost told_of(RenderCost cost, const PixelRect& wide, const PixelRect& rect) {
   const PixelRect from = cells_touched(wide);
   const PixelRect cells = cells_touched(rect);

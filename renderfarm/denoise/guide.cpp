@@ -10,31 +10,30 @@
 namespace cyclorama {
 namespace {
 
-// So that squares, and sums of them, stay inside float.
+// These bounds keep squares, and sums of them, within the range of float.
 constexpr float kMostRadiance = 1e12f;
 constexpr float kMostVariance = 1e30f;
 constexpr float kMostDistance = 1e15f;
 constexpr float kLeastFootprint = 1e-20f;
 
-/// Light is divided by no less than this, so that black surfaces do not blow up what shines on them.
+/// Lower bound of the albedo that divides light, so that black surfaces do not amplify it excessively.
 constexpr float kLeastAlbedo = 0.01f;
 
 constexpr int kFireflyRadius = 2;
 constexpr int kVarianceRadius = 1;
 static_assert(kGuideReachPx == kFireflyRadius + kVarianceRadius);
 
-/// Standard deviations of its neighbours that a pixel may lie above their mean.
+/// Upper bound of a pixel's excess over the mean of its neighbours, in standard deviations of theirs.
 constexpr float kFireflyDeviations = 4.0f;
-/// A pixel whose own samples are this sure of its excess, in standard errors, is no firefly but a highlight.
+/// A pixel whose excess is this many of its own standard errors is a highlight, not a firefly.
 constexpr float kSureErrors = 3.0f;
 
-/// Tolerance in variances: at few samples, and the number of samples where it is halved. Samples of a pixel are
-/// stratified, so that their spread tells more and more too much; what the filter may do falls as fast as they
-/// converge.
+/// Tolerance in variances at few samples, and the number of samples at which it is halved. The samples of a pixel are
+/// stratified, so their spread increasingly overestimates the error; the tolerance falls as fast as they converge.
 constexpr float kTolerance = 64.0f;
 constexpr float kToleranceHalved = 8.0f;
 
-/// NaN and infinities are 0.
+/// Clamps to [-most, most]; NaN and infinities give 0.
 inline float finite(float value, float most) {
   const float cut = value < most ? value : most;
   const float whole = cut > -most ? cut : -most;
@@ -46,7 +45,7 @@ inline float divisor(float albedo) {
   return a > kLeastAlbedo ? a : kLeastAlbedo;
 }
 
-/// Three planes of a row of an image that has them interleaved.
+/// Three planes of one row of an interleaved image.
 struct Row3 {
   explicit Row3(int count) : x(static_cast<std::size_t>(count)), y(x.size()), z(x.size()) {}
   std::vector<float> x, y, z;
@@ -84,7 +83,7 @@ void demodulate(int count, const float* __restrict per_sample, const float* __re
   }
 }
 
-/// Of the mean over the pixel's samples; 0 where there is but one.
+/// Computes the variance of the mean over the pixel's samples; 0 for a single sample.
 CYCLORAMA_VECTOR_CLONES
 void sample_variance(int count, const float* __restrict per_sample, const float* __restrict square,
                      const float* __restrict raw, const float* __restrict luminance, float* __restrict variance) {
@@ -259,7 +258,7 @@ void GuideMaker::tame_fireflies(Guide* guide) {
   find_fireflies(size, light.luminance.data().data(), light.variance.data().data(), guide->weight.data().data(),
                  per_sample_.data().data(), around_.count.data().data(), around_.sum.data().data(),
                  around_.square.data().data(), scale_.data().data());
-  // A variance is a square: it is scaled twice.
+  // A variance is a square, so it is scaled twice.
   for (Plane* const plane :
        {&light.red, &light.green, &light.blue, &light.luminance, &light.variance, &light.variance}) {
     scale_by(size, scale_.data().data(), plane->data().data());

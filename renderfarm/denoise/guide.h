@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A film, laid out for filtering: light without the surfaces' colour, how uncertain it is, and where the surfaces are.
+/// A film prepared for filtering: light without the surfaces' colour, its uncertainty, and the geometry of the
+/// surfaces.
 #pragma once
 
 #include "renderfarm/denoise/pixel_rays.h"
@@ -8,43 +9,43 @@
 
 namespace cyclorama {
 
-/// Light that is filtered: one plane per number.
+/// The light to be filtered, one plane per value.
 struct LightPlanes {
   void reshape(int width, int height);
   Plane red, green, blue;  ///< Mean radiance over albedo.
-  Plane luminance;         ///< Of those.
-  Plane variance;          ///< Of `luminance`.
+  Plane luminance;         ///< Luminance of these.
+  Plane variance;          ///< Variance of `luminance`.
 };
 
-/// What the filter reads: of a part of a film, all planes of the part's size. Every value is finite.
+/// Input of the filter for a part of a film; all planes have the part's size. Every value is finite.
 struct Guide {
   void reshape(int width, int height);
   [[nodiscard]] int width() const { return weight.width(); }
   [[nodiscard]] int height() const { return weight.height(); }
 
-  LightPlanes light;  ///< Without fireflies.
-  Plane weight;       ///< 1; 0 where there are no samples or they are not finite: such a pixel is black.
-  /// How far neighbours may differ in luminance, squared, and still be of one kind: falls to 0 with many samples.
+  LightPlanes light;  ///< Fireflies are removed.
+  Plane weight;       ///< 1, or 0 for a pixel without finite samples, which is black.
+  /// Squared luminance difference within which neighbours count as alike, in variances; falls to 0 with many samples.
   Plane tolerance;
-  Plane normal_x, normal_y, normal_z;  ///< Zero where the eye sees no surface.
+  Plane normal_x, normal_y, normal_z;  ///< Zero if the eye sees no surface.
   Plane place_x, place_y, place_z;     ///< Metres from the eye.
-  Plane plane_offset;                  ///< normal . place
-  Plane per_footprint;                 ///< One over the pixel's width at the surface, metres.
+  Plane plane_offset;                  ///< Dot product of normal and place.
+  Plane per_footprint;                 ///< Inverse of the pixel's width at the surface, 1/m.
 };
 
-/// How far around a pixel GuideMaker looks.
+/// Radius around a pixel that GuideMaker reads.
 inline constexpr int kGuideReachPx = 3;
 
-/// Makes guides. It keeps its memory from one to the next: getting it afresh takes longer than the whole filter.
-/// Thread-bound.
+/// Creates guides. Keeps its memory between them, because allocation takes longer than the whole filter. Thread-bound.
 class GuideMaker {
  public:
-  /// Demodulates, takes fireflies down to what their neighbours can explain, and finds the variance, of `part` of the
-  /// film. Nothing outside of the part is looked at.
+  /// Demodulates `part` of the film, reduces fireflies to what their neighbours can explain, and estimates the
+  /// variance.
+  /// Reads nothing outside the part.
   ///
-  /// The variance is that of the pixel's own samples, averaged over its neighbours, which have different samples and
-  /// much the same spread; with one sample per pixel there is only the scatter among the neighbours, edges and all.
-  /// Precondition: the film has features, `rays` is of its size, and the part lies inside.
+  /// The variance is that of the pixel's own samples, averaged over its neighbours, which have different samples but a
+  /// similar spread. With one sample per pixel only the scatter among neighbours is available, which includes edges.
+  /// Precondition: the film has features, `rays` has its size, and the part lies inside.
   void make(const Film& film, const PixelRays& rays, const PixelRect& part, Guide* ret);
 
  private:
@@ -58,15 +59,15 @@ class GuideMaker {
   void pool_variance(Guide* guide);
   void sum_moments(const Guide& guide, int radius);
 
-  Plane per_sample_;  ///< One over the number of samples; 0 where the weight is.
+  Plane per_sample_;  ///< Inverse of the number of samples; 0 where the weight is 0.
   Moments around_;
   Plane own_sum_, own_count_;
   Plane scale_;
   Plane scratch_;
 };
 
-/// Light times albedo, undoing what GuideMaker divided: of `part` of the guide, to `to_x`, `to_y` of the picture, which
-/// has the size of `albedo`.
+/// Multiplies light by albedo, the inverse of GuideMaker's division: from `part` of the guide to position `to_x`,
+/// `to_y` of the picture, which has the size of `albedo`.
 void remodulate(const LightPlanes& light, const PixelRect& part, const RadianceImage& albedo, int to_x, int to_y,
                 RadianceImage* ret_picture);
 

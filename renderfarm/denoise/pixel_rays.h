@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where the pixels of a film look, whatever camera made it.
+/// Directions of a film's pixels, independent of the camera model.
 #pragma once
 
 #include "common/geometry/projection.h"
@@ -8,18 +8,19 @@
 
 namespace cyclorama {
 
-/// A value.
+/// Directions of the pixels in a rectangle. A value.
 struct PixelRays {
-  RadianceImage directions;      ///< Unit length, of the pixels' centres, in the frame of the film's normals.
-  double radians_per_px = 1e-3;  ///< Between neighbours, about.
+  RadianceImage directions;      ///< Unit length, through pixel centres, in the frame of the film's normals.
+  double radians_per_px = 1e-3;  ///< Approximate angle between neighbours.
 };
 
-/// Of `rect` of a panorama. A pixel gets the same direction in whatever rect. Precondition: panorama.validate().
+/// Returns the directions for `rect` of a panorama. A pixel's direction does not depend on the rect. Precondition:
+/// panorama.validate().
 [[nodiscard]] PixelRays panorama_rays(const Panorama& panorama, double heading_rad, const PixelRect& rect);
-/// The same of a picture of any shape. Outside of a fisheye's circle, where there are no samples, along its axis.
+/// Returns the same for a picture of any shape. Pixels outside a fisheye's circle, which have no samples, get its axis.
 [[nodiscard]] PixelRays picture_rays(const PictureShape& shape, double heading_rad, const PixelRect& rect);
-/// The same for one eye or two, each ray from where its own eye is. Neighbours have nearly one eye: within a filter's
-/// reach it moves by less than a millimetre.
+/// Returns the same for one eye or two; each ray starts at its own eye. Neighbours share nearly the same eye position:
+/// within the filter's radius it moves by less than a millimetre.
 [[nodiscard]] PixelRays picture_rays(const Projection& picture, double heading_rad, const PixelRect& rect);
 
 }  // namespace cyclorama

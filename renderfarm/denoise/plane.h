@@ -7,10 +7,10 @@
 
 namespace cyclorama {
 
-/// One number per pixel, rows from the top. Unlike an Image it keeps its memory when it takes another size. A value.
+/// One value per pixel, rows from the top. Unlike an Image, it keeps its memory when it is resized. A value.
 class Plane {
  public:
-  /// What the pixels are then is not said.
+  /// Leaves the pixel values unspecified.
   void reshape(int width, int height) {
     width_ = width;
     height_ = height;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The settings between which a governor chooses: each the best picture for what it costs.
+/// The Pareto front of settings among which a governor chooses: each is the best picture for its cost.
 #pragma once
 
 #include <span>
@@ -12,17 +12,17 @@ namespace cyclorama {
 
 struct FrontPoint {
   PictureQuality quality;
-  double cost = 1.0;   ///< Of a shown pixel, in any unit: only ratios count.
-  double error = 1.0;  ///< Against the reference; in one measure for the whole front.
+  double cost = 1.0;   ///< Per displayed pixel, in any unit; only ratios matter.
+  double error = 1.0;  ///< Against the reference; the same measure for the whole front.
 };
 
-/// A Pareto front: costs grow from point to point and errors fall. A value, never empty.
+/// A Pareto front: costs increase from point to point and errors decrease. A value, never empty.
 class Front {
  public:
-  /// Points that cost as much as a better one, or more, are left out. kInvalidArgument  no points, a quality out of
-  /// range, a cost that is not above zero or an error below zero.
+  /// Omits points that cost as much as a better one or more. Errors: kInvalidArgument if there are no points, if a
+  /// quality is out of range, or unless costs are above zero and errors at least zero.
   static Result<Front> make(std::vector<FrontPoint> points);
-  /// For scenes that have not been measured.
+  /// Returns the Pareto front for scenes that have not been measured.
   static Front standard();
 
   [[nodiscard]] std::size_t size() const { return points_.size(); }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A front in a file, as `cyclorama-render trade` measures one:
+/// A Pareto front in a file, as measured by `cyclorama-render trade`:
 ///
 ///   [[point]]
-///   cpu_us_per_px = 1.9   # Processor time of a shown pixel.
-///   error = 0.041         # In one measure for the whole file.
-///   samples = 4           # The knobs of PictureQuality; one that is left out has its default.
+///   cpu_us_per_px = 1.9   # Processor time per displayed pixel.
+///   error = 0.041         # The same measure for the whole file.
+///   samples = 4           # Parameters of PictureQuality; those left out have their defaults.
 ///   bounces = 1
 #pragma once
 
@@ -17,12 +17,12 @@
 
 namespace cyclorama {
 
-/// Errors as Config's; kBadData also for a file without a point. Reentrant.
+/// Reads a file. Errors: those of Config, and kBadData for a file without points. Reentrant.
 Result<Front> read_front(const std::filesystem::path& path);
-/// `name` stands for the file in errors.
+/// Parses a file's text. `name` identifies the file in errors.
 Result<Front> parse_front(std::string_view text, std::string name);
 
-/// parse_front() gives the same front back, bit by bit. `comment` comes first, each of its lines after "# ".
+/// Formats a front; parse_front() restores it bit for bit. `comment` comes first, with "# " before each of its lines.
 [[nodiscard]] std::string front_text(const Front& front, std::string_view comment);
 
 }  // namespace cyclorama

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kPiece = 64;
 constexpr double kLongestPictureMs = 1000.0;
-/// A dozen pictures are sent, and then none: their bytes do not count.
+/// At most a dozen pictures are sent per rest, so their size does not matter.
 constexpr int kReferenceJpegQuality = 95;
 
 int cut_after(int samples) {
@@ -22,15 +22,15 @@ int cut_after(int samples) {
   return (samples / kPiece + 1) * kPiece;
 }
 
-/// The first cut that is not below.
+/// Returns the first cut that is not below `samples`.
 int cut_at_least(double samples, int most) {
   int cut = 1;
   while (cut < most && cut < samples) cut = cut_after(cut);
   return std::min(cut, most);
 }
 
-/// Samples at full size, without a denoiser, that err no more than `moving`. The error of such pictures is taken to
-/// fall with the samples, from the front's point of that kind that needs the fewest.
+/// Returns the number of samples, at full size without denoiser, with an error of at most `moving`. The error is
+/// assumed to be inversely proportional to the samples, starting from the front's most efficient point of that kind.
 double samples_as_good_as(const Front& front, const FrontPoint& moving) {
   double error_of_one = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < front.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a picture at rest still lacks.
+/// Refines a picture at rest, step by step, up to the reference.
 #pragma once
 
 #include <optional>
@@ -9,10 +9,11 @@
 
 namespace cyclorama {
 
-/// Samples [first, end) in the pieces in which they are rendered and added: at 1, 2, 4, 8, 16, 32, and each multiple of
-/// 64. Sums of floats depend on their order; so cut, a picture that was refined in steps is bit-identical to one that
-/// another node renders at once, as long as the steps end at these cuts, too. A piece of 64 is also how long a node
-/// may go on in one cell before it sees that it was cancelled. None for an empty range.
+/// A range of samples [first, end). cut_samples() divides a range into the pieces in which samples are rendered and
+/// added, with cuts at 1, 2, 4, 8, 16, 32 and each multiple of 64; an empty range gives none. Float sums depend on
+/// their order: with fixed cuts, a picture refined in steps is bit-identical to one that another node renders at once,
+/// provided that the steps end at cuts. A piece of 64 is also the longest work in one cell before a node notices a
+/// cancellation.
 struct SampleRange {
   int first = 0;
   int end = 0;
@@ -20,25 +21,27 @@ struct SampleRange {
 };
 [[nodiscard]] std::vector<SampleRange> cut_samples(const SampleRange& range);
 
-/// The way of one view from its first picture at rest to the reference:
+/// The refinement of one view from its first picture at rest to the reference:
 ///
 ///   nothing ──next(), done()──► some samples ──next(), done()──► ... ──► the reference: rests
 ///
-/// The first picture has as many samples as it needs to be no worse than the moving one; then each has twice the
-/// samples of the one before, so the mean squared error halves from picture to picture, while a picture is predicted to
-/// take less than a second; then each takes about a second. Pure; thread-bound.
+/// The first picture has as many samples as it needs to be no worse than the moving one. Then each has twice the
+/// samples
+/// of the one before, which halves the mean squared error, while a picture is predicted to take less than a second;
+/// after
+/// that, each takes about a second. Pure; thread-bound.
 class Refinement {
  public:
-  /// The quality is the front's best one without what makes a reference wrong: no denoiser, no limit to fireflies, no
-  /// adaptive stop, full size, all of its colours, JPEG of 95 or more. `moving`: the point of the picture before, one
-  /// of the front's; its error decides how many samples come first. Precondition: 1 <= reference_samples <=
-  /// kMostSamples.
+  /// Uses the front's best quality without what would bias a reference: no denoiser, no firefly limit, no adaptive
+  /// sampling, full size, no chroma subsampling, JPEG quality of at least 95. `moving` is the point of the previous
+  /// picture, taken from the front; its error determines the number of samples of the first picture. Precondition: 1 <=
+  /// reference_samples <= kMostSamples.
   Refinement(const Front& front, const FrontPoint& moving, int reference_samples);
 
-  /// The samples that come next; nothing when the reference is reached. `ms_per_sample`, of the whole picture, from an
-  /// earlier rest; 0 when it is not known.
+  /// Returns the next samples; null once the reference is reached. `ms_per_sample` applies to the whole picture and
+  /// comes from an earlier rest; 0 if unknown.
   [[nodiscard]] std::optional<SampleRange> next(double ms_per_sample) const;
-  /// The picture of the samples up to `range.end` is shown. Precondition: next() gave it.
+  /// Records that the picture of the samples up to `range.end` is displayed. Precondition: next() returned `range`.
   void done(const SampleRange& range);
 
   [[nodiscard]] const PictureQuality& quality() const { return quality_; }

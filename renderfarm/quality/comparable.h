@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What two pictures must be before an error between them means anything. Reentrant.
+/// Conditions under which an error between two pictures is meaningful. Reentrant.
 #pragma once
 
 #include "common/base/result.h"
@@ -7,14 +7,14 @@
 
 namespace cyclorama {
 
-/// kInvalidArgument, with both sizes, unless they are equal and not empty.
+/// Errors: kInvalidArgument, with both sizes, unless they are equal and not empty.
 Status check_same_size(int width, int height, int reference_width, int reference_height);
 
-/// kBadData, naming the pixel, where a value is NaN or infinite: an average that leaves it out would hide a broken
-/// kernel, and one that takes it in says nothing of the other pixels.
+/// Errors: kBadData, naming the pixel, if a value is NaN or infinite. An average that omits it would hide a broken
+/// kernel, and one that includes it would be meaningless for the other pixels.
 Status check_finite(const RadianceImage& picture);
 
-/// Both of them.
+/// Checks the sizes, then both pictures.
 Status check_comparable(const RadianceImage& picture, const RadianceImage& reference);
 
 }  // namespace cyclorama

@@ -10,7 +10,7 @@
 namespace cyclorama {
 namespace {
 
-/// Between which two pixels of a row or column a pixel of the larger picture lies, and how far from the first.
+/// The two pixels of a row or column between which a pixel of the larger picture lies, and its fraction from the first.
 struct Between {
   int first = 0;
   int second = 0;

@@ -18,17 +18,17 @@ namespace {
 
 using Eigen::Vector3f;
 using Plane = Image<float, 1>;
-/// Per pixel three numbers, each in its own plane.
+/// Three values per pixel, each in a plane of its own.
 using Planes = std::array<Plane, 3>;
 
-// The paper's constants, by its names.
+// Constants of the paper, with their names there.
 constexpr float kColourExponent = 0.7f;     // q_c
 constexpr float kColourKnee = 0.4f;         // p_c
 constexpr float kErrorAtKnee = 0.95f;       // p_t
 constexpr float kFeatureExponent = 0.5f;    // q_f
 constexpr double kFeatureWidthDeg = 0.082;  // w
 
-/// Sensitivity to contrast, as one or two Gaussians in space: a · √(π / b) · exp(-π² x² / b), x in degrees.
+/// Contrast sensitivity as one or two spatial Gaussians: a · √(π / b) · exp(-π² x² / b), x in degrees.
 struct Lobe {
   double a;
   double b;
@@ -40,7 +40,8 @@ constexpr std::array<std::array<Lobe, 2>, 3> kSensitivity = {{
 }};
 constexpr double kWidestLobe = 0.04;
 
-/// Linear sRGB to XYZ as the authors' own programs have it, with XYZ divided by its white (D65): each row sums to 1.
+/// Linear sRGB to XYZ with the coefficients of the authors' own programs; XYZ is divided by its white (D65), so each
+/// row sums to 1.
 struct ColourSpace {
   Eigen::Matrix3f xyz_of_rgb;
   Eigen::Matrix3f rgb_of_xyz;
@@ -55,7 +56,7 @@ struct ColourSpace {
   }
 };
 
-/// YCxCz: CIELAB without its cube roots, so that light may be filtered in it.
+/// Returns YCxCz: CIELAB without its cube roots, in which light may be filtered.
 Vector3f opponent_of_xyz(const Vector3f& xyz) {
   return {116.0f * xyz.y() - 16.0f, 500.0f * (xyz.x() - xyz.y()), 200.0f * (xyz.y() - xyz.z())};
 }
@@ -65,7 +66,7 @@ Vector3f xyz_of_opponent(const Vector3f& opponent) {
   return {y + opponent.y() / 500.0f, y, y - opponent.z() / 200.0f};
 }
 
-/// CIELAB, its a and b scaled by lightness: colours of dim light look less colourful (Hunt).
+/// Returns CIELAB with a and b scaled by lightness, because dim colours look less colourful (Hunt effect).
 Vector3f hunt_lab_of_xyz(const Vector3f& xyz) {
   constexpr float kDelta = 6.0f / 29.0f;
   const auto root = [](float t) {
@@ -78,7 +79,7 @@ Vector3f hunt_lab_of_xyz(const Vector3f& xyz) {
   return {lightness, 0.01f * lightness * 500.0f * (x - y), 0.01f * lightness * 200.0f * (y - z)};
 }
 
-/// The distance HyAB between two such colours.
+/// Returns the HyAB distance between two colours from hunt_lab_of_xyz().
 float distance(const Vector3f& a, const Vector3f& b) {
   const Vector3f d = a - b;
   return std::abs(d.x()) + std::hypot(d.y(), d.z());
@@ -102,7 +103,7 @@ Planes opponent_of(const RgbImage& picture, const ColourSpace& space) {
   return planes;
 }
 
-/// What the eye resolves of a plane (section 4.1.1).
+/// Filters a plane to what the eye resolves (section 4.1.1).
 Plane seen(const Plane& plane, const std::array<Lobe, 2>& lobes, double pixels_per_degree) {
   const auto sigma_px = [&](double b) { return std::sqrt(b / 2.0) / std::numbers::pi * pixels_per_degree; };
   const int radius = static_cast<int>(std::ceil(3.0 * sigma_px(kWidestLobe)));
@@ -123,7 +124,7 @@ Plane seen(const Plane& plane, const std::array<Lobe, 2>& lobes, double pixels_p
   return result;
 }
 
-/// Colours as they are perceived: resolved, inside what a display shows, in Hunt's CIELAB.
+/// Returns colours as perceived: filtered, clamped to the display's gamut, in Hunt-adjusted CIELAB.
 Planes perceived(const Planes& opponent, const ColourSpace& space, double pixels_per_degree) {
   Planes planes;
   for (std::size_t c = 0; c < 3; ++c) planes[c] = seen(opponent[c], kSensitivity[c], pixels_per_degree);
@@ -135,7 +136,7 @@ Planes perceived(const Planes& opponent, const ColourSpace& space, double pixels
   return planes;
 }
 
-/// Positive weights sum to 1, negative ones to -1.
+/// Scales positive weights to a sum of 1 and negative ones to a sum of -1.
 Kernel balanced(Kernel kernel) {
   double positive = 0.0;
   double negative = 0.0;
@@ -144,7 +145,7 @@ Kernel balanced(Kernel kernel) {
   return kernel;
 }
 
-/// How much of an edge, and of a point, there is at each pixel (section 4.2).
+/// Strength of edges and of points at each pixel (section 4.2).
 struct Features {
   Plane edge;
   Plane point;
@@ -173,11 +174,12 @@ Features features_of(const Plane& achromatic, double pixels_per_degree) {
 
 Plane achromatic_of(const Planes& opponent) {
   Plane plane = opponent[0];
-  for (float& value : plane.data()) value = (value + 16.0f) / 116.0f;  // The errata's 116.
+  for (float& value : plane.data()) value = (value + 16.0f) / 116.0f;  // The divisor 116 is from the errata.
   return plane;
 }
 
-/// To [0, 1]: most of it for differences below the knee (section 4.1.3). `most` is the greatest that two colours have.
+/// Maps an error to [0, 1], most of it for differences below the knee (section 4.1.3). `most` is the maximum of any two
+/// colours.
 float redistributed(float power, float most) {
   const float knee = kColourKnee * most;
   if (power < knee) return kErrorAtKnee / knee * power;

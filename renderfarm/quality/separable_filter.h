@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Filters whose kernel is a column times a row: the cost grows with the radius, not with its square. Reentrant.
+/// Separable filters, with a kernel that is the product of a column and a row: the cost is linear in the radius.
+/// Reentrant.
 #pragma once
 
 #include <vector>
@@ -8,18 +9,18 @@
 
 namespace cyclorama {
 
-/// A kernel has an odd number of weights; the middle one is the pixel's own.
+/// An odd number of weights; the middle one applies to the pixel itself.
 using Kernel = std::vector<double>;
 
-/// exp(-x² / (2σ²)) for x in [-radius, radius]. Preconditions: `radius` >= 0, `sigma_px` > 0.
+/// Returns exp(-x² / (2σ²)) for x in [-radius, radius]. Preconditions: `radius` >= 0, `sigma_px` > 0.
 [[nodiscard]] Kernel gaussian(int radius, double sigma_px);
 
 [[nodiscard]] double sum_of(const Kernel& kernel);
-/// Its sum becomes 1. Precondition: the sum is not 0.
+/// Scales the kernel to a sum of 1. Precondition: its sum is not 0.
 [[nodiscard]] Kernel normalized(Kernel kernel);
 
-/// Each pixel becomes the weighted sum of its surroundings (a correlation: the first weights are for the left and the
-/// upper pixels). Beyond the border the outermost pixels go on.
+/// Returns the weighted sum of each pixel's neighbourhood (a correlation: the first weights apply to the left and the
+/// upper pixels). Beyond the border, the outermost pixels are repeated.
 template <typename T>
 [[nodiscard]] Image<T, 1> filtered_along_rows(const Image<T, 1>& plane, const Kernel& kernel);
 template <typename T>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How far what a display shows is from what it would show of the reference. Reentrant.
+/// Errors of a displayed picture against the displayed reference. Reentrant.
 #pragma once
 
 #include "common/base/result.h"
@@ -10,10 +10,10 @@ namespace cyclorama {
 struct ShownError {
   double psnr_db = 0.0;  ///< Infinite for equal pictures.
   double ssim = 0.0;
-  double flip = 0.0;  ///< Its mean.
+  double flip = 0.0;  ///< Mean over the picture.
 };
 
-/// psnr(), ssim() and flip() at once; their errors.
+/// Computes psnr(), ssim() and flip() together; errors are theirs.
 Result<ShownError> shown_error(const RgbImage& picture, const RgbImage& reference);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Who renders what: the picture, cut into blocks for the nodes, so that all are done at the same time.
+/// Divides a picture into blocks for the nodes, such that all finish at the same time.
 #pragma once
 
 #include <array>
@@ -14,27 +14,30 @@
 
 namespace cyclorama {
 
-/// One picture to be cut.
+/// A picture to be divided.
 struct SplitRequest {
   PictureSize size;
-  /// How fast each node is, above 0: threads times the measured speed of one. The order of nodes should stay from frame
-  /// to frame.
+  /// Speed of each node, above 0: threads times the measured speed of one. The order of nodes should not change from
+  /// frame to frame.
   std::span<const double> speeds;
-  /// Where the picture looks and how wide it is, so that a turn can take the costs with it. A span of 0: no turn shifts
-  /// the picture, which is no panorama.
+  /// Heading and width of the picture, so that costs can follow a turn. A span of 0 means that a turn does not shift
+  /// the picture, because it is no panorama.
   double heading_rad = 0.0;
   double azimuth_span_rad = 1.0;
-  /// What each block costs its node beside its pixels, at any speed: orders, a partly filled batch, a JPEG's head.
+  /// Cost of each block to its node besides its pixels, at any speed: orders, a partly filled batch, a JPEG header.
   double block_overhead_seconds = 0.0;
-  /// What each node that takes part costs the head, one after the other: its orders, its answers.
+  /// Cost of each participating node to the coordinator, which is serial: its orders and answers.
   double node_overhead_seconds = 0.0;
-  /// Where the eye is. Where it has not moved, a turn shifts all of the picture alike.
+  /// Position of the eye. While it does not move, a turn shifts the whole picture uniformly.
   std::array<double, 3> eye_m{};
-  /// What a pixel of this picture's quality costs, as far as is known beforehand, in any unit that stays: samples, say.
+  /// Relative cost of a pixel at this picture's quality, as far as known beforehand, in any constant unit, such as
+  /// samples.
   double effort = 1.0;
-  /// Pictures of one size, one above another: two eyes'. What is expected of a cell comes from its own picture.
+  /// Number of pictures of equal size, one above another (two for stereo). A cell's prediction comes from its own
+  /// picture.
   int stacked = 1;
-  /// One block per node, none stealable: where a block costs more when it is cut, as the denoiser looks around it.
+  /// One block per node, none stealable, for blocks that cost more when divided, because the denoiser reads around
+  /// them.
   bool whole_blocks = false;
 };
 
@@ -42,14 +45,14 @@ struct SplitRequest {
 struct PlannedBlock {
   std::size_t node = 0;  ///< Index into SplitRequest::speeds.
   PixelRect rect;
-  /// A node that is done before this block is begun may take it (stealing.h says which and when).
+  /// A node that is done before this block is begun may take it (see stealing.h).
   bool stealable = false;
-  /// What it is expected to cost: seconds at speed 1. Before anything is measured a guess, or 0.
+  /// Expected cost: seconds at speed 1. A guess or 0 before anything is measured.
   double predicted_seconds = 0.0;
   friend bool operator==(const PlannedBlock&, const PlannedBlock&) = default;
 };
 
-/// What a whole frame cost, or the parts of it that are known. The rest as in its SplitRequest.
+/// Measured cost of a frame, or the known parts of it. Other fields are those of its SplitRequest.
 struct MeasuredFrame {
   PictureSize size;
   std::span<const MeasuredBlock> blocks;
@@ -59,15 +62,15 @@ struct MeasuredFrame {
   int stacked = 1;
 };
 
-/// Strategy of one session. Thread-bound; pure: it knows no clock, no node and no wire.
+/// Strategy of one session. Pure: it uses no clock, node or connection. Thread-bound.
 class Balancer {
  public:
   virtual ~Balancer() = default;
-  /// In the order of nodes, and for each node in the order in which it is to render them, stealable ones last. No block
-  /// is empty; together they tile the picture exactly, cut at multiples of kCutPx (tiles.h). Nodes that would not help
-  /// get none. No speeds: no blocks.
+  /// Returns blocks in the order of nodes, and for each node in the order in which it renders them, stealable ones
+  /// last. No block is empty; together they tile the picture exactly, cut at multiples of kCutPx (tiles.h). Nodes that
+  /// would not help get none. Without speeds there are no blocks.
   [[nodiscard]] virtual std::vector<PlannedBlock> split(const SplitRequest& request) = 0;
-  /// May come late: other pictures may have been split meanwhile.
+  /// Learns from a measured frame. May be called late, after other pictures were split.
   virtual void learn(const MeasuredFrame& frame) = 0;
 
  protected:
@@ -77,11 +80,11 @@ class Balancer {
 };
 
 enum class BalanceStrategy {
-  kEqual,            ///< "equal": same area for equal speed, always.
-  kPbt,              ///< "pbt": the prediction binary tree of Cordasco et al., one cost per block, uniform inside.
+  kEqual,            ///< "equal": area in proportion to speed, always.
+  kPbt,              ///< "pbt": the prediction binary tree of Cordasco et al., one uniform cost per block.
   kPbtLeaves,        ///< "pbt-leaves": the same with four leaves per node.
-  kCostMap,          ///< "cost-map": ours, a cost per cell that turns with the eye; nothing is stealable.
-  kCostMapStealing,  ///< "cost-map-stealing": ours, the last of each node's work in pieces that others may take.
+  kCostMap,          ///< "cost-map": a cost per cell that turns with the eye; nothing is stealable.
+  kCostMapStealing,  ///< "cost-map-stealing": the same; the last of each node's work is stealable.
 };
 inline constexpr std::array kBalanceStrategies{BalanceStrategy::kEqual, BalanceStrategy::kPbt,
                                                BalanceStrategy::kPbtLeaves, BalanceStrategy::kCostMap,
@@ -90,7 +93,7 @@ inline constexpr std::array kBalanceStrategies{BalanceStrategy::kEqual, BalanceS
 [[nodiscard]] std::optional<BalanceStrategy> balance_strategy_of(std::string_view name);
 [[nodiscard]] std::unique_ptr<Balancer> make_balancer(BalanceStrategy strategy);
 
-/// Mean load over largest load: 1 is perfect, 1/n is one node doing it all. 1 when there is no load at all.
+/// Returns mean load over largest load: 1 is perfect, 1/n means that one node does everything. 1 without any load.
 [[nodiscard]] double balance_efficiency(std::span<const double> loads);
 
 }  // namespace cyclorama

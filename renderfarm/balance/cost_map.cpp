@@ -9,16 +9,17 @@
 namespace cyclorama {
 namespace {
 
-/// Seconds per pixel before anything is measured: a sample or two on one core.
+/// Seconds per pixel before anything is measured: one or two samples on one core.
 constexpr double kFirstGuess = 1e-6;
-/// Of the mean cost per pixel: a cell that cost nothing must not swallow the picture in the next frame.
+/// Lower bound of a cell's cost relative to the mean: a cell that cost nothing must not grow over the picture in the
+/// next frame.
 constexpr double kLeast = 0.01;
 constexpr double kStill_m = 1e-4;
 
 double usable(double value, double otherwise) { return std::isfinite(value) && value > 0.0 ? value : otherwise; }
 double usable_effort(double effort) { return std::clamp(usable(effort, 1.0), 1e-6, 1e6); }
 
-/// Times `factor`, and times each cell's pixels.
+/// Multiplies each cell by `factor` and by its number of pixels.
 void to_work(WorkGrid* cost_per_px, double factor) {
   for (int y = 0; y < cost_per_px->rows(); ++y) {
     const auto row = static_cast<float>(factor * cost_per_px->height_px(y));
@@ -34,11 +35,11 @@ void to_cost_per_px(WorkGrid* work, double factor) {
   }
 }
 
-/// Between the middles of cells, linearly: where in cells a place lies, given in cells from the edge.
+/// Linear interpolation between the centres of cells, for a position given in cells from the edge.
 struct Between {
   int first = 0;
   int second = 0;
-  float t = 0.0f;  ///< Of the second.
+  float t = 0.0f;  ///< Weight of the second.
 };
 Between between(double place, int cells) {
   const double from = std::clamp(place - 0.5, 0.0, cells - 1.0);
@@ -46,7 +47,7 @@ Between between(double place, int cells) {
   return {first, std::min(first + 1, cells - 1), static_cast<float>(from - first)};
 }
 
-/// No cell below kLeast of the mean, nothing that is no number; false if there is no cost at all.
+/// Raises each cell to at least kLeast of the mean, including NaN; returns false if there is no cost at all.
 bool mend(WorkGrid* cost) {
   const double mean = cost->total() / static_cast<double>(cost->cells().size());
   if (!(mean > 0.0 && std::isfinite(mean))) return false;
@@ -55,14 +56,14 @@ bool mend(WorkGrid* cost) {
   return true;
 }
 
-/// As many pictures one above another as are said, if cells can be told apart so.
+/// Returns `stacked` if it divides the rows of cells evenly, else 1.
 int usable_stack(PictureSize size, int stacked) {
   return stacked > 1 && size.height % (stacked * kCutPx) == 0 ? stacked : 1;
 }
 
-/// Each cell gives a ninth of `part` of its cost to itself and to each of its neighbours in its own picture.
+/// Distributes `part` of each cell's cost evenly over itself and its neighbours in its own picture.
 WorkGrid spread(const WorkGrid& cost, double part, int stacked) {
-  WorkGrid rows(cost.size());  // Sums of three, along.
+  WorkGrid rows(cost.size());  // Sums of three cells along each row.
   const int last_x = cost.columns() - 1;
   const int last_y = cost.rows() - 1;
   const int of_one = std::max(cost.rows() / stacked, 1);
@@ -88,7 +89,7 @@ WorkGrid spread(const WorkGrid& cost, double part, int stacked) {
 double difference(const WorkGrid& a, const WorkGrid& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.cells().size(); ++i) {
-    // A cell that was not measured says nothing.
+    // Cells that were not measured are skipped.
     if (std::isfinite(b.cells()[i])) sum += std::abs(a.cells()[i] - b.cells()[i]);
   }
   return sum;
@@ -106,7 +107,7 @@ double CostMap::turn_seen(const Place& at, double part) const {
 WorkGrid CostMap::moved(double fraction, PictureSize size, int stacked) const {
   if (fraction == 0.0 && size == cost_.size() && stacked == stacked_) return cost_;
   WorkGrid out(size);
-  // Where the middle of a cell of the new picture was in the old one, in cells.
+  // Centre of a cell of the new picture in the old one, in cells.
   const auto place = [](double px, int to, int from) { return px * from / to / kCutPx; };
   std::vector<Between> across;
   for (int x = 0; x < out.columns(); ++x) {
@@ -156,8 +157,8 @@ bool CostMap::moves_eye(const Place& at) const {
 
 void CostMap::watch_motion(const WorkGrid& measured, const Place& at, int stacked) {
   if (!options_.turns || !moves_eye(at) || turn_seen(at, 1.0) == 0.0) return;
-  // A few parts of the turn, from a little against it (what is nearer than the point that an orbit looks at) to more
-  // than it.
+  // Candidate fractions of the turn, from slightly against it (content nearer than the centre of an orbit) to more than
+  // it.
   constexpr double kParts[] = {-0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5};
   double best = part_of_turn_;
   double least = difference(moved(turn_seen(at, best), measured.size(), stacked), measured);
@@ -188,7 +189,7 @@ void CostMap::learn(const MeasuredFrame& frame) {
     known += cost;
     ++known_cells;
   }
-  if (!(known > 0.0)) return;  // Nothing measured, or nothing but zeroes: no reason to change.
+  if (!(known > 0.0)) return;  // No measurement, or only zeros: keep the map.
   if (is_known()) {
     watch_motion(measured, at, stacked);
   } else {

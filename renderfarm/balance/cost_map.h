@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What each cell of the next picture is expected to cost, from what the nodes measured in the last ones.
+/// Predicts the cost of each cell of the next picture from the nodes' recent measurements.
 #pragma once
 
 #include "renderfarm/balance/balancer.h"
@@ -9,27 +9,27 @@ namespace cyclorama {
 
 struct CostMapOptions {
   CellTimes times = CellTimes::kMeasured;
-  /// How much of a cell is its newest measurement, (0, 1]; the rest is what was expected of it. Timers are noisy.
+  /// Weight of the newest measurement of a cell against its prediction, (0, 1]. Timers are noisy.
   double newest_weight = 1.0;
-  /// Whether the costs move with the picture's content.
+  /// Costs move with the picture's content.
   bool turns = true;
-  /// Part of a cell's cost that it shares with its eight neighbours when the view has moved: what is expensive may have
-  /// gone there.
+  /// Share of a cell's cost that it distributes over itself and its eight neighbours when the view has moved, because
+  /// expensive content may have moved there.
   double spreads = 0.2;
 };
 
-/// Seconds per pixel and effort, in cells. When the eye only turns, the content of a panorama moves by the turn over
-/// the azimuth span. When the eye also walks, near content moves otherwise; then it moves by as much of the turn as
-/// explained the last frame best (an orbit around a relic: by nothing at all). What comes in at an edge costs as the
-/// edge did. A picture that is no panorama stays where it is. Of two eyes' pictures each has its own costs. A value;
-/// thread-bound. Invariant: every cost is finite and above zero.
+/// A map of costs in seconds per pixel and unit of effort, by cell. When the eye only turns, the content of a panorama
+/// moves by the turn over the azimuth span. When the eye also moves, near content moves differently; the map then moves
+/// by the fraction of the turn that explained the last frame best (0 for an orbit around an object). Content that
+/// enters at an edge costs as much as the edge did. A picture that is no panorama does not move. In stereo, each eye's
+/// picture has its own costs. A value; thread-bound. Invariant: every cost is finite and above zero.
 class CostMap {
  public:
   explicit CostMap(const CostMapOptions& options = {}) : options_(options) {}
 
-  /// Whether anything was learned; until then every pixel is taken to cost a microsecond.
+  /// Returns true once anything was learned; until then every pixel is assumed to cost a microsecond.
   [[nodiscard]] bool is_known() const { return !cost_.cells().empty(); }
-  /// Work of a picture's cells, in seconds at speed 1.
+  /// Returns the work of a picture's cells, in seconds at speed 1.
   [[nodiscard]] WorkGrid predict(const SplitRequest& request);
   void learn(const MeasuredFrame& frame);
 
@@ -40,16 +40,16 @@ class CostMap {
   };
   [[nodiscard]] bool moves_eye(const Place& at) const;
   [[nodiscard]] double turn_seen(const Place& at, double part) const;
-  /// Per pixel.
+  /// Returns the costs per pixel, moved by `fraction` of the width.
   [[nodiscard]] WorkGrid moved(double fraction, PictureSize size, int stacked) const;
   void watch_motion(const WorkGrid& measured, const Place& at, int stacked);
 
   CostMapOptions options_;
-  WorkGrid cost_;                  ///< Per pixel, of effort 1.
-  int stacked_ = 1;                ///< Pictures in it, one above another.
-  Place place_;                    ///< Whose costs they are.
-  double azimuth_span_rad_ = 1.0;  ///< 0: nothing moves.
-  double part_of_turn_ = 1.0;      ///< That the content moves by when the eye walks too.
+  WorkGrid cost_;                  ///< Per pixel, at effort 1.
+  int stacked_ = 1;                ///< Number of pictures in it, one above another.
+  Place place_;                    ///< View to which the costs belong.
+  double azimuth_span_rad_ = 1.0;  ///< 0 if nothing moves.
+  double part_of_turn_ = 1.0;      ///< Fraction by which the content moves when the eye moves too.
 };
 
 }  // namespace cyclorama

@@ -12,17 +12,17 @@
 namespace cyclorama {
 namespace {
 
-/// A piece must be worth this many times what a block costs beside its pixels.
+/// Minimum work of a piece, in multiples of a block's overhead.
 constexpr double kPieceWorth = 4.0;
-/// What a piece that changes its node beforehand must bring, of the frame's time.
+/// Minimum gain, as a share of the frame's time, before a piece moves to another node.
 constexpr double kMoveWorth = 0.005;
-/// Fewer nodes that are tried before more are believed to be better. Cuts lie on a grid, so that one node more may
-/// leave a worse cut than one less.
+/// Number of smaller sets of nodes that are tried. Cuts lie on a grid, so one more node may yield a worse cut than one
+/// less.
 constexpr int kMostTries = 8;
 
 double usable(double seconds) { return std::isfinite(seconds) ? std::max(seconds, 0.0) : 0.0; }
 
-/// Blocks by node, and when the last of them should be done.
+/// Blocks by node, and the predicted time at which the last of them is done.
 struct Plan {
   std::vector<std::vector<PlannedBlock>> blocks;
   double seconds = 0.0;
@@ -37,7 +37,7 @@ class CostMapBalancer final : public Balancer {
     const double total = work.of(work.whole());
     block_overhead_ = usable(request.block_overhead_seconds);
     stealing_ = options_.stealing && !request.whole_blocks;
-    // What nothing is known of may be worth any number of nodes.
+    // While costs are unknown, they may justify any number of nodes.
     node_overhead_ = map_.is_known() ? usable(request.node_overhead_seconds) : 0.0;
     const std::vector<double> speeds = usable_speeds(request.speeds);
     const std::vector<std::size_t> fastest = nodes_that_help(speeds, total, work.whole().count(), node_overhead_);
@@ -59,7 +59,7 @@ class CostMapBalancer final : public Balancer {
   void learn(const MeasuredFrame& frame) override { map_.learn(frame); }
 
  private:
-  /// For the first `count` of the nodes from the fastest on.
+  /// Returns the plan for the `count` fastest nodes.
   [[nodiscard]] Plan plan_for(std::span<const std::size_t> fastest, std::size_t count,
                               const std::vector<double>& all_speeds, const WorkSums& work) const {
     std::vector<std::size_t> nodes(fastest.begin(), fastest.begin() + static_cast<std::ptrdiff_t>(count));
@@ -87,7 +87,7 @@ class CostMapBalancer final : public Balancer {
     return plan;
   }
 
-  /// `least`: no piece may be worth less.
+  /// `least` is the minimum work of a piece.
   [[nodiscard]] std::vector<PlannedBlock> pieces_of(const CellRect& part, std::size_t node, const WorkSums& work,
                                                     std::vector<double> shares, double least) const {
     while (shares.size() > 1 && shares.back() * work.of(part) < least) {
@@ -101,7 +101,7 @@ class CostMapBalancer final : public Balancer {
     return plan;
   }
 
-  /// `worth`: seconds that a piece must bring which changes its node.
+  /// `worth` is the minimum expected saving, in seconds, before a piece moves to another node.
   void level_out(Plan* plan, const std::vector<std::size_t>& nodes, const std::vector<double>& speeds,
                  double worth) const {
     std::vector<NodeQueue> queues;
@@ -129,8 +129,8 @@ class CostMapBalancer final : public Balancer {
 
   CostMapBalancerOptions options_;
   CostMap map_;
-  bool stealing_ = false;        ///< In the request at hand.
-  double block_overhead_ = 0.0;  ///< Likewise.
+  bool stealing_ = false;        ///< For the current request.
+  double block_overhead_ = 0.0;  ///< For the current request.
   double node_overhead_ = 0.0;
 };
 

@@ -17,7 +17,7 @@
 namespace cyclorama {
 namespace {
 
-// Numbers are copied as they lie in memory.
+// Numbers are copied in their memory representation.
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view kMark = "CYCOST1\n";
@@ -26,7 +26,7 @@ constexpr std::size_t kFixedBytes = 2 * sizeof(std::uint32_t) + 6 * sizeof(doubl
 
 bool is_work(float work) { return std::isfinite(work) && work >= 0.0f; }
 
-/// What is wrong with it, or null.
+/// Returns the defect of a frame, or null.
 const char* fault_of(const RecordedFrame& frame) {
   const PictureSize size = frame.work.size();
   if (size.width < 1 || size.height < 1 || size.width > kLargestSidePx || size.height > kLargestSidePx) {
@@ -40,7 +40,7 @@ const char* fault_of(const RecordedFrame& frame) {
   return nullptr;
 }
 
-/// Takes numbers off the front. Precondition: there are enough bytes.
+/// Reads values from the front. Precondition: there are enough bytes.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : left_(bytes) {}
@@ -61,7 +61,7 @@ class Reader {
   std::span<const std::byte> left_;
 };
 
-/// `bytes`: all of the frame after its length.
+/// Parses `bytes`, which are all of the frame after its length. Returns a defect, or null.
 std::optional<const char*> parse_frame(std::span<const std::byte> bytes, RecordedFrame* ret) {
   if (bytes.size() < kFixedBytes) return "it is too short";
   Reader reader(bytes);
@@ -73,7 +73,7 @@ std::optional<const char*> parse_frame(std::span<const std::byte> bytes, Recorde
   ret->azimuth_span_rad = reader.take<double>();
   for (double& v : ret->eye_m) v = reader.take<double>();
   ret->effort = reader.take<double>();
-  // Before memory is taken for them.
+  // Checked before memory is allocated for them.
   const auto cells = static_cast<std::size_t>(cells_in(static_cast<int>(width))) *
                      static_cast<std::size_t>(cells_in(static_cast<int>(height)));
   if (reader.left() != cells * sizeof(float)) return "its length does not fit its picture";
@@ -171,7 +171,7 @@ Status CostRecorder::write(std::span<const std::byte> bytes) {
     written_ += bytes.size();
     return Done{};
   }
-  // A frame in part would make what follows unreadable.
+  // A partial frame would make all that follows unreadable.
   if (::ftruncate(fd_.get(), static_cast<off_t>(written_)) != 0) {
     return Error::from_errno(fmt::format("taking half a frame off '{}'", path_.string()));
   }

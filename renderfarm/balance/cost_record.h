@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Cost maps of a visit, one after the other in a file: what cyclorama-balance replays.
+/// Cost maps of a session, frame by frame in a file, which cyclorama-balance replays.
 ///
 ///     "CYCOST1\n" { frame }                                              little-endian
 ///     frame   u32 bytes that follow   u32 width_px   u32 height_px
@@ -23,7 +23,7 @@
 namespace cyclorama {
 
 struct RecordedFrame {
-  WorkGrid work;  ///< Finite, none negative.
+  WorkGrid work;  ///< Finite; none negative.
   double heading_rad = 0.0;
   double azimuth_span_rad = 1.0;
   std::array<double, 3> eye_m{};
@@ -32,23 +32,24 @@ struct RecordedFrame {
 
 inline constexpr std::size_t kMostRecordBytes = std::size_t{1} << 30;
 
-/// All whole frames of a record; a last one that was cut off (the head was killed) is left out.
-/// kBadData  says what is wrong, and where: not a record, or a frame that no recorder writes.
+/// Returns all complete frames of a record; a truncated last one (the coordinator was killed) is omitted. Errors:
+/// kBadData, with reason and position, if it is no record or holds a frame that no recorder writes.
 Result<std::vector<RecordedFrame>> parse_cost_record(std::span<const std::byte> bytes, std::string_view name);
-/// Errors also as read_file(). At most kMostRecordBytes.
+/// Reads a record of at most kMostRecordBytes. Errors: also those of read_file().
 Result<std::vector<RecordedFrame>> read_cost_record(const std::filesystem::path& path);
 
-/// Writes one record. Each frame goes to the file whole, with one call, so that a killed process loses its last frame
-/// at most. Thread-bound; blocks for as long as the disk does.
+/// Writes one record. Each frame is written whole, with one call, so a killed process loses at most its last frame.
+/// Thread-bound; blocks for as long as the disk does.
 class CostRecorder {
  public:
-  /// A new file. kBusy  it exists.   kSystem  errno says why.
+  /// Creates a new file. Errors: kBusy if it exists; kSystem with errno otherwise.
   static Result<CostRecorder> create(const std::filesystem::path& path);
 
-  /// kInvalidArgument  the picture has no cells, more than 2^20, or a number that is none: nothing is written.
-  /// kUnavailable      the file has reached kMostRecordBytes.   kSystem  the disk is full or refuses.
+  /// Appends a frame. Errors: kInvalidArgument if the picture has no cells or more than 2^20, or if a value is not
+  /// finite, in which case nothing is written; kUnavailable if the file has reached kMostRecordBytes; kSystem if the
+  /// disk is full or refuses.
   Status add(const RecordedFrame& frame);
-  /// The same from what the nodes measured; cells that nobody measured count as no work.
+  /// Appends a frame from the nodes' measurements; unmeasured cells count as no work.
   Status add(const RecordedFrame& frame_without_work, PictureSize size, std::span<const MeasuredBlock> blocks);
 
  private:

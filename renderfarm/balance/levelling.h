@@ -8,16 +8,16 @@
 
 namespace cyclorama {
 
-/// A block that is worth more elsewhere before anything is rendered.
+/// A block that gains from moving to another node before rendering starts.
 struct Move {
   std::size_t from = 0;   ///< Node.
-  std::size_t block = 0;  ///< Index into its queue as it was given.
+  std::size_t block = 0;  ///< Index into its original queue.
   std::size_t to = 0;
 };
 
-/// Cuts lie on a grid, so no cut gives every node the same. As a steal would, but beforehand: the node with the most to
-/// do gives a stealable block to the one with the least, for as long as that brings the frame's end at least
-/// `worth_seconds` nearer. No block moves twice. Reentrant; deterministic.
+/// Moves blocks to balance the nodes, because cuts on a grid cannot be exact. This works like stealing, but in advance:
+/// the node with the largest load gives a stealable block to the one with the smallest, as long as this reduces the
+/// larger of both loads by at least `worth_seconds`. No block moves twice. Reentrant; deterministic.
 [[nodiscard]] std::vector<Move> level(std::span<const NodeQueue> nodes, double worth_seconds);
 
 }  // namespace cyclorama

@@ -6,13 +6,14 @@
 
 namespace cyclorama {
 
-/// A speed that is no number, or none, would make cuts that are none: such nodes count as speed 1, or as hardly any.
+/// Replaces invalid speeds, which would yield invalid cuts: one that is not finite becomes 1, others are clamped to
+/// 1e-6..1e12.
 [[nodiscard]] std::vector<double> usable_speeds(std::span<const double> speeds);
 
-/// The nodes that are worth their overhead, the fastest ones, in their own order: of 1, 2, ... fastest nodes those that
-/// a picture of `work` (seconds at speed 1, parted at will) takes least time with, when each costs
-/// `node_overhead_seconds` one after the other and `block_overhead_seconds` beside the others. At most `most` of them;
-/// at least one if there is one. Precondition: usable speeds.
+/// Returns the nodes that outweigh their overhead, fastest first: of the 1, 2, ... fastest nodes, those that take the
+/// least time for a picture of `work` (seconds at speed 1, arbitrarily divisible), if each costs
+/// `node_overhead_seconds` serially. At most `most` of them; at least one if there are any. Precondition: usable
+/// speeds.
 [[nodiscard]] std::vector<std::size_t> nodes_that_help(std::span<const double> speeds, double work, std::size_t most,
                                                        double node_overhead_seconds);
 

@@ -9,8 +9,9 @@
 namespace cyclorama {
 namespace {
 
-/// A fork turns its cut when its region has become this much longer the other way. At most 2 keeps a block's border,
-/// and with it its JPEG overhead and its share of foreign detail, near a square's; the rest is play against jumping.
+/// A fork changes direction when its region has become this much longer the other way. A value of at most 2 keeps a
+/// block's border, and with it its JPEG overhead and its share of foreign detail, near a square's; the margin prevents
+/// jumps.
 constexpr double kTurnAtAspect = 2.0;
 
 }  // namespace
@@ -43,14 +44,14 @@ void SplitTree::split(CellRect region, const WorkSums& work, std::span<const dou
   }
   const CutDirection d = direction_for(region, fork);
   const int length = length_of(region, d);
-  const std::size_t row = region.count() / static_cast<std::size_t>(length);  // Cells that one step of the cut frees.
+  const std::size_t row = region.count() / static_cast<std::size_t>(length);  // Cells in one step of the cut.
   std::size_t left = speeds.size() / 2;
   const double left_speed = std::accumulate(speeds.begin(), speeds.begin() + static_cast<std::ptrdiff_t>(left), 0.0);
   const double share = left_speed / std::accumulate(speeds.begin(), speeds.end(), 0.0);
   int cut = nearest_cut(work, region, d, share * work.of(region));
 
-  // Every leaf must get a cell. In a picture of almost as many leaves as cells, leaves change sides where no cut can do
-  // it.
+  // Every leaf must get a cell. In a picture with almost as many leaves as cells, leaves change sides if no cut
+  // suffices.
   const auto steps_for = [&](std::size_t leaves) { return static_cast<int>((leaves + row - 1) / row); };
   const int least = std::min(steps_for(left), length - 1);
   const int most = std::max(length - steps_for(speeds.size() - left), 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The binary tree that cuts a picture into one block per leaf.
+/// The binary tree that divides a picture into one block per leaf.
 #pragma once
 
 #include <span>
@@ -9,18 +9,19 @@
 
 namespace cyclorama {
 
-/// A balanced binary tree over the leaves, with a direction of cut at each fork. Splitting moves the cuts so that at
-/// every fork the work to the left is to the work to the right as the speeds of their leaves are. A fork keeps its
-/// direction from frame to frame while the region's shape allows, so that blocks do not jump about.
+/// A balanced binary tree over the leaves, with a direction of cut at each fork. Splitting places the cuts such that at
+/// every fork the work is divided in proportion to the speeds of the leaves. A fork keeps its direction from frame to
+/// frame while the region's shape allows it, so that blocks do not jump.
 ///
 /// Source: Cordasco, Cosenza, De Chiara, Erra, Scarano, "Experiences with mesh-like computations using prediction
-/// binary trees", 2009. Thread-bound.
+/// binary
+/// trees", 2009. Thread-bound.
 class SplitTree {
  public:
   explicit SplitTree(std::size_t leaves) : cuts_(2 * leaves) {}
 
-  /// One rectangle per entry of `speeds` (all above 0), which together tile the picture exactly. Empty ones where the
-  /// picture has fewer cells than there are leaves. Precondition: as many speeds as leaves.
+  /// Returns one rectangle per entry of `speeds` (all above 0); together they tile the picture exactly. Some are empty
+  /// if the picture has fewer cells than leaves. Precondition: as many speeds as leaves.
   std::vector<CellRect> split(const WorkSums& work, std::span<const double> speeds);
 
  private:
@@ -32,7 +33,7 @@ class SplitTree {
              std::span<CellRect> ret_blocks);
   CutDirection direction_for(const CellRect& region, std::size_t fork);
 
-  std::vector<Fork> cuts_;  ///< In the order of a walk that goes left first.
+  std::vector<Fork> cuts_;  ///< In depth-first order, left first.
 };
 
 }  // namespace cyclorama

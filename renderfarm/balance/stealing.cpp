@@ -12,11 +12,11 @@ constexpr double kLeastSpeed = 1e-9;
 double usable(double value) { return std::isfinite(value) ? std::max(value, 0.0) : 0.0; }
 double usable_speed(double speed) { return std::max(usable(speed), kLeastSpeed); }
 
-/// How many times longer than predicted its first block has taken by now; 1 while it is in time.
+/// Returns the ratio of elapsed to predicted time of the first block; 1 while it is on time.
 double lateness(const NodeQueue& node) {
   if (node.blocks.empty()) return 1.0;
   const double predicted = usable(node.blocks.front().work) / usable_speed(node.speed);
-  // A block that is predicted to cost nothing says nothing about its node.
+  // A block without predicted cost gives no information about its node.
   return predicted > 0.0 ? std::max(1.0, usable(node.elapsed_seconds) / predicted) : 1.0;
 }
 
@@ -24,7 +24,7 @@ double seconds_of(const QueuedBlock& block, const NodeQueue& node) {
   return usable(block.work) / usable_speed(node.speed);
 }
 
-/// Of the block under way, what is left.
+/// Returns the predicted remaining time of the block being rendered.
 double first_seconds(const NodeQueue& node) {
   return node.blocks.empty() ? 0.0
                              : std::max(0.0, seconds_of(node.blocks.front(), node) - usable(node.elapsed_seconds));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which block a node that has nothing left to do takes from another: the one rule of the head and of the simulation.
+/// Chooses the block that an idle node takes from another; the coordinator and the simulation share this rule.
 ///
 ///     victim   [ being rendered ][ own, next ][ stealable ][ stealable ][st.]
 ///     idle     done                              └──────▶ takes the one that ends the frame soonest
@@ -12,20 +12,20 @@
 
 namespace cyclorama {
 
-/// A block of one frame that its node has not ended.
+/// A block of one frame that its node has not finished.
 struct QueuedBlock {
   double work = 0.0;  ///< Predicted seconds at speed 1 (PlannedBlock::predicted_seconds).
   bool stealable = false;
 };
 
-/// What a node still owes one frame.
+/// Unfinished blocks of one node in one frame.
 struct NodeQueue {
   double speed = 1.0;                 ///< As in SplitRequest.
-  std::vector<QueuedBlock> blocks{};  ///< In the order of rendering: the first is under way, and stays where it is.
-  double elapsed_seconds = 0.0;       ///< Since the node began the first.
+  std::vector<QueuedBlock> blocks{};  ///< In rendering order; the first is being rendered and cannot be stolen.
+  double elapsed_seconds = 0.0;       ///< Time since the node began the first block.
 
-  /// Predicted, until the node is done with all of them. A first block that takes longer than predicted says that the
-  /// node is slower than believed, and then so will the rest be.
+  /// Returns the predicted time until the node has finished all of them. A first block that takes longer than predicted
+  /// indicates that the node is slower than assumed, which then applies to the rest.
   [[nodiscard]] double remaining_seconds() const;
 };
 
@@ -35,10 +35,10 @@ struct Steal {
   friend bool operator==(const Steal&, const Steal&) = default;
 };
 
-/// What node `idle`, whose own queue does not matter, is to take: from the node with the most left to do, the stealable
-/// block whose going there ends their part of the frame soonest (of equals the last). Each steal costs
-/// `overhead_seconds` on the way; nothing where no steal gains more than that, or where the victim would have begun
-/// before the word reached it. Numbers that are none count as no work, or as no speed. Reentrant; deterministic.
+/// Returns the block that node `idle` should take; its own queue is ignored. The victim is the node with the most
+/// remaining work, and the block is the stealable one whose move ends their part of the frame soonest (the last of
+/// equals). Each steal costs `overhead_seconds`. Null if no steal gains more than that, or if the victim would begin
+/// the block before the message arrives. Invalid numbers count as no work or no speed. Reentrant; deterministic.
 [[nodiscard]] std::optional<Steal> choose_steal(std::span<const NodeQueue> nodes, std::size_t idle,
                                                 double overhead_seconds);
 

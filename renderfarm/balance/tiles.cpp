@@ -6,7 +6,7 @@
 namespace cyclorama {
 namespace {
 
-/// Cuts of a side, from 0 to `length_px`.
+/// Returns the cuts of a side, from 0 to `length_px`.
 std::vector<int> cuts_of(int length_px) {
   const int cells = (length_px + kCutPx - 1) / kCutPx;
   constexpr int kLargestCells = kLargestTilePx / kCutPx;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How a block is cut into JPEG tiles: the node cuts by it, and the head knows from it what is still missing.
+/// Divides a block into JPEG tiles: the node cuts by it, and the coordinator derives from it which tiles are missing.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace cyclorama {
 
-/// As measured by `./bench.sh jpeg`: smaller tiles cost bytes, larger ones come later.
+/// Measured with `./bench.sh jpeg`: smaller tiles cost bytes, larger ones arrive later.
 inline constexpr int kLargestTilePx = 256;
 
-/// Tiles of nearly equal size that cover the block exactly, row by row from the top; none for an empty block.
-/// Cuts lie at multiples of kCutPx from the block's corner. A tile's only tile is itself.
+/// Returns tiles of nearly equal size that cover the block exactly, row by row from the top; none for an empty block.
+/// Cuts lie at multiples of kCutPx from the block's corner. A tile, divided again, yields itself.
 [[nodiscard]] std::vector<PixelRect> tiles_of(const PixelRect& block);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What ours is compared with: equal division, and the paper's prediction binary tree.
+/// Strategies for comparison: equal division, and the paper's prediction binary tree.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@ namespace cyclorama {
 inline constexpr std::size_t kLeavesPerNode = 4;
 
 [[nodiscard]] std::unique_ptr<Balancer> make_equal_balancer();
-/// A block's measured time, evenly over its pixels, until the next is measured; no more is known of what is inside.
-/// With several leaves each node has blocks in several parts of the picture.
+/// Assumes that a block's last measured time is distributed evenly over its pixels. With several leaves, each node has
+/// blocks in several parts of the picture.
 [[nodiscard]] std::unique_ptr<Balancer> make_pbt_balancer(std::size_t leaves_per_node);
 
 }  // namespace cyclorama

@@ -25,7 +25,7 @@ bool tells_of_cells(const MeasuredBlock& block, const CellRect& cells) {
          std::ranges::all_of(block.cell_cpu_seconds, [](float s) { return is_measurement(s); });
 }
 
-/// Calls `take(x, y, weight)` for each cell.
+/// Distributes `amount` in proportion to `weight` and calls `take(x, y, share)` for each cell.
 template <typename Weight, typename Take>
 void spread(const CellRect& cells, double amount, Weight weight, Take take) {
   double sum = 0.0;
@@ -38,7 +38,7 @@ void spread(const CellRect& cells, double amount, Weight weight, Take take) {
   }
 }
 
-/// What no float holds, or hardly any sum of them, is no time.
+/// Clamps a time such that a sum of many fits into float.
 float as_work(double seconds) { return static_cast<float>(std::clamp(seconds, 0.0, 1e12)); }
 
 void add(const MeasuredBlock& block, CellTimes times, const WorkGrid* prior, WorkGrid* ret) {

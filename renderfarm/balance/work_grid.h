@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What each part of a picture cost, or is expected to cost, in cells of kCutPx: what the nodes time, and where the
-/// balance cuts. Finer cells would say no more to a cut that cannot lie inside of them.
+/// Measured or expected cost of each part of a picture, in cells of kCutPx, in which nodes measure and the balancer
+/// cuts. Finer cells would not help, because no cut lies inside a cell.
 #pragma once
 
 #include <span>
@@ -16,13 +16,13 @@ struct PictureSize {
   friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
 
-/// A block and what it cost: thread time in seconds.
+/// A block and its cost: thread time in seconds.
 struct MeasuredBlock {
   PixelRect rect;
   double cpu_seconds = 0.0;
-  /// Of each kCutPx cell of the picture's grid that the rect touches, row by row; empty when the node did not tell.
+  /// For each kCutPx cell of the picture's grid that the rect touches, row by row; empty if the node did not report it.
   std::vector<float> cell_cpu_seconds{};
-  double speed = 1.0;  ///< Of one thread of the node that rendered it.
+  double speed = 1.0;  ///< Speed of one thread of the node that rendered it.
 };
 
 /// A rectangle of cells; the last column and row of a picture may be narrower than the others.
@@ -39,17 +39,17 @@ struct CellRect {
   friend bool operator==(const CellRect&, const CellRect&) = default;
 };
 
-/// Cells that cover `px` pixels; 0 for none.
+/// Returns the number of cells that cover `px` pixels; 0 if there are none.
 [[nodiscard]] int cells_in(int px);
 [[nodiscard]] PixelRect pixels_of(const CellRect& cells, PictureSize size);
-/// All cells that the rect touches.
+/// Returns all cells that the rect touches.
 [[nodiscard]] CellRect cells_of(const PixelRect& rect);
 
 /// Work of each cell of one picture, in seconds at speed 1: thread time times the node's speed. A value; reentrant.
 class WorkGrid {
  public:
   WorkGrid() = default;
-  /// All cells `work`. A picture without pixels has no cells.
+  /// Sets all cells to `work`. A picture without pixels has no cells.
   explicit WorkGrid(PictureSize size, float work = 0.0f);
 
   [[nodiscard]] PictureSize size() const { return size_; }
@@ -60,7 +60,7 @@ class WorkGrid {
   [[nodiscard]] float at(int x, int y) const { return work_[index(x, y)]; }
   [[nodiscard]] std::span<float> cells() { return work_; }  ///< Row by row.
   [[nodiscard]] std::span<const float> cells() const { return work_; }
-  /// In pixels: what the last column and row are narrower by counts.
+  /// Size in pixels; the last column and row may be narrower.
   [[nodiscard]] int width_px(int x) const;
   [[nodiscard]] int height_px(int y) const;
   [[nodiscard]] double total() const;
@@ -75,15 +75,15 @@ class WorkGrid {
   std::vector<float> work_;
 };
 
-/// How a block's time is spread over its cells.
+/// Distribution of a block's time over its cells.
 enum class CellTimes {
-  kMeasured,  ///< By what the node told of each cell; where it told nothing, by `prior`, or evenly if that is null.
-  kUniform,   ///< Evenly over its pixels, whatever the node told: the prediction binary tree's own rule.
+  kMeasured,  ///< As reported by the node for each cell; if it reported none, by `prior`, or evenly if that is null.
+  kUniform,   ///< Evenly over its pixels, whatever the node reported: the rule of the prediction binary tree.
 };
 
-/// What the blocks say of their cells; cells of which they say nothing are NaN. A block's cells sum up to what the
-/// whole block took: what no cell accounts for (coding, say) is spread evenly. Blocks outside of the picture or off the
-/// grid, and times that are no measurement (NaN, infinite, negative), are ignored. `prior` has the picture's size.
+/// Returns the work of each measured cell; other cells are NaN. A block's cells sum to the time of the whole block:
+/// time that no cell accounts for (such as coding) is distributed evenly. Blocks outside the picture or off the grid,
+/// and invalid times (NaN, infinite, negative), are ignored. `prior` has the picture's size.
 [[nodiscard]] WorkGrid work_of(PictureSize size, std::span<const MeasuredBlock> blocks, CellTimes times,
                                const WorkGrid* prior);
 

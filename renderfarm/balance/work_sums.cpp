@@ -18,7 +18,7 @@ WorkSums::WorkSums(const WorkGrid& work) : size_(work.size()), columns_(work.col
 }
 
 int first_cut_with(const WorkSums& sums, const CellRect& r, CutDirection d, double work) {
-  // The work before a cut grows with the cut.
+  // The work before a cut is monotonic in the cut.
   int low = 1;
   int high = length_of(r, d) - 1;
   while (low < high) {

@@ -7,17 +7,17 @@
 
 namespace cyclorama {
 
-/// Summed-area table: the work of any rectangle of cells in four look-ups. A value; reentrant.
+/// Summed-area table: returns the work of any rectangle of cells in four look-ups. A value; reentrant.
 class WorkSums {
  public:
-  /// Cells that are no number, or below 0, count as 0.
+  /// Cells that are NaN, infinite or negative count as 0.
   explicit WorkSums(const WorkGrid& work);
 
   [[nodiscard]] PictureSize size() const { return size_; }
   [[nodiscard]] CellRect whole() const { return {0, 0, columns_, rows_}; }
-  /// Precondition: inside of the picture.
+  /// Precondition: `r` is inside the picture.
   [[nodiscard]] double of(const CellRect& r) const {
-    // What rounding leaves below 0 of cells without work is none.
+    // Rounding may give a value below 0 for cells without work.
     const double sum =
         up_to(r.x + r.width, r.y + r.height) - up_to(r.x, r.y + r.height) - up_to(r.x + r.width, r.y) + up_to(r.x, r.y);
     return sum > 0.0 ? sum : 0.0;
@@ -32,7 +32,7 @@ class WorkSums {
   PictureSize size_;
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<double> sums_;  ///< Of all cells above and to the left; one row and column more.
+  std::vector<double> sums_;  ///< Sum of all cells above and to the left; one more row and column than cells.
 };
 
 enum class CutDirection : unsigned char { kAcross, kDown };
@@ -43,7 +43,7 @@ enum class CutDirection : unsigned char { kAcross, kDown };
 [[nodiscard]] constexpr CutDirection longer_side(const CellRect& r) {
   return r.width >= r.height ? CutDirection::kAcross : CutDirection::kDown;
 }
-/// The first `cut` columns, or rows; and all but those.
+/// Return the first `cut` columns or rows, and the rest.
 [[nodiscard]] constexpr CellRect before_cut(CellRect r, CutDirection d, int cut) {
   (d == CutDirection::kAcross ? r.width : r.height) = cut;
   return r;
@@ -54,10 +54,11 @@ enum class CutDirection : unsigned char { kAcross, kDown };
   return r;
 }
 
-/// The least cut in [1, length - 1] before which there is at least `work`; length - 1 where none has that.
+/// Returns the smallest cut in [1, length - 1] with at least `work` before it; length - 1 if none has that.
 /// Precondition: the length is at least 2.
 [[nodiscard]] int first_cut_with(const WorkSums& sums, const CellRect& r, CutDirection d, double work);
-/// The cut in [1, length - 1] before which there is most nearly `work`. Precondition: the length is at least 2.
+/// Returns the cut in [1, length - 1] with the work before it closest to `work`. Precondition: the length is at least
+/// 2.
 [[nodiscard]] int nearest_cut(const WorkSums& sums, const CellRect& r, CutDirection d, double work);
 
 }  // namespace cyclorama

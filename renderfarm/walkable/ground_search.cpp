@@ -18,16 +18,16 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector2i;
 
-constexpr int kRings = 8;               // Heights at which rays look around,
-constexpr double kLeastRadiusM = 0.05;  // and how near they may look at least.
+constexpr int kRings = 8;               // Number of heights at which horizontal rays are traced.
+constexpr double kLeastRadiusM = 0.05;  // Minimum clearance, for an eye at 1.6 m.
 constexpr double kSlopeSpanM = 0.6;
-constexpr int kMostCells = 2048;            // Along a side.
-constexpr std::size_t kMostCorners = 1000;  // Below what navigation takes.
-constexpr double kLeastHole = 4.0;          // Cells.
+constexpr int kMostCells = 2048;            // Per side.
+constexpr std::size_t kMostCorners = 1000;  // Less than navigation accepts.
+constexpr double kLeastHole = 4.0;          // In cells.
 constexpr std::array<std::array<int, 2>, 4> kBeside = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 constexpr double kNowhere = -std::numeric_limits<double>::infinity();
 
-/// Cells around the start, and what is known of each.
+/// A grid of cells around the start with the state of each.
 class Ground {
  public:
   Ground(const RayProbe& probe, const SceneInfo& info, const BodySize& body, double floor, double cell, int half_cells)
@@ -49,14 +49,14 @@ class Ground {
   [[nodiscard]] Vector2d centre_of(const Vector2i& c) const {
     return least_ + cell_ * (c.cast<double>().array() + 0.5).matrix();
   }
-  /// Looks down into those cells that it has not looked into yet.
+  /// Traces rays down in those cells that have not been probed yet.
   void look_down(const std::vector<Vector2i>& cells);
-  /// Of what look_down() saw; kNowhere where there is no ground, and outside.
+  /// Returns the height found by look_down(); kNowhere if there is no ground, and outside the grid.
   [[nodiscard]] double seen_height(const Vector2i& c) const {
     return contains(c) && state_[index_of(c)] == kGround ? heights_[index_of(c)] : kNowhere;
   }
   [[nodiscard]] bool is_known(const Vector2i& c) const { return !contains(c) || state_[index_of(c)] != kUnknown; }
-  /// Its own ground, or what small gaps have on both sides.
+  /// Returns the height of the cell's ground; for a small gap, the mean of both sides.
   [[nodiscard]] double height(const Vector2i& c) const;
   [[nodiscard]] bool is_clear(const Vector2i& c, double height, double radius) const;
   [[nodiscard]] bool is_steep(const Vector2i& c) const;
@@ -85,7 +85,7 @@ void Ground::look_down(const std::vector<Vector2i>& cells) {
   const auto look = [&] {
     std::vector<Vector2d> places;
     for (const Vector2i& c : batch) places.push_back(centre_of(c));
-    // From above the head: the first surface is the ground, or it takes the head room.
+    // Rays start above the head, so that the first surface is either the ground or an obstacle in the head room.
     const auto heights = probe_.heights(places, eye_y_ + body_.headroom_m, floor_ - body_.lower_m);
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const bool is_ground = std::isfinite(heights[i]) && heights[i] <= floor_ + body_.higher_m;
@@ -96,7 +96,7 @@ void Ground::look_down(const std::vector<Vector2i>& cells) {
   };
   for (const Vector2i& c : cells) {
     if (is_known(c)) continue;
-    state_[index_of(c)] = kCovered;  // Not twice in a batch.
+    state_[index_of(c)] = kCovered;  // Avoids duplicates in a batch.
     batch.push_back(c);
     if (batch.size() == RayProbe::kBatch) look();
   }
@@ -106,7 +106,7 @@ void Ground::look_down(const std::vector<Vector2i>& cells) {
 double Ground::height(const Vector2i& c) const {
   const double own = seen_height(c);
   if (std::isfinite(own) || !contains(c) || state_[index_of(c)] != kGap) return own;
-  const int most = gap_cells() + 1;  // From ground to ground, over all that is missing between.
+  const int most = gap_cells() + 1;  // From ground to ground, across the whole gap.
   for (const Vector2i& way : {Vector2i(1, 0), Vector2i(0, 1), Vector2i(1, 1), Vector2i(1, -1)}) {
     for (int back = 1; back < most; ++back) {
       const double one = seen_height(c - back * way);
@@ -128,7 +128,7 @@ bool Ground::is_clear(const Vector2i& c, double height, double radius) const {
     const double y = low + (high - low) * ring / (kRings - 1);
     if (!probe_.is_clear_around({centre.x(), y, centre.y()}, radius)) return false;
   }
-  // Level bars may lie between two rings: from above they are seen.
+  // Horizontal bars may lie between two rings, but are visible from above.
   for (const double part : {1.0, 0.5}) {
     std::vector<Vector2d> places;
     for (int i = 0; i < RayProbe::kBatch; ++i) {
@@ -159,7 +159,7 @@ BodySize scaled(const BodySize& body, double by) {
           body.lower_m * by, body.higher_m * by, body.gap_m * by,      body.steepest_rad};
 }
 
-/// The cells that a visitor reaches from the middle one, ring by ring, so that rays go down in batches.
+/// Flood fill of the cells that a visitor reaches from the centre, ring by ring, so that downward rays form batches.
 class Flood {
  public:
   Flood(Ground* ground, const BodySize& body, double radius)
@@ -188,7 +188,7 @@ class Flood {
   GroundKind& kind(const Vector2i& c) {
     return kinds_[static_cast<std::size_t>(c.y()) * static_cast<std::size_t>(size_) + static_cast<std::size_t>(c.x())];
   }
-  /// All that height() and is_steep() of the edge's neighbours will ask for.
+  /// Probes all cells that height() and is_steep() read for the edge's neighbours.
   void look_around(const std::vector<Vector2i>& edge) {
     const int near = 1 + ground_.gap_cells();
     const int far = 1 + std::max(1, static_cast<int>(0.5 * kSlopeSpanM * body_.eye_m / 1.6 / cell() + 0.5));
@@ -215,7 +215,7 @@ class Flood {
     if (!std::isfinite(height)) {
       there = GroundKind::kNone;
     } else if (std::abs(height - ground_.height(from)) > body_.step_m) {
-      there = GroundKind::kSteep;  // From here; another way may be less so.
+      there = GroundKind::kSteep;  // Only from this side; another way may be less steep.
     } else if (ground_.is_steep(to)) {
       there = GroundKind::kSteep;
     } else if (!ground_.is_clear(to, height, radius_)) {
@@ -233,7 +233,8 @@ class Flood {
   std::vector<GroundKind> kinds_;
 };
 
-/// Simplified, fewest corners last: until they are few enough, and the start is still inside.
+/// Converts the cells to polygons, simplified with increasing tolerance until they have few enough corners and the
+/// start is still inside.
 Status make_polygons(const CellSet& cells, const Vector2d& least, double cell, const Vector2d& start,
                      WalkableGround* ret) {
   const auto borders = borders_of(cells);
@@ -264,7 +265,7 @@ Status make_polygons(const CellSet& cells, const Vector2d& least, double cell, c
       "room");
 }
 
-/// The largest part of the body's radius for which the start is clear.
+/// Returns the largest tried clearance, up to the body's radius, for which the start is clear.
 Result<double> radius_at(const Ground& ground, const Vector2i& start, double floor, const BodySize& body) {
   for (double radius = body.radius_m; radius >= kLeastRadiusM * body.eye_m / 1.6; radius *= 0.75) {
     if (ground.is_clear(start, floor, radius)) return radius;

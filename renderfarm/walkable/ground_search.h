@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where a visitor can walk in a scene, found with rays: down for the ground and the head room, around for what is in
-/// the way. The eye keeps its height (the paper's walk), so ground counts as far as it suits that height.
+/// Finds the walkable area of a scene with rays: downwards for the ground and the head room, sideways for obstacles.
+/// The
+/// eye keeps its height (the paper's walk), so ground counts only as far as it suits that height.
 ///
-///        ceiling ▔▔▔▔▔▔▔▔▔▔▔      at each cell of 5 cm, from the start on:
+///        ceiling ▔▔▔▔▔▔▔▔▔▔▔      at each cell of 5 cm, starting from the start:
 ///          head room  ↑            1. ground: a surface in the band below the eye, with head room above it
-///     eye ──●─ ─ ─ ─ ─ ─ ─ ─       2. no step higher than a stair's to the next cell, and no steeper than kSteepest
+///     eye ──●─ ─ ─ ─ ─ ─ ─ ─       2. no step to the next cell higher than a stair's, and no slope above steepest_rad
 ///   ←──→   ╱│╲  ←──→               3. nothing within the body's radius, from the knee to above the head
 ///  radius   │  radius
-///   ▁▁▁▁▁▁▁▁▁▁▁▁▁╱▔▔ band          The cells that can be reached so become polygons, with holes around pillars.
+///   ▁▁▁▁▁▁▁▁▁▁▁▁▁╱▔▔ band          The cells that are reachable in this way become polygons, with holes around
+///   pillars.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -21,43 +23,44 @@
 
 namespace cyclorama {
 
-/// Of a person whose eyes are 1.6 m above the ground; a scene whose visitor is of another size scales all.
+/// Dimensions of a person whose eyes are 1.6 m above the ground; they scale with the eye height of a scene's visitor.
 struct BodySize {
   double eye_m = 1.6;
-  double radius_m = 0.30;       ///< Kept from everything; less where the start has less.
-  double headroom_m = 0.15;     ///< Above the eye.
-  double step_m = 0.25;         ///< What one steps up or down, and over.
-  double knee_m = 0.45;         ///< Lower things one may stand beside.
-  double lower_m = 0.64;        ///< Ground so much below the start's is still ground,
-  double higher_m = 0.40;       ///< and so much above it: beyond, an eye of fixed height would be too high or too low.
-  double gap_m = 0.15;          ///< Missing ground that one does not notice; scans have such holes.
-  double steepest_rad = 0.785;  ///< 45 degrees over 0.6 m, as of steep stairs: more is climbing.
+  double radius_m = 0.30;    ///< Clearance from everything; smaller if the start has less.
+  double headroom_m = 0.15;  ///< Above the eye.
+  double step_m = 0.25;      ///< Height that can be stepped up, down, or over.
+  double knee_m = 0.45;      ///< Obstacles below this height do not matter.
+  double lower_m = 0.64;     ///< Ground may be this much below the ground at the start,
+  /// and this much above it; beyond that, an eye of fixed height would be too high or too low.
+  double higher_m = 0.40;
+  double gap_m = 0.15;          ///< Width of holes in the ground that are bridged; scans have such holes.
+  double steepest_rad = 0.785;  ///< 45 degrees over 0.6 m, as on steep stairs.
 };
 
 struct GroundOptions {
   double cell_m = 0.05;    ///< For an eye at 1.6 m.
-  double reach_m = 100.0;  ///< From the start, each way; the same.
+  double reach_m = 100.0;  ///< In each direction from the start, for an eye at 1.6 m.
 };
 
-/// What was found at a cell.
+/// Result of the search at a cell.
 enum class GroundKind : std::uint8_t { kUnseen, kNone, kBlocked, kSteep, kWalkable };
 
 struct WalkableGround {
   std::vector<Eigen::Vector2d> outline;
   std::vector<std::vector<Eigen::Vector2d>> holes;
-  double area_m2 = 0.0;   ///< Of the cells.
-  double radius_m = 0.0;  ///< That was kept.
-  double floor_m = 0.0;   ///< At the start.
+  double area_m2 = 0.0;   ///< Area of the walkable cells.
+  double radius_m = 0.0;  ///< Clearance that was applied.
+  double floor_m = 0.0;   ///< Height of the ground at the start.
   double cell_m = 0.0;
-  // For pictures: cell (x, z) is kinds[z * width + x], its least corner `least + cell_m * (x, z)`.
+  // For pictures: cell (x, z) is kinds[z * width + x]; its lowest corner is `least + cell_m * (x, z)`.
   int width = 0;
   int depth = 0;
   Eigen::Vector2d least = Eigen::Vector2d::Zero();
   std::vector<GroundKind> kinds;
 };
 
-/// From where the scene starts. Seconds, for a site of some hundred square metres. Reentrant.
-/// kInvalidArgument  there is no ground below the start, or no room to stand: the message says what is in the way.
+/// Searches from the start of the scene. Takes seconds for a site of some hundred square metres. Reentrant. Errors:
+/// kInvalidArgument if there is no ground below the start or no room to stand; the message names the obstacle.
 Result<WalkableGround> find_walkable(const RayProbe& probe, const SceneInfo& info, const Eigen::AlignedBox3d& bounds,
                                      const GroundOptions& options);
 

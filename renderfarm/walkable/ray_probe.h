@@ -12,27 +12,29 @@
 
 namespace cyclorama {
 
-/// Rays through a scene's geometry, for whoever asks what is where, not what it looks like: the exact answers that a
-/// SpaceGrid gives coarsely. What blends (light shafts, fog, panes that are drawn so) stops nobody and is left out.
+/// Traces rays through a scene's geometry to find positions of surfaces, not their appearance. The answers are exact,
+/// unlike those of SpaceGrid, which are coarse. Blending materials (light shafts, fog, panes modelled in that way) are
+/// no obstacles and are left out.
 ///
 /// Copies no triangles: borrows the scene, which must not change. Reentrant.
 class RayProbe {
  public:
-  /// `near` is where rays are most exact: all is placed around it. kSystem  Embree gave up, as out of memory.
+  /// `near` is where rays are most precise; all geometry is placed relative to it. Errors: kSystem if Embree fails, for
+  /// example for lack of memory.
   static Result<RayProbe> build(const Scene& scene, const Eigen::Vector3d& near);
   RayProbe(RayProbe&&) noexcept;
   RayProbe& operator=(RayProbe&&) noexcept;
   ~RayProbe();
 
-  static constexpr int kBatch = 16;  ///< Rays that are traced together.
+  static constexpr int kBatch = 16;  ///< Rays per packet.
 
-  /// The height of the first surface below `top` at each of up to kBatch places (x, z); minus infinity: none down to
-  /// `bottom`.
+  /// Returns the height of the first surface below `top` at each of up to kBatch positions (x, z); minus infinity if
+  /// there is none down to `bottom`.
   [[nodiscard]] std::vector<double> heights(const std::vector<Eigen::Vector2d>& places, double top,
                                             double bottom) const;
-  /// Does nothing lie within `length` of `from` in any of kBatch level directions, evenly all around?
+  /// Returns true if nothing lies within `length` of `from` in any of kBatch horizontal directions, evenly spaced.
   [[nodiscard]] bool is_clear_around(const Eigen::Vector3d& from, double length) const;
-  /// How far it is to what lies that way; nothing: beyond `length`.
+  /// Returns the distance to the nearest surface in `direction`; null if it is beyond `length`.
   [[nodiscard]] std::optional<double> distance(const Eigen::Vector3d& from, const Eigen::Vector3d& direction,
                                                double length) const;
 

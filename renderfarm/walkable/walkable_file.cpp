@@ -19,25 +19,25 @@ std::string points_text(const std::vector<Eigen::Vector2d>& points) {
   std::string text = "[";
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i > 0) text += i % kPointsPerLine == 0 ? ",\n  " : ", ";
-    // Millimetres: finer than the cells that it was found in.
+    // Millimetres, which are finer than the cells of the search.
     fmt::format_to(std::back_inserter(text), "[{:.3f}, {:.3f}]", points[i].x(), points[i].y());
   }
   return text + "]";
 }
 
-/// What a line of a TOML file begins. A value that goes on over several lines belongs to the line of its key.
+/// A line of a TOML file. A value that spans several lines belongs to the line of its key.
 struct Line {
   std::string text;
-  std::string section;  ///< "visitor" beneath [visitor], "visitor.hole" beneath [[visitor.hole]], "" at the top.
-  std::string key;      ///< Of the key that this line begins or goes on with; empty for headers, comments, blanks.
+  std::string section;  ///< "visitor" below [visitor], "visitor.hole" below [[visitor.hole]], "" at the top.
+  std::string key;  ///< Key whose value begins or continues in this line; empty for headers, comments and blank lines.
   bool is_header = false;
 };
 
-/// Follows brackets, quotes and comments of one line after the other. The text is TOML, which its reader has made sure
-/// of.
+/// Tracks brackets, quotes and comments from line to line. Precondition: the text is valid TOML, which its reader has
+/// checked.
 class Scanner {
  public:
-  /// True while the line that comes next belongs to the value before.
+  /// True if the next line continues the value before it.
   [[nodiscard]] bool is_within() const { return depth_ > 0 || !quote_.empty(); }
   void pass(std::string_view line) {
     for (std::size_t i = 0; i < line.size();) {
@@ -73,7 +73,7 @@ class Scanner {
     return line.size();
   }
   int depth_ = 0;
-  std::string quote_;  ///< Of a text over several lines, while in it.
+  std::string quote_;  ///< Delimiter of the multi-line string being read; empty outside of one.
 };
 
 std::vector<Line> lines_of(std::string_view text) {
@@ -102,7 +102,7 @@ std::vector<Line> lines_of(std::string_view text) {
   return lines;
 }
 
-/// visitor = {...} or visitor.eye_height_m = 1.6: a table, and no header to write beneath.
+/// Returns true for visitor = {...} or visitor.eye_height_m = 1.6: a table without a header to write below.
 bool is_without_header(const std::vector<Line>& lines, std::string_view name) {
   const auto names = [&](const Line& line) {
     return line.section.empty() && !line.is_header &&
@@ -143,7 +143,7 @@ Result<std::string> with_walkable(std::string_view text, const std::string& name
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Line& line = lines[i];
     if (line.section == "visitor" && line.key == "walkable_m") continue;
-    // Of a hole all goes but what stands before the next header, which may be about that.
+    // Removes all of a hole except comments, which may belong to the next header.
     if (line.section == "visitor.hole" && (line.is_header || !line.key.empty())) continue;
     if (line.section == "visitor.hole" && trimmed(line.text).empty()) continue;
     out += line.text + "\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A found area, written into a scene.toml that people wrote: nothing else of it changes, comments included.
+/// Writes a walkable area into a scene.toml that people wrote; nothing else in it changes, including comments.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace cyclorama {
 
-/// As scene.toml has it: walkable_m and the [[visitor.hole]] tables, which end with a blank line.
+/// Format the key walkable_m and the [[visitor.hole]] tables of scene.toml; the latter end with a blank line.
 [[nodiscard]] std::string walkable_key(const WalkableGround& ground);
 [[nodiscard]] std::string hole_tables(const WalkableGround& ground);
 
-/// `text` with the area in [visitor], in place of the one that it had, and with [start] eye_m, which an area needs, if
-/// that was missing. `text` is one that parse_scene_package() reads, and so should be what comes of it; `name` stands
-/// for the file in errors. kBadData  written in a way that this cannot edit, such as visitor = {...}: the remedy is in
-/// the message.
+/// Returns `text` with the area in [visitor], replacing an existing one, and with [start] eye_m, which an area
+/// requires, if that was missing. `text` must be accepted by parse_scene_package(), and so should be the result; `name`
+/// identifies the file in errors. Errors: kBadData if its notation cannot be edited, such as visitor = {...}; the
+/// message states the remedy.
 Result<std::string> with_walkable(std::string_view text, const std::string& name, const WalkableGround& ground,
                                   const Eigen::Vector3d& start_eye);
 

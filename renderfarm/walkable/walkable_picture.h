@@ -6,8 +6,9 @@
 
 namespace cyclorama {
 
-/// The ground from above, -z up, cropped to what was seen: walkable green, blocked red, steep orange, no ground blue,
-/// not reached black; the outline white, holes yellow, what the scene says now in cyan, the start a cross, stops dots.
+/// Draws the ground from above, -z up, cropped to the probed cells: walkable green, blocked red, steep orange, no
+/// ground blue, not reached black; the outline white, holes yellow, the scene's current area cyan, the start a cross,
+/// stops small crosses.
 [[nodiscard]] RgbImage walkable_picture(const WalkableGround& ground, const SceneInfo& info);
 
 }  // namespace cyclorama

@@ -27,7 +27,7 @@ struct RecordedFrame {
   double heading_rad = 0.0;
   double azimuth_span_rad = 1.0;
   std::array<double, 3> eye_m{};
-  double effort = 1.0;  ///< As in SplitRequest.
+  double effort = 1.0;  ///< Same meaning as in SplitRequest.
 };
 
 inline constexpr std::size_t kMostRecordBytes = std::size_t{1} << 30;

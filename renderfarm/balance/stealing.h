@@ -20,7 +20,7 @@ struct QueuedBlock {
 
 /// Unfinished blocks of one node in one frame.
 struct NodeQueue {
-  double speed = 1.0;                 ///< As in SplitRequest.
+  double speed = 1.0;                 ///< Same meaning as in SplitRequest.
   std::vector<QueuedBlock> blocks{};  ///< In rendering order; the first is being rendered and cannot be stolen.
   double elapsed_seconds = 0.0;       ///< Time since the node began the first block.
 

@@ -77,8 +77,9 @@ class WorkGrid {
 
 /// Distribution of a block's time over its cells.
 enum class CellTimes {
-  kMeasured,  ///< As reported by the node for each cell; if it reported none, by `prior`, or evenly if that is null.
-  kUniform,   ///< Evenly over its pixels, whatever the node reported: the rule of the prediction binary tree.
+  /// Values that the node reported for each cell; if it reported none, by `prior`, or evenly if that is null.
+  kMeasured,
+  kUniform,  ///< Evenly over its pixels, whatever the node reported: the rule of the prediction binary tree.
 };
 
 /// Returns the work of each measured cell; other cells are NaN. A block's cells sum to the time of the whole block:

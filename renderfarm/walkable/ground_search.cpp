@@ -85,7 +85,7 @@ void Ground::look_down(const std::vector<Vector2i>& cells) {
   const auto look = [&] {
     std::vector<Vector2d> places;
     for (const Vector2i& c : batch) places.push_back(centre_of(c));
-    // Rays start above the head, so that the first surface is either the ground or an obstacle in the head room.
+    // Rays start at the top of the headroom, so that the first surface is either the ground or an obstacle above it.
     const auto heights = probe_.heights(places, eye_y_ + body_.headroom_m, floor_ - body_.lower_m);
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const bool is_ground = std::isfinite(heights[i]) && heights[i] <= floor_ + body_.higher_m;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Finds the walkable area of a scene with rays: downwards for the ground and the head room, sideways for obstacles.
-/// The
+/// Finds the walkable area of a scene with rays: downwards for the ground and the headroom, sideways for obstacles. The
 /// eye keeps its height (the paper's walk), so ground counts only as far as it suits that height.
 ///
-///        ceiling ▔▔▔▔▔▔▔▔▔▔▔      at each cell of 5 cm, starting from the start:
-///          head room  ↑            1. ground: a surface in the band below the eye, with head room above it
+///        ceiling ▔▔▔▔▔▔▔▔▔▔▔      at each cell of 5 cm, beginning with the start:
+///          headroom   ↑            1. ground: a surface in the band below the eye, with headroom above it
 ///     eye ──●─ ─ ─ ─ ─ ─ ─ ─       2. no step to the next cell higher than a stair's, and no slope above steepest_rad
-///   ←──→   ╱│╲  ←──→               3. nothing within the body's radius, from the knee to above the head
+///   ←──→   ╱│╲  ←──→               3. nothing within the body's radius, from the knee up to the headroom
 ///  radius   │  radius
+///   ▁▁▁▁▁▁▁▁▁▁▁▁▁╱▔▔ band          The cells that are reachable in this way become polygons, with holes around
+///   pillars.
 ///   ▁▁▁▁▁▁▁▁▁▁▁▁▁╱▔▔ band          The cells that are reachable in this way become polygons, with holes around
 ///   pillars.
 #pragma once

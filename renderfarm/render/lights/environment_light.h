@@ -25,7 +25,7 @@ namespace cyclorama {
 class EnvironmentLight {
  public:
   EnvironmentLight() = default;  ///< Dark.
-  /// If `map` is null, the sky shines, otherwise the map alone.
+  /// The sky shines if `map` is null, otherwise the map alone.
   EnvironmentLight(const Sky& sky, std::shared_ptr<const EnvironmentMap> map);
 
   [[nodiscard]] bool shines() const { return shines_; }

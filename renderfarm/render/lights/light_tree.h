@@ -86,7 +86,7 @@ class LightTree {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> parents_;
   std::vector<Group> groups_;
-  std::vector<std::uint32_t> places_;  ///< By light: kGroup times its group, plus its index in it.
+  std::vector<std::uint32_t> places_;  ///< Position of each light: kGroup times its group, plus its index in it.
 };
 
 }  // namespace cyclorama

@@ -14,8 +14,7 @@ namespace cyclorama {
 /// frame while the region's shape allows it, so that blocks do not jump.
 ///
 /// Source: Cordasco, Cosenza, De Chiara, Erra, Scarano, "Experiences with mesh-like computations using prediction
-/// binary
-/// trees", 2009. Thread-bound.
+/// binary trees", 2009. Thread-bound.
 class SplitTree {
  public:
   explicit SplitTree(std::size_t leaves) : cuts_(2 * leaves) {}

@@ -40,8 +40,7 @@ inline constexpr int kGuideReachPx = 3;
 class GuideMaker {
  public:
   /// Demodulates `part` of the film, reduces fireflies to what their neighbours can explain, and estimates the
-  /// variance.
-  /// Reads nothing outside the part.
+  /// variance. Reads nothing outside the part.
   ///
   /// The variance is that of the pixel's own samples, averaged over its neighbours, which have different samples but a
   /// similar spread. With one sample per pixel only the scatter among neighbours is available, which includes edges.

@@ -15,13 +15,11 @@ namespace cyclorama {
 ///
 ///   down  at once, when the current point is predicted to exceed the budget: to the best point that fits 90 % of it;
 ///   up    when a better point is predicted to fit 80 % for 10 frames in a row. If that proves wrong within as many
-///   frames
-///         again, the next attempt takes twice as long, up to 160 frames.
+///         frames again, the next attempt takes twice as long, up to 160 frames.
 ///
 /// The rate follows the measurements by an eighth of the difference. Two in a row that exceed it by half are adopted at
 /// once, a single one is not: an outlier has little effect, and a jump is followed after two frames. The first frames
-/// use
-/// the cheapest point, which is also the fallback when nothing fits.
+/// use the cheapest point, which is also the fallback when nothing fits.
 ///
 /// Invariant: at constant costs, a larger budget never selects a point of larger error. Pure; thread-bound.
 class Governor {

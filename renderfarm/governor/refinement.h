@@ -26,10 +26,8 @@ struct SampleRange {
 ///   nothing ──next(), done()──► some samples ──next(), done()──► ... ──► the reference: rests
 ///
 /// The first picture has as many samples as it needs to be no worse than the moving one. Then each has twice the
-/// samples
-/// of the one before, which halves the mean squared error, while a picture is predicted to take less than a second;
-/// after
-/// that, each takes about a second. Pure; thread-bound.
+/// samples of the one before, which halves the mean squared error, while a picture is predicted to take less than a
+/// second; after that, each takes about a second. Pure; thread-bound.
 class Refinement {
  public:
   /// Uses the front's best quality without what would bias a reference: no denoiser, no firefly limit, no adaptive

@@ -8,8 +8,7 @@ namespace cyclorama {
 /// Adds to `film` all samples of a cell that the view's quality requests. With adaptive sampling, a pixel stops once
 /// the estimated error is small enough: the standard error of displayed luminance, at its maximum over the pixel and
 /// its eight neighbours in the cell. A pixel whose few samples agree by chance thus continues beside a noisy one. No
-/// pixel stops before the minimum.
-/// Returns the number of rays. Reentrant; `batch` is scratch.
+/// pixel stops before the minimum. Returns the number of rays. Reentrant; `batch` is scratch.
 std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                           PathBatch& batch, CellFilm& film);
 

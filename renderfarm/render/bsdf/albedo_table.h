@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Albedo of a rough surface after a single bounce between its facets. The rest bounces on; the lobes that compensate
-/// for
-/// it are built from these numbers.
+/// for it are built from these numbers.
 ///
 /// Source of the idea: Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017.
 #pragma once

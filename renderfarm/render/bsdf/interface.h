@@ -2,8 +2,7 @@
 /// The facets of a transmissive surface, which reflect or transmit. Local frame of the surface.
 ///
 /// Thin: a sheet of glass so thin that light leaves in the direction in which it came; roughness blurs it as it blurs
-/// the
-/// reflection (KHR_materials_transmission). Body (KHR_materials_volume): Snell's law (Walter et al. 2007).
+/// the reflection (KHR_materials_transmission). Body (KHR_materials_volume): Snell's law (Walter et al. 2007).
 #pragma once
 
 #include "renderfarm/render/bsdf/microfacet.h"
@@ -32,7 +31,7 @@ struct FacetTurn {
   float jacobian = 0.0f;  ///< Solid angle of h per solid angle of wi. Zero if no facet causes this change.
 };
 
-/// Thread-bound.
+/// The reflection and transmission of facets for one material. Thread-bound.
 class Interface {
  public:
   Interface(const Bsdf& bsdf, const OpaqueBase& base)

@@ -5,8 +5,8 @@
 /// wo's side. The caller checks on which side of the triangle itself a direction is. Reentrant.
 ///
 /// The transported quantity is radiance over the square of the index of refraction. It does not change where light
-/// enters
-/// or leaves a body, so white glass under uniform illumination is white. Eyes and lamps in air see no difference.
+/// enters or leaves a body, so white glass under uniform illumination is white. Eyes and lamps in air see no
+/// difference.
 #pragma once
 
 #include "renderfarm/render/bsdf/bsdf.h"

@@ -9,7 +9,7 @@
 
 namespace cyclorama {
 
-/// Thread-bound.
+/// The wide lobe of rough glass for one viewing direction. Thread-bound.
 class WideGlass {
  public:
   WideGlass(const Bsdf& bsdf, const OpaqueBase& base, const Interface& interface, float cos_o)

@@ -19,13 +19,11 @@ struct TriangleHit;
 [[nodiscard]] Vec3 emitted_radiance(const TriangleHit& hit);
 
 /// The emissive triangles of a scene. A value; queries are thread-safe. Borrows the placements that it was made of,
-/// which
-/// must neither move nor change.
+/// which must neither move nor change.
 ///
 /// Sampling covers a triangle's front, where its corners run counter-clockwise, and both sides for a double-sided
 /// material. Backs of other triangles emit as well but are not sampled. Triangles whose texture is black at all
-/// positions
-/// checked are left out likewise; rays that hit them by chance still see their emission.
+/// positions checked are left out likewise; rays that hit them by chance still see their emission.
 class EmissiveTriangles {
  public:
   EmissiveTriangles() = default;

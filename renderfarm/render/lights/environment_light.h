@@ -15,13 +15,10 @@ namespace cyclorama {
 /// Light from infinitely far. A value; queries are thread-safe.
 ///
 /// The map is divided into cells whose corners are texel centres, such that radiance is bilinear in (u, v) within each.
-/// A
-/// cell is chosen by its power, descending a pyramid of sums (Clarberg et al., "Wavelet Importance Sampling", 2005),
-/// which
-/// keeps neighbouring samples together; a position within it is chosen in proportion to the bilinear luminance. The pdf
-/// is thus zero only where there is no light. The gradient sky is smooth: its pdf is that of the surface's cosine,
-/// which
-/// renders matte surfaces in the open without noise, or proportional to luminance for both sides.
+/// A cell is chosen by its power, descending a pyramid of sums (Clarberg et al., "Wavelet Importance Sampling", 2005),
+/// which keeps neighbouring samples together; a position within it is chosen in proportion to the bilinear luminance.
+/// The pdf is thus zero only where there is no light. The gradient sky is smooth: its pdf is that of the surface's
+/// cosine, which renders matte surfaces in the open without noise, or proportional to luminance for both sides.
 class EnvironmentLight {
  public:
   EnvironmentLight() = default;  ///< Dark.

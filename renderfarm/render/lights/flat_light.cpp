@@ -40,11 +40,9 @@ View view_of(const FlatLight& light, const Vec3& p) {
 /// The solid angle of a View, with the angle k that sampling needs.
 ///
 /// The inner angles of the spherical rectangle are the arguments of four complex numbers, computed from the normals of
-/// the
-/// planes through p and an edge (Ureña et al., equation 4 with the square roots multiplied out, so that nothing
-/// cancels).
-/// Their sum minus 2 pi is the solid angle. It is read off the product of the numbers, with one arctangent instead of
-/// four arccosines.
+/// the planes through p and an edge (Ureña et al., equation 4 with the square roots multiplied out, so that nothing
+/// cancels). Their sum minus 2 pi is the solid angle. It is read off the product of the numbers, with one arctangent
+/// instead of four arccosines.
 struct SolidAngle {
   double value = 0.0;
   double cos_k = 1.0;  ///< Cosine of the paper's k.

@@ -14,8 +14,7 @@ namespace cyclorama {
 class LightList {
  public:
   /// Maximum number of lights; the tree is better beyond it. Measured with points in a box of 20 m: time of the choice
-  /// in
-  /// ns (a shadow ray costs some 200 ns), and variance that the choice alone adds to the estimate, relative to its
+  /// in ns (a shadow ray costs some 200 ns), and variance that the choice alone adds to the estimate, relative to its
   /// square:
   ///
   ///     lights      16      32      64      128     256     variance

@@ -13,8 +13,7 @@
 ///     hits nothing             environment(direction)               environment_density(p, n, direction)
 ///
 /// A pdf is per steradian and includes the choice of the light. 0 means that sample() never chooses the direction, so
-/// the
-/// hit has full weight.
+/// the hit has full weight.
 #pragma once
 
 #include <memory>

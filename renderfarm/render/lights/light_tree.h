@@ -34,8 +34,7 @@ class Choice {
 ///
 /// Each node stores a bounding box of its lights, a cone of their normals and their power. If a node's importance is
 /// zero, none of its lights can shine. Sources: Conty Estevez and Kulla, "Importance Sampling of Many Lights with
-/// Adaptive
-/// Tree Splitting", 2018; Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 12.6.3.
+/// Adaptive Tree Splitting", 2018; Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 12.6.3.
 class LightTree {
  public:
   LightTree() = default;

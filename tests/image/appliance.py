@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A museum's computer for tests: QEMU without KVM, UEFI with Secure Boot, a TPM, three heads, and a disk that was flashed."""
+"""A museum's computer for tests: QEMU without KVM, UEFI with Secure Boot, a TPM, three heads and a flashed disk."""
 import os
 import pathlib
 import re
@@ -20,8 +20,8 @@ DISK_GB = 6
 
 
 class Disk:
-    """What stays when the computer is switched off: the disk (over the image, which is not written), the firmware's variables,
-    the TPM."""
+    """The parts that keep their state without power: the disk (a layer over the image), the firmware's variables, the
+    TPM."""
 
     def __init__(self, folder, image, size_gb=DISK_GB):
         self.folder = pathlib.Path(folder)
@@ -34,7 +34,7 @@ class Disk:
 
     @classmethod
     def kept(cls, folder):
-        """One that an earlier test left, or None."""
+        """Returns the disk that an earlier test left in this folder, or None."""
         if not (pathlib.Path(folder) / "disk.qcow2").exists():
             return None
         disk = object.__new__(cls)
@@ -43,7 +43,7 @@ class Disk:
         return disk
 
     def copy(self, folder):
-        """Another computer in the same state."""
+        """Returns another computer in the same state."""
         other = object.__new__(Disk)
         other.folder = pathlib.Path(folder)
         shutil.copytree(self.folder, other.folder, ignore=shutil.ignore_patterns("*.log", "qmp", "vnc*", "serial", "tpm.sock", "*.ppm"))
@@ -52,7 +52,7 @@ class Disk:
 
 
 class Appliance(Machine):
-    """The computer while it is switched on."""
+    """A running computer."""
 
     def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, network="restrict=on", extra=(), processors=2):
         self.folder = disk.folder
@@ -66,7 +66,7 @@ class Appliance(Machine):
         self.log.unlink(missing_ok=True)
         tpm_options = []
         if tpm:
-            # Anew for each start: it ends with QEMU.
+            # Started for each run of the computer, since it ends with QEMU.
             self.tpm = subprocess.Popen(["swtpm", "socket", "--tpm2", "--tpmstate", f"dir={self.folder}/tpm", "--ctrl",
                                          f"type=unixio,path={self.folder}/tpm.sock", "--terminate"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             tpm_options = ["-chardev", f"socket,id=tpm,path={self.folder}/tpm.sock", "-tpmdev", "emulator,id=tpm0,chardev=tpm", "-device", "tpm-crb,tpmdev=tpm0"]
@@ -92,14 +92,14 @@ class Appliance(Machine):
         self.connect()
         self.shell = None
         self.heard = b""
-        self.seen = 0  # Of the console: what an earlier start said.
+        self.seen = 0  # Position in the console after the output of earlier starts.
 
     def seconds(self):
         return time.monotonic() - self.began
 
     def plug_in(self, head, width=WIDTH, height=HEIGHT):
-        """The first head has a projector from the start; the others get theirs by a VNC client that wishes a size. One after the
-        other: of two at once the guest's driver may miss the second."""
+        """Plugs a projector into a head by a VNC client that requests a size; the first head has one from the start.
+        Plug in one after the other: the guest's driver may miss the second of two at once."""
         self.resize(head, width, height)
 
     def attach_stick(self, image, name):
@@ -107,7 +107,7 @@ class Appliance(Machine):
         self.ask("device_add", driver="usb-storage", id=name, bus="usb.0", drive=name, removable=True)
 
     def plug_stick(self, image, name, seconds=180):
-        """A stick is plugged in until its settings were looked at. True when a report of that came."""
+        """Plugs a stick in until its settings were checked. Returns True if the report was updated."""
         report = "stat -c %y /var/lib/cyclorama/provisioning.json 2>/dev/null || echo none"
         before = self.run(report)[1]
         self.attach_stick(image, name)
@@ -115,16 +115,16 @@ class Appliance(Machine):
         while (has_come := self.run(report)[1] != before) is False and time.monotonic() < deadline:
             time.sleep(1)
         self.ask("device_del", id=name)
-        # Who changes sticks takes seconds for it.
+        # A person takes seconds to change sticks.
         self.run("for i in $(seq 60); do [ -e /dev/disk/by-label/CYCLORAMA ] || break; sleep 1; done; sleep 5", 120)
         return has_come
 
     def hmp(self, command):
-        """What QEMU's own monitor answers."""
+        """Returns the answer of QEMU's monitor."""
         return self.ask("human-monitor-command", **{"command-line": command})
 
     def heads(self):
-        """[(width, height, pixels) or None]: what each head shows now."""
+        """Returns [(width, height, pixels) or None]: the current picture of each head."""
         shown = []
         for head in range(HEADS):
             try:
@@ -134,7 +134,7 @@ class Appliance(Machine):
         return shown
 
     def _listen(self):
-        """All the time: a serial port whose other end reads nothing holds up the kernel's own words, and so the computer."""
+        """Reads the serial port all the time: if nobody reads it, the kernel's messages block the computer."""
         try:
             while said := self.shell.recv(65536):
                 self.heard += said
@@ -142,13 +142,13 @@ class Appliance(Machine):
             pass
 
     def run(self, command, seconds=60):
-        """(exit status, what it printed) of a command in the Debug image's shell on the serial port."""
+        """Returns (exit status, output) of a command in the Debug image's shell on the serial port."""
         if self.shell is None:
             self.shell = socket.socket(socket.AF_UNIX)
             self.shell.connect(str(self.folder / "serial"))
             threading.Thread(target=self._listen, daemon=True).start()
         self.commands = getattr(self, "commands", 0) + 1
-        # The echo of what is typed must not look like the end of what is printed.
+        # The echo of the input must not look like the end of the output.
         begin, end = f"<<{self.commands}", f"{self.commands}>>"
         self.heard = b""
         typed = f"printf '<%s\\n' '<{self.commands}'; ( {command} ) 2>&1; printf '\\n%s>> %d\\n' {self.commands} $?\n"
@@ -164,7 +164,7 @@ class Appliance(Machine):
         raise RuntimeError(f"'{command}' did not end within {seconds} s:\n{text[-2000:]}")
 
     def restart(self, seconds):
-        """By the computer's own hand, until the shell is there again."""
+        """Restarts the computer by its own command and waits for the shell."""
         self.run("sync")
         self.seen = len(self.console())
         self.shell.sendall(b"systemctl reboot\n")
@@ -173,11 +173,12 @@ class Appliance(Machine):
     def wait_for_shell(self, seconds):
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
-            # After the firmware's newest start: the same wire told of those before.
+            # Only the output since the firmware's newest start; the line also carried that of earlier ones.
             _, began, said = self.console()[self.seen:].rpartition("BdsDxe: starting")
             if began and "debug#" in said:
                 try:
-                    # The kernel's and systemd's words come over the same wire; they would stand between a command's own.
+                    # Silences the kernel's and systemd's messages, which would mix with a command's output on this
+                    # line.
                     return self.run("kill -s RTMIN+21 1; dmesg -n 1", 60)
                 except RuntimeError:
                     continue
@@ -188,7 +189,7 @@ class Appliance(Machine):
         return self.log.read_text(errors="replace") if self.log.exists() else ""
 
     def power_off(self):
-        """As a cable that is pulled."""
+        """Switches the computer off as if its power cable were pulled."""
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
         if self.tpm:
@@ -204,7 +205,7 @@ class Appliance(Machine):
 
 
 def flashable(folder):
-    """The disk image among what image/build made; the boot partition alone lies beside it."""
+    """Returns the disk image in a result of image/build, beside which is an image of only the boot partition."""
     (raw,) = (path for path in folder.glob("*.raw") if not path.name.endswith(".esp.raw"))
     return raw
 
@@ -219,7 +220,8 @@ def wait_until(condition, seconds, what):
 
 
 def shared_picture(file):
-    """(width, height, pixels) that a display published (drivers/output/shared_picture.cpp), or None."""
+    """Returns (width, height, pixels) of a picture that a display published (drivers/output/shared_picture.cpp), or
+    None."""
     data = file.read_bytes()
     magic, version, width, height, _, _, published = struct.unpack_from("<8sIIIIQQ", data)
     if magic != b"CYCPICT1" or version != 1 or published == 0:
@@ -230,7 +232,7 @@ def shared_picture(file):
 
 
 def reference_pictures(programs, installation, folder, names=("left", "middle", "right"), seconds=60):
-    """What the same settings show without a farm, drawn by this machine's own EGL."""
+    """Returns the pictures of the same settings without a farm, drawn by this machine's EGL."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     display = subprocess.Popen([str(pathlib.Path(programs) / "cyclorama-display"), "--output", "headless", "--installation", str(installation),
@@ -247,7 +249,7 @@ def reference_pictures(programs, installation, folder, names=("left", "middle", 
 
 
 def difference(one, other):
-    """(mean, greatest) difference of two pictures in code values, or None when their sizes differ."""
+    """Returns the (mean, largest) difference of two pictures in code values, or None if their sizes differ."""
     if one is None or other is None or one[:2] != other[:2]:
         return None
     differences = [abs(a - b) for a, b in zip(one[2], other[2])]
@@ -255,7 +257,7 @@ def difference(one, other):
 
 
 def save_png(picture, file):
-    """With ImageMagick, from a PPM."""
+    """Converts a PPM with ImageMagick."""
     ppm = file.with_suffix(".ppm")
     ppm.write_bytes(b"P6 %d %d 255\n" % picture[:2] + picture[2])
     subprocess.run(["convert", str(ppm), str(file)], check=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the power button to a picture on every head."""
+"""Measures the time from the power button to a picture on every head."""
 import pathlib
 import re
 import subprocess
@@ -9,10 +9,10 @@ from appliance import HEADS, Appliance, Disk, difference, flashable, reference_p
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PICTURE_WITHIN_S = 900
-MEAN_TOLERANCE = 1.5   # Code values: two rasterisers, and 10 bits per primary here or there.
-GREATEST_TOLERANCE = 40  # At a blend's edge a pixel may fall to the neighbour.
+MEAN_TOLERANCE = 1.5   # Code values; two rasterisers differ, and either may have 10 bits per primary.
+MAX_TOLERANCE = 40  # At a blend's edge a pixel may belong to the neighbour.
 LOOK_EVERY_S = 2
-EVERY = 97  # Bytes: no multiple of three, so all colours are looked at.
+EVERY = 97  # Step in bytes; it is no multiple of three, so that all colours are compared.
 
 
 def image_of(options, debug):
@@ -21,18 +21,19 @@ def image_of(options, debug):
 
 
 def computer(options, folder):
-    """The Debug image's: flashed anew, or with --computer as an earlier run of `boot --debug` left it."""
+    """Returns a computer with the Debug image: newly flashed, or with --computer as an earlier `boot --debug` left
+    it."""
     before = Disk.kept(options.computer) if options.computer else None
     return before.copy(folder / "computer") if before else Disk(folder / "computer", image_of(options, True))
 
 
 def attract_pictures(options, folder):
-    """What the image's own settings show on each head without a farm, as drawn here."""
+    """Draws the pictures of the image's own settings on each head without a farm, on this machine."""
     return reference_pictures(options.programs, ROOT / "demo/installation.toml", folder / "reference")
 
 
 def is_as(picture, reference):
-    """Whether a head shows it; the firmware lights heads too, with its own mark and words."""
+    """Returns whether a head shows the reference. The firmware lights heads too, with its logo and text."""
     if picture is None or picture[:2] != reference[:2]:
         return False
     pixels = list(zip(picture[2][::EVERY], reference[2][::EVERY]))
@@ -40,7 +41,7 @@ def is_as(picture, reference):
 
 
 def wait_for_pictures(machine, reference, seconds=PICTURE_WITHIN_S):
-    """{head: seconds after power on} of the attract picture on each."""
+    """Returns {head: seconds after power on} of the attract picture."""
     first = {}
     deadline = time.monotonic() + seconds
     plugged = 1
@@ -50,7 +51,7 @@ def wait_for_pictures(machine, reference, seconds=PICTURE_WITHIN_S):
         for head, picture in enumerate(machine.heads()):
             if head not in first and is_as(picture, reference[head]):
                 first[head] = round(machine.seconds(), 1)
-        # Projectors that wake after the computer: the others follow the first.
+        # Simulates projectors that wake after the computer: the others follow the first.
         if plugged < HEADS and plugged - 1 in first:
             machine.plug_in(plugged)
             plugged += 1
@@ -59,7 +60,7 @@ def wait_for_pictures(machine, reference, seconds=PICTURE_WITHIN_S):
 
 
 def stages(text):
-    """{stage: seconds} from systemd-analyze's line."""
+    """Returns {stage: seconds} from systemd-analyze's line."""
     found = {name: value for value, name in re.findall(r"([\d.]+(?:min [\d.]+)?m?s) \((\w+)\)", text)}
 
     def seconds(word):
@@ -70,7 +71,7 @@ def stages(text):
 
 
 def emulated_slower(machine):
-    """How many times longer the emulated computer takes for the same steps of its shell than this machine's."""
+    """Returns how many times slower the emulated computer runs the same shell loop than this machine."""
     steps = 200000
     count = f"i=0; while [ $i -lt {steps} ]; do i=$((i+1)); done"
     began = time.monotonic()
@@ -82,7 +83,7 @@ def emulated_slower(machine):
 
 
 def bare_start(image, folder):
-    """Seconds from power on until a Debian with nothing but kernel and systemd asks for a login."""
+    """Returns the seconds from power on until a Debian with only kernel and systemd prompts for a login."""
     machine = Appliance(Disk(folder, image), heads=1)
     try:
         wait_until(lambda: "login:" in machine.console(), PICTURE_WITHIN_S, "start of the bare Debian")
@@ -109,14 +110,15 @@ def run(options, folder):
                     save_png(picture, options.pictures / f"{start}-head{head}.png")
             account = {"start": start, "first_picture_s": first, "difference": differences}
             for head, found in enumerate(differences):
-                if found is None or found[0] > MEAN_TOLERANCE or found[1] > GREATEST_TOLERANCE:
-                    figures["failed"].append(f"{start} start: head {head} is not as drawn here: {found}")
+                if found is None or found[0] > MEAN_TOLERANCE or found[1] > MAX_TOLERANCE:
+                    figures["failed"].append(f"{start} start: head {head} differs from the reference: {found}")
             if debug:
                 account["security"] = "secure boot on" if "Secure boot enabled" in machine.run("dmesg | grep -i 'secure boot'")[1] else "?"
                 machine.run("systemctl is-system-running --wait", PICTURE_WITHIN_S)
                 account["stages"] = stages(machine.run("systemd-analyze --no-pager", 60)[1])
                 begins = machine.run("systemctl show -P ExecMainStartTimestampMonotonic cyclorama-display")[1]
-                account["display_begins_s"] = round(int(begins) / 1e6, 1)  # After the kernel; what follows is graphics, here emulated.
+                # Measured from the kernel's start; the rest is graphics, which is emulated here.
+                account["display_begins_s"] = round(int(begins) / 1e6, 1)
                 account["emulated_slower"] = emulated_slower(machine)
                 account["var"] = machine.run("cat /run/cyclorama/var")[1]
             figures["starts"].append(account)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Power that is cut in the middle of an update: what the disk then holds."""
+"""Cuts the power during an update and inspects the disk."""
 import hashlib
 import re
 import shutil
@@ -8,17 +8,20 @@ import time
 
 from disk_image import BootPartition, partitions
 
-LONGEST_PAUSE_S = 15
-LONGEST_UPDATE_S = 900
+MAX_PAUSE_S = 15
+MAX_UPDATE_S = 900
 BLOCK = 1 << 20
 
 
 def cut_while(is_going_on, machine, folder, cuts, chance):
-    """[(seconds since it began, the computer as a power cut then leaves it)], at random moments. The computer stands still while its
-    files are copied, its clock, too: a process that is stopped from outside lets the guest doubt its clock, and count by a slower one."""
+    """Returns [(seconds since the start of the update, the computer's state after a power cut)] at random times.
+
+    QEMU pauses the computer and its clock while the files are copied. Stopping the process instead would make the guest
+    distrust its clock and switch to a slower one.
+    """
     began, states, number, held_s = time.monotonic(), [], 0, 0.0
-    while is_going_on() and time.monotonic() - began < LONGEST_UPDATE_S:
-        time.sleep(chance.uniform(0, LONGEST_PAUSE_S))
+    while is_going_on() and time.monotonic() - began < MAX_UPDATE_S:
+        time.sleep(chance.uniform(0, MAX_PAUSE_S))
         stopped = time.monotonic()
         machine.ask("stop")
         try:
@@ -27,7 +30,7 @@ def cut_while(is_going_on, machine, folder, cuts, chance):
             machine.ask("cont")
         held_s += time.monotonic() - stopped
         number += 1
-        if len(states) > 2 * cuts:  # Disks are large.
+        if len(states) > 2 * cuts:  # Disks are large, so a copy that is not needed is deleted.
             shutil.rmtree(states.pop(chance.randrange(len(states)))[1].folder)
     while len(states) > cuts:
         shutil.rmtree(states.pop(chance.randrange(len(states)))[1].folder)
@@ -35,7 +38,7 @@ def cut_while(is_going_on, machine, folder, cuts, chance):
 
 
 def is_same(file, first, wanted):
-    """Whether the bytes of `file` from `first` on are those of the file `wanted`."""
+    """Returns whether the bytes of `file` from `first` on equal the file `wanted`."""
     with open(file, "rb") as there, open(wanted, "rb") as here:
         there.seek(first)
         while block := here.read(BLOCK):
@@ -45,8 +48,8 @@ def is_same(file, first, wanted):
 
 
 def what_is_whole(disk, updates, folder):
-    """{version: whether all of it is as it was signed} of the versions that the loader would start; `updates` has each version's
-    folder of image/build."""
+    """Returns {version: whether it is intact} for the versions that the loader would start. `updates` maps versions to
+    their folders of image/build."""
     raw, kernel = folder / "cut.raw", folder / "cut.efi"
     subprocess.run(["qemu-img", "convert", "-O", "raw", str(disk.file), str(raw)], check=True)
     places = {label: first for _, label, first, _ in partitions(raw)}
@@ -54,7 +57,7 @@ def what_is_whole(disk, updates, folder):
     found = {}
     for name in esp.names("/EFI/Linux"):
         is_kernel = re.search(r"_([\d.]+)(?:\+(\d+)(?:-\d+)?)?\.efi$", name)
-        # What has no tries left is started only when all else fails.
+        # A version without attempts left is started only if all others fail.
         if not is_kernel or is_kernel[2] == "0":
             continue
         version = is_kernel[1]

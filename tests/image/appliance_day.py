@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What boot, security, provision and farm look at, on one computer in one start (and one more after the factory reset): emulated starts
-take minutes."""
+"""Runs the checks of boot, security, provision and farm on one computer in one start (and one more after the factory
+reset), since emulated starts take minutes."""
 import time
 
 import appliance_farm
@@ -13,7 +13,7 @@ STEPS_S = 900
 
 
 def look(name, figures, check, *arguments):
-    """One part's figures; that one fails keeps none of the others from being looked at."""
+    """Runs one part and keeps its figures; a failure does not end the other parts."""
     figures[name] = {"failed": []}
     began = time.monotonic()
     try:

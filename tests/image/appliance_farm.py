@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole mission: a farm on the host's side feeds the computer over IPv6 and TLS, the kernel's virtual camera carries a rendered
-wand, and the view on the heads turns as the wand says. Then what a museum's day brings: the camera and a head are unplugged, the disk
-is full, the farm is away. On the Debug image: the shipped one has neither the virtual camera nor somebody who could load it; there it
-is appliance_mission.py's, with a USB camera."""
+"""Tests the whole show: a farm on the host sends pictures to the computer over IPv6 and TLS, the kernel's virtual
+camera shows a rendered wand, and the view on the heads turns with the wand. Then faults of a museum's day follow: the
+camera and a head are unplugged, the disk is full, the farm is down. It needs the Debug image, since the shipped one has
+no virtual camera and no shell; appliance_mission.py tests that one with a USB camera."""
 import functools
 import pathlib
 import subprocess
@@ -14,22 +14,28 @@ from disk_image import stick
 from host_farm import HostFarm
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# Beyond the dead angle of 5.7 degrees and far from the full speed: a degree per second, so that one picture is found in the next.
+# Beyond the dead angle of 5.7 degrees and far below full speed: a degree per second, so that consecutive pictures can
+# be matched.
 WANDS = {"rest": (0.0, 1.0), "right": (14.0, 1.0), "left": (-14.0, 1.0)}
 FRAME = 640 * 480  # Bytes of the camera's grey picture.
-# Projectors of a quarter of the pixels: an emulated processor that also tracks the wand draws three of 640x480 once in 10 s and more.
+# A quarter of the pixels: an emulated processor that also tracks the wand needs 10 s or more for three heads of
+# 640x480.
 SMALL = (320, 240)
 PICTURE_PX = 384
 VIVID = "vivid n_devs=1 node_types=0x101 num_inputs=1 input_types=3 num_outputs=1 output_types=1"
 TRACKER = '[camera]\nkind = "v4l2"\nport = "platform:vivid-000"\n[detector]\nthreads = 1\n'
 SHOWS_WITHIN_S = 600
-BEGINS_S, TURNS_S, SETTLES_S = 240, 40, 20  # Looked at for each wand; after it rests the view still goes to where it was to be.
-MOST_MOVED_AT_REST_PX = 8  # In all of them: rays' noise misleads by a pixel or two.
-LEAST_OTHERWISE = 2.0  # Code values, mean. The grotto is as dark as the evening sky of the attract picture: 3 to 6 from it, whose own tolerance is 1.5.
+# Pictures per wand; after the wand comes to rest the view still moves to its target.
+BEGINS_S, TURNS_S, SETTLES_S = 240, 40, 20
+MAX_MOVED_AT_REST_PX = 8  # Pixels in all of them together; the rays' noise may mislead by a pixel or two.
+# Mean in code values. The grotto is as dark as the attract picture's evening sky and differs from it by 3 to 6; the
+# attract
+MIN_DIFFERENCE = 2.0
+# picture's tolerance is 1.5.
 
 
 def wand_pictures(programs, folder):
-    """{wand: grey bytes of 640x480}, rendered."""
+    """Returns {wand: grey bytes of 640x480}, rendered."""
     folder.mkdir(parents=True, exist_ok=True)
     pictures = {}
     for name, (yaw_deg, distance_m) in WANDS.items():
@@ -40,7 +46,7 @@ def wand_pictures(programs, folder):
 
 
 def wand_disk(programs, folder):
-    """QEMU's options for a disk with one camera picture after the other."""
+    """Returns QEMU's options for a disk that holds the camera pictures one after the other."""
     file = folder / "wand.img"
     pictures = wand_pictures(programs, folder)
     file.write_bytes(b"".join(pictures.values()))
@@ -48,8 +54,8 @@ def wand_disk(programs, folder):
 
 
 def plug_camera(machine):
-    """As test-camera does (tests/tools/vivid.cpp): output joined to input, both 640x480, grey, nothing written over it. No real camera
-    has to be set up first: the tracker would open this one before."""
+    """Sets up vivid as test-camera does (tests/tools/vivid.cpp): output connected to input, both 640x480, grey, no
+    text. The tracker is stopped meanwhile, since it would open the camera."""
     machine.run(f"systemctl stop cyclorama-tracker; modprobe {VIVID}", 120)
     for number, name in enumerate(WANDS):
         machine.run(f"dd if=/dev/disk/by-id/virtio-wand of=/run/{name}.grey bs={FRAME} skip={number} count=1", 60)
@@ -59,22 +65,23 @@ def plug_camera(machine):
     v4l2-ctl -d $in --set-dv-bt-timings=index=0 --set-ctrl osd_text_mode=2
     v4l2-ctl -d $out --set-dv-bt-timings=index=0
     v4l2-ctl -d $out --set-fmt-video-out=width=640,height=480,pixelformat=GREY
-    # Until 6.11 one switch; later each input is joined to an output.
-    v4l2-ctl -d $in --set-ctrl loop_video=1 >/dev/null 2>&1 || v4l2-ctl -d $in --set-ctrl hdmi_000_0_is_connected_to=2 >/dev/null
+    # One switch until kernel 6.11; since then each input is connected to an output.
+    v4l2-ctl -d $in --set-ctrl loop_video=1 >/dev/null 2>&1 || v4l2-ctl -d $in --set-ctrl hdmi_000_0_is_connected_to=2
+    >/dev/null
     echo in $in out $out; echo $out >/run/wand-node""", 120)[1]
     machine.run("systemctl start cyclorama-tracker", 60)
     return said
 
 
 def show_wand(machine, name):
-    """What the camera sees from now on."""
+    """Makes the camera show this wand from now on."""
     machine.run("systemctl stop wand 2>/dev/null; systemd-run -q --collect --unit=wand -p StandardOutput=null -p StandardError=null "
                 f"v4l2-ctl -d $(cat /run/wand-node) --stream-out-mmap=3 --stream-from=/run/{name}.grey --stream-loop", 60)
 
 
 def moved_px(one, other, most=100):
-    """By how many pixels what `one` shows in its middle has moved to the right in `other`. Patches, not columns' means: the blend,
-    which stays where it is, is what those show most."""
+    """Returns by how many pixels the middle of `one` has moved to the right in `other`. It compares patches, not
+    columns' means, which mostly show the blend, which does not move."""
     width, height, _ = one
     columns, rows = range(width // 2 - 50, width // 2 + 50, 2), range(height // 4, 3 * height // 4, 4)
 
@@ -94,7 +101,7 @@ def mean_difference(one, other):
 
 
 def wait_for(condition, seconds):
-    """Seconds until it holds, or None."""
+    """Returns the seconds until the condition holds, or None."""
     began = time.monotonic()
     while time.monotonic() < began + seconds:
         if condition():
@@ -104,9 +111,9 @@ def wait_for(condition, seconds):
 
 
 def live(machine, reference):
-    """Of each head whether it shows something else than the attract picture, and is lit."""
+    """Returns for each head whether it is lit and shows another picture than the attract picture."""
     return [shown is not None and shown[:2] == wanted[:2] and sum(shown[2][::97]) > 3 * len(shown[2][::97]) and
-            mean_difference(shown, wanted) > LEAST_OTHERWISE for shown, wanted in zip(machine.heads(), reference)]
+            mean_difference(shown, wanted) > MIN_DIFFERENCE for shown, wanted in zip(machine.heads(), reference)]
 
 
 def is_live(machine, reference):
@@ -118,8 +125,8 @@ def is_attracting(machine, reference):
 
 
 def stick_of_farm(folder, farm, **others):
-    """A museum's stick for this farm, its camera and its small projectors; `others` are files by name, as operator="..." for
-    operator.toml, also in place of these."""
+    """Returns a museum's stick for this farm, its camera and its small projectors. `others` adds or replaces files by
+    name, such as operator="..." for operator.toml."""
     installation = (ROOT / "demo/installation.toml").read_text().replace(f"width_px = {WIDTH}", f"width_px = {SMALL[0]}")
     installation = installation.replace(f"height_px = {HEIGHT}", f"height_px = {SMALL[1]}")
     texts = {"site": farm.site(), "tracker": TRACKER, "installation": installation} | others
@@ -133,17 +140,18 @@ def stick_of_farm(folder, farm, **others):
 
 
 def look_how_it_turns(machine, show, wand, folder):
-    """[pixels that the middle head's picture moved to the right] from one picture to the next, of what show(wand) brings."""
+    """Returns [pixels that the middle head's picture moved to the right] between consecutive pictures after
+    show(wand)."""
     show(wand)
     seen = [machine.picture(1)]
     changed_at = deadline = None
     began = time.monotonic()
-    # What was begun goes to its end first; what is to begin may take its time. A computer that others keep busy is slow, not wrong.
+    # An ongoing movement ends first, and the next may start late: a busy computer is slow, not wrong.
     while time.monotonic() < (deadline or began + BEGINS_S):
         time.sleep(0.3)
         now = machine.picture(1)
         if now[2] != seen[-1][2]:
-            # A wand that rests is never seen quite the same twice; the view then stands, and its noise changes.
+            # The pose of a resting wand varies slightly; the view rests, and only its noise changes.
             if abs(moved_px(seen[-1], now)) > 1:
                 changed_at = time.monotonic()
             seen.append(now)
@@ -165,11 +173,11 @@ def check_steering(machine, show, options, figures):
         figures["steering"].append({"wand": wand, "moved_px": moved})
         print(figures["steering"][-1], flush=True)
         keep_pictures(machine, options, f"{options.part}-{number}-{wand}")
-    if any(abs(moved) > MOST_MOVED_AT_REST_PX for moved in total["rest"]):
+    if any(abs(moved) > MAX_MOVED_AT_REST_PX for moved in total["rest"]):
         figures["failed"].append(f"the view moves while the wand rests: {total}")
-    # Who turns right sees the wall's picture go left.
-    if total["right"][0] > -2 * MOST_MOVED_AT_REST_PX or total["left"][0] < 2 * MOST_MOVED_AT_REST_PX:
-        figures["failed"].append(f"the view does not turn as the wand says: {total}")
+    # Turning right moves the picture to the left.
+    if total["right"][0] > -2 * MAX_MOVED_AT_REST_PX or total["left"][0] < 2 * MAX_MOVED_AT_REST_PX:
+        figures["failed"].append(f"the view does not turn with the wand: {total}")
 
 
 def keep_pictures(machine, options, name):
@@ -182,7 +190,8 @@ def keep_pictures(machine, options, name):
 
 
 def check_farm_away(machine, show, farm, reference, figures):
-    """A picture that is still right stays; the visitor turns, and what there is to see does not come."""
+    """While the farm is down, a picture that is still right stays until the visitor turns and no new picture
+    arrives."""
     farm.stop()
     show("right")
     figures["farm_away_attract_s"] = wait_for(lambda: is_attracting(machine, reference), SHOWS_WITHIN_S)
@@ -196,7 +205,7 @@ def check_farm_away(machine, show, farm, reference, figures):
 
 
 def check_camera(machine, figures):
-    """Out and in again."""
+    """Unplugs the camera and plugs it in again."""
     since = "journalctl -b -o cat -u cyclorama-tracker --no-pager | grep -c 'Follows'"
     before = int(machine.run(since)[1].split()[-1])
     machine.run("systemctl stop wand; echo vivid.0 >/sys/bus/platform/drivers/vivid/unbind", 60)
@@ -207,12 +216,12 @@ def check_camera(machine, figures):
     back = wait_for(lambda: int(machine.run(since)[1].split()[-1]) > before, 240)
     figures["camera_gone_told_s"], figures["camera_back_s"] = gone, back
     if gone is None or back is None:
-        figures["failed"].append(f"camera unplugged: told after {gone} s, back after {back} s")
-    print(f"camera: gone is told after {gone} s, back after {back} s", flush=True)
+        figures["failed"].append(f"camera unplugged: reported after {gone} s, back after {back} s")
+    print(f"camera: its loss is reported after {gone} s, back after {back} s", flush=True)
 
 
 def check_head(machine, reference, figures):
-    """The last one's projector out and in again; the others go on."""
+    """Unplugs the last head's projector and plugs it in again; the others continue."""
     last = HEADS - 1
     machine.resize(last, 0, 0)
     gone = wait_for(lambda: not live(machine, reference)[last], 240)
@@ -227,7 +236,7 @@ def check_head(machine, reference, figures):
 
 
 def check_full_disk(machine, reference, figures):
-    """The show goes on, and it goes on once there is room again."""
+    """Fills the disk and frees it again; the show goes on."""
     machine.run("fallocate -l $(($(df --output=avail -B1 /var | tail -n 1) - 4096)) /var/full || dd if=/dev/zero of=/var/full bs=1M; echo x >/var/lib/more", 300)
     free = machine.run("df --output=avail -k /var | tail -n 1")[1].strip()
     time.sleep(20)
@@ -241,14 +250,14 @@ def check_full_disk(machine, reference, figures):
 
 
 def ask_for_small_pictures(machine):
-    """Of the display, of the farm: what an emulated processor can decode. Its unit else stays as it is."""
+    """Limits the width of the farm's pictures to what an emulated processor can decode, by a drop-in."""
     place = "/run/systemd/system/cyclorama-display.service.d"
     machine.run(f"mkdir -p {place}; (echo [Service]; echo ExecStart=; sed -n '/^ExecStart=/s/$/ --width {PICTURE_PX}/p' "
                 f"/usr/lib/systemd/system/cyclorama-display.service) >{place}/small.conf; systemctl daemon-reload", 120)
 
 
 def check(machine, options, folder, figures):
-    """On a computer that runs and has three heads, whose QEMU has wand_disk() and a network that reaches the host."""
+    """Tests a running computer with three heads, whose QEMU has wand_disk() and a network that reaches the host."""
     farm = HostFarm(options.programs, folder / "farm")
     farm.start()
     show = functools.partial(show_wand, machine)

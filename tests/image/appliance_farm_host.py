@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A render host's image (image/build --farm-host --debug): starts without settings, becomes a farm's head and node by a stick that brings
-their certificates and a scene, and gives a museum on the host's side pictures. What answers from outside is what museums and nodes dial.
+"""Tests a render host's image (image/build --farm-host --debug).
 
-QEMU forwards by IPv4 alone; within, the node dials its head over IPv6."""
+It starts without settings, becomes a farm's coordinator and node by a stick with their certificates and a scene, and
+renders for a museum on the host. From outside only the ports for museums and nodes answer. QEMU forwards IPv4 only;
+inside, the node connects to its coordinator over IPv6.
+"""
 import json
 import pathlib
 import subprocess
@@ -17,7 +19,7 @@ from host_farm import MUSEUM, HostFarm
 
 STARTS_WITHIN_S = 900
 FRAMES_WITHIN_S = 600
-FORWARDED = 17411  # On the host's loopback, to the head's port for museums.
+FORWARDED = 17411  # On the host's loopback; forwarded to the coordinator's port for museums.
 PORTS = (7401, 7402)
 HEAD = """museums = "[::]:7401"
 nodes = "[::]:7402"
@@ -38,7 +40,7 @@ def tls(folder):
 
 
 def stick_of_host(farm, folder, name="host", node=NODE):
-    """The image of a stick with all that this host is to be."""
+    """Returns the image of a stick with this host's settings, certificates and scene."""
     contents = {f"cyclorama/grotto/{path.name}": path for path in (farm.folder / "scene").iterdir()}
     for role in ("head", "node"):
         contents |= {f"cyclorama/tls-{role}/{file}": farm.folder / role / file for file in ("authority.crt", "certificate.crt", "key.pem")}
@@ -51,7 +53,8 @@ def stick_of_host(farm, folder, name="host", node=NODE):
 
 
 def visit(programs, farm, seconds, wanted=3):
-    """(seconds until so many whole pictures had come, or None; how the newest was made). `programs` is the build's bin."""
+    """Returns (seconds until so many whole pictures had arrived, or None; the newest one's report). `programs` is the
+    build's bin."""
     began = time.monotonic()
     command = [pathlib.Path(programs).parent / "tests/test-museum", "--farm", f"127.0.0.1:{FORWARDED}", "--bundle", farm.folder / "museum",
                "--museum", MUSEUM, "--width", "256", "--height", "128", "--rate-hz", "1", "--patience-s", str(seconds)]
@@ -89,17 +92,17 @@ def check(machine, options, farm, folder, figures):
     expect(machine, figures, "secure boot", "dmesg | grep -i 'secure boot'", "Secure boot enabled")
     expect(machine, figures, "/var", "cat /run/cyclorama/var", "encrypted")
     expect(machine, figures, "without settings nothing runs", both, "inactive")
-    expect(machine, figures, "and it is a good start", "systemctl show -P Result cyclorama-health", "success")
+    expect(machine, figures, "and the start succeeds", "systemctl show -P Result cyclorama-health", "success")
     if not machine.plug_stick(stick_of_host(farm, folder), "host", 600):
-        figures["failed"].append("the stick was not looked at")
+        figures["failed"].append("the stick was not checked")
     expect(machine, figures, "the stick", "cat /var/lib/cyclorama/provisioning.json", "installed")
-    expect(machine, figures, "head and node run", f"for i in $(seq 120); do [ \"$({both})\" = 'active ' ] && break; sleep 1; done; {both}", "active ")
+    expect(machine, figures, "coordinator and node run", f"for i in $(seq 120); do [ \"$({both})\" = 'active ' ] && break; sleep 1; done; {both}", "active ")
     check_pictures(options, farm, figures, "first_pictures_s")
     if not machine.plug_stick(stick_of_host(farm, folder, "bad", 'threds = 2\n' + NODE), "bad", 600):
-        figures["failed"].append("the bad stick was not looked at")
+        figures["failed"].append("the bad stick was not checked")
     expect(machine, figures, "a bad stick", "cat /var/lib/cyclorama/provisioning.json", "threds")
     expect(machine, figures, "changes nothing", "cat /etc/cyclorama/node.toml", "render-1")
-    expect(machine, figures, "and is told on the serial port", "systemctl show -P Result cyclorama-tell-settings", "success")
+    expect(machine, figures, "and is reported on the serial port", "systemctl show -P Result cyclorama-tell-settings", "success")
 
 
 def run(options, folder):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An update from the farm, on the Debug image: a head on the host's side hands out the version under OUT/next (appliance_update.py), the
-museum's computer is told to look, fetches it over IPv6 and TLS, writes it beside the running one, and starts into it."""
+"""Tests an update from the farm on the Debug image: a coordinator on the host offers the version under OUT/next (see
+appliance_update.py); the museum's computer checks on request, fetches it over IPv6 and TLS, writes it beside the
+running one, and starts it."""
 import re
 import time
 
@@ -18,10 +19,10 @@ IMAGE = "cyclorama-museum-debug"
 def run(options, folder):
     figures = {"failed": []}
     update = options.out / "next" / IMAGE / "update"
-    (folder / "shelf").mkdir()
-    (folder / "shelf" / IMAGE).symlink_to(update.resolve())
+    (folder / "store").mkdir()
+    (folder / "store" / IMAGE).symlink_to(update.resolve())
     wanted = re.search(r"_([\d.]+)\.efi", next(update.glob("*.efi")).name)[1]
-    farm = HostFarm(options.programs, folder / "farm", more=f'updates.folder = "{folder}/shelf"\n')
+    farm = HostFarm(options.programs, folder / "farm", more=f'updates.folder = "{folder}/store"\n')
     farm.start()
     machine = Appliance(computer(options, folder), network="ipv4=on,ipv6=on", processors=1)
     try:
@@ -29,11 +30,12 @@ def run(options, folder):
         machine.run("systemctl is-system-running --wait", START_S)  # A first start reports on settings of its own.
         old = version(machine)
         if not machine.plug_stick(stick_of_farm(folder, farm), "farm"):
-            figures["failed"].append("the stick was not looked at")
-        # Whose page is restarted with new settings.
+            figures["failed"].append("the stick was not checked")
+        # The page restarts with new settings.
         machine.run("for i in $(seq 300); do [ -d /run/cyclorama-wishes ] && break; sleep 1; done; sleep 5", 400)
         began = time.monotonic()
-        # As it asks each hour of its night: an emulated computer that others keep busy does not answer its farm's pings in time, and goes on where it was.
+        # Repeated as in each hour of a night: a busy emulated computer misses the farm's pings and resumes where it
+        # was.
         for figures["asked"] in range(1, ASKS + 1):
             status, said = machine.run(f"cyclorama update --wait {FETCHED_S}", FETCHED_S + 60)
             print(said, flush=True)
@@ -42,14 +44,14 @@ def run(options, folder):
         else:
             figures["failed"].append(f"cyclorama update: {status}, {said}; " + machine.run("journalctl -b -o cat --no-pager -u 'cyclorama-*update*' | tail -n 30")[1])
         figures["fetched_and_written_s"] = round(time.monotonic() - began)
-        # Once what is dark was noted for the trial.
+        # Waits until the dark heads were recorded for the trial.
         _, left = machine.run("cd /var/lib/cyclorama-update; for i in $(seq 120); do [ -e offer ] || break; sleep 1; done; ls", 240)
         if "offer" in left:
-            figures["failed"].append(f"what was fetched is still there: {left}")
+            figures["failed"].append(f"the fetched files are still there: {left}")
         machine.restart(START_S)
         figures["version"], figures["before"] = version(machine), old
         if figures["version"] != wanted:
-            figures["failed"].append(f"{figures['version']} runs, and not {wanted}")
+            figures["failed"].append(f"{figures['version']} runs instead of {wanted}")
         print(figures, flush=True)
     finally:
         machine.power_off()

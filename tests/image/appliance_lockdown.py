@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a visitor's hands, a strange device, a strange program and a failing part can do to a Debug image: nothing that the wall shows.
-Keys, USB devices, a module that nobody signed, ways out of the computer, a crash, /var that can only be read, a TPM that is gone, and the
-boot menu's way to forget everything."""
+"""Tests on a Debug image that keys, foreign devices and programs, and failing parts change nothing that the wall shows.
+
+It tries keys, USB devices, an unsigned module, outgoing connections, a crash, a read-only /var, a missing TPM, and the
+boot menu's factory reset.
+"""
 import collections
 import pathlib
 import re
@@ -17,7 +19,7 @@ from disk_image import stick
 START_S = 900
 KEYS = ("ctrl alt delete", "ctrl alt f2", "alt f2", "alt sysrq b", "alt sysrq c", "alt sysrq e")
 STRANGERS = ("usb-net", "usb-ccid")
-# A module that is there for computers without a watchdog, and that nobody needs here.
+# A module for computers without a watchdog, which is not needed here.
 MODULE = "softdog"
 WATCHDOG = ("-device", "i6300esb", "-action", "watchdog=reset")
 
@@ -27,7 +29,7 @@ def press(machine, keys):
 
 
 def check_keys(machine, reference, figures):
-    """As fast as anybody can: seven times within two seconds is what systemd counts."""
+    """Presses keys as fast as possible: systemd reacts to seven times within two seconds."""
     began = machine.run("cat /proc/sys/kernel/random/boot_id; systemctl show -P MainPID cyclorama-display")[1]
     for keys in KEYS:
         for _ in range(8):
@@ -38,7 +40,7 @@ def check_keys(machine, reference, figures):
     jobs = machine.run("systemctl list-jobs --no-legend")[1]
     figures["keys"] = len(KEYS)
     if began != after or "No jobs" not in jobs and jobs:
-        figures["failed"].append(f"keys did something: {began!r}, then {after!r}; jobs: {jobs}")
+        figures["failed"].append(f"keys had an effect: {began!r}, then {after!r}; jobs: {jobs}")
     if not is_as(machine.picture(0), reference[0]):
         figures["failed"].append("keys changed the picture")
 
@@ -53,19 +55,20 @@ def check_usb(machine, figures):
     figures["strange_usb_interfaces"] = came
     for number, _ in enumerate(STRANGERS):
         machine.ask("device_del", id=f"stranger{number}")
-    # A serial line's half for data (0a) may be let in: without its other half nobody drives it.
+    # The data interface of a serial adapter (0a) may be authorized: without its other interface no driver uses it.
     if len(came) < len(STRANGERS) or any(not re.match("0a . none|.. 0 none", line) for line in came):
-        figures["failed"].append(f"strange USB devices are used, or did not come: {came}")
+        figures["failed"].append(f"foreign USB devices are used, or did not appear: {came}")
 
 
 def without_signature(module):
-    """A module's bytes up to what was appended: the signature, its kind and length in twelve bytes, and a word that says so."""
+    """Returns a module without its appended signature, the signature's kind and length in twelve bytes, and the
+    marker."""
     end = module.rindex(b"~Module signature appended~\n")
     return module[:end - 12 - struct.unpack(">I", module[end - 4:end])[0]]
 
 
 def check_modules(machine, options, folder, figures):
-    """The kernel takes what Debian signed, and not the same without its signature."""
+    """The kernel loads a module that Debian signed, but not the same one without its signature."""
     _, where = machine.run(f"modinfo -n {MODULE}")
     root = folder / "root"
     subprocess.run(["fsck.erofs", f"--extract={root}", str(next(image_of(options, True).parent.glob("update/*.root.raw")))], check=True, capture_output=True)
@@ -85,7 +88,8 @@ def check_modules(machine, options, folder, figures):
 
 
 def check_out(machine, figures):
-    """Who is refused at once by the filter, and who comes through: to a port of the host at which nobody listens, which refuses in another word."""
+    """Returns which users the packet filter refuses at once and which it lets through to a closed port of the host,
+    which gives another error."""
     tries = {"root, a web server": ("root", 80), "root, a farm": ("root", 7401), "the display, a farm": ("cyclorama-display", 7401), "the tour, a farm": ("cyclorama-tour", 17401),
              "the tour, a mail server": ("cyclorama-tour", 25), "the projectors' keeper, a projector": ("cyclorama-projectors", 4352)}
     figures["out"] = {}
@@ -94,7 +98,7 @@ def check_out(machine, figures):
         figures["out"][what] = machine.run(command)[1].rpartition(": ")[2]
     for what, (user, port) in tries.items():
         is_let_out = user in ("cyclorama-tour", "cyclorama-projectors") and port >= 1024
-        # The filter says "prohibited", which a program hears as no route.
+        # The filter answers "prohibited", which a program gets as no route.
         if figures["out"][what] != ("Connection refused" if is_let_out else "No route to host"):
             figures["failed"].append(f"out: {what}: {figures['out'][what]}")
 
@@ -102,11 +106,11 @@ def check_out(machine, figures):
 def check_watchdog(machine, figures):
     figures["watchdog"] = machine.run("cat /sys/class/watchdog/watchdog0/identity /sys/class/watchdog/watchdog0/state; systemctl show -P RuntimeWatchdogUSec")[1].split("\n")
     if "active" not in figures["watchdog"]:
-        figures["failed"].append(f"nobody feeds the watchdog: {figures['watchdog']}")
+        figures["failed"].append(f"the watchdog is not used: {figures['watchdog']}")
 
 
 def check_crash(machine, figures):
-    """One that dies is back, and what it died of is kept."""
+    """A service that crashes restarts, and its core is kept."""
     machine.run("systemctl kill -s SEGV cyclorama-tour")
     back = "for i in $(seq 90); do [ \"$(systemctl is-active cyclorama-tour)\" = active ] && [ \"$(systemctl show -P NRestarts cyclorama-tour)\" -ge 1 ] && break; sleep 1; done; systemctl is-active cyclorama-tour"
     active = machine.run(back, 300)[1]
@@ -117,24 +121,24 @@ def check_crash(machine, figures):
 
 
 def check_read_only(machine, reference, figures):
-    """A disk that begins to fail: ext4 itself then lets nothing be written."""
+    """Simulates a failing disk: ext4 then refuses all writes."""
     machine.run("for error in /sys/fs/ext4/*/trigger_fs_error; do echo tested >$error; done")
     time.sleep(20)
     told = machine.run("touch /var/lib/x; cyclorama doctor 2>&1", 120)[1]
     failed = machine.run("systemctl --failed --no-legend --plain | cut -d' ' -f1")[1].split()
     figures["read_only"] = {"told": [line for line in told.splitlines() if "written" in line], "failed_units": failed, "picture": is_as(machine.picture(0), reference[0])}
     if "cannot touch" not in told or not figures["read_only"]["told"] or not figures["read_only"]["picture"]:
-        figures["failed"].append(f"a disk that fails: {figures['read_only']}; {told[:600]}")
+        figures["failed"].append(f"a failing disk: {figures['read_only']}; {told[:600]}")
 
 
 def check_menu_reset(machine, reference, figures):
-    """The boot menu's other entry, chosen for the next start as its keys would."""
+    """Selects the boot menu's factory reset for the next start, as its keys would."""
     _, listed = machine.run("bootctl list --json=short --no-pager", 60)
     entries = re.findall(r'"id" ?: ?"([^"]+)"', listed)
     resets = [entry for entry in entries if re.search(r"@\d|reset|forget", entry) and "auto" not in entry]
     figures["entries"] = entries
     if not resets:
-        figures["failed"].append(f"the boot menu has no way to forget everything: {listed}")
+        figures["failed"].append(f"the boot menu has no factory reset: {listed}")
         return
     machine.run(f"bootctl set-oneshot '{resets[-1]}'")
     machine.restart(START_S)
@@ -147,7 +151,7 @@ def check_menu_reset(machine, reference, figures):
 
 
 def without_tpm(disk, reference, figures):
-    """Its key is gone with it: the show goes on, and says why nothing is kept."""
+    """Removes the TPM and with it the key of /var: the show goes on, and the reason is reported."""
     machine = Appliance(disk, tpm=False)
     try:
         machine.wait_for_shell(START_S)

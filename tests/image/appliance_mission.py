@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole mission on the image that ships, and with nothing but what a museum has: a stick, a USB camera, projectors, a network, the
-operator page. Nobody is logged in, for nobody can be.
+"""Tests the whole show on the shipped image with only what a museum has: a stick, a USB camera, projectors, a network,
+the operator page. Nobody is logged in, since nobody can be.
 
-    farm (head, node) ◀──IPv6, TLS──┐          ┌──▶ three heads ──▶ screen dumps
+    farm on the host ◀───IPv6, TLS──┐          ┌──▶ three heads ──▶ screen dumps
                                     the image ─┤
-    stick ──USB storage────────────▶│          └──▶ operator page, HTTPS and PIN ──▶ what it says
+    stick ──USB storage────────────▶│          └──▶ operator page, HTTPS and PIN ──▶ its reports
     rendered wand ──USB video──────▶│
 """
 import pathlib
@@ -18,21 +18,21 @@ from host_farm import MUSEUM, HostFarm
 from operator_page import OperatorPage
 from usb_camera import UsbCamera
 
-PAGE_PORT = 18443  # On the host's loopback, to the page's own.
+PAGE_PORT = 18443  # On the host's loopback; forwarded to the page's port.
 PIN = "407319"
 TRACKER = '[camera]\nkind = "v4l2"\n[detector]\nthreads = 1\n'
-PER_SECOND = 5  # Pictures; an emulated processor finds the wand in fewer.
+PER_SECOND = 5  # Pictures; an emulated processor finds the wand in fewer of them.
 STEP_S = 900
 YAW_WITHIN_DEG = 2.0
 
 
 class Hand:
-    """With the wand before the camera."""
+    """The hand that holds the wand before the camera."""
 
     def __init__(self, camera, pictures, page):
         self._camera, self._pictures, self._page = camera, pictures, page
         self._wand = None
-        self.seen_deg = {}  # How far the tracker says that each wand is turned.
+        self.seen_deg = {}  # The yaw that the tracker reported for each wand.
 
     def show(self, wand):
         if self._wand:
@@ -42,7 +42,7 @@ class Hand:
 
 
 def wait(figures, what, condition, seconds=STEP_S):
-    """Notes how long it took; None is a failure, which is told."""
+    """Records the seconds until the condition holds; None is a failure, which is reported."""
     figures[what] = wait_for(condition, seconds)
     if figures[what] is None:
         figures["failed"].append(f"{what}: not within {seconds} s")
@@ -51,7 +51,7 @@ def wait(figures, what, condition, seconds=STEP_S):
 
 
 def plug_stick(machine, image, page, figures):
-    """In, until the page can be seen, and out. The PIN came with it."""
+    """Plugs the stick in until the page can be opened with its PIN, then removes it."""
     machine.attach_stick(image, "stick")
     try:
         if not wait(figures, "page_s", lambda: page.museum().get("provisioning")):
@@ -64,16 +64,16 @@ def plug_stick(machine, image, page, figures):
     if (figures["settings"]["verdict"], figures["settings"]["museum"], figures["settings"]["projectors"]) != ("installed", MUSEUM, HEADS):
         figures["failed"].append(f"the stick: {figures['settings']}")
     if told["page"]["fingerprint"] != page.certificate:
-        figures["failed"].append(f"the page's certificate is {page.certificate}, and it says {told['page']['fingerprint']}")
-    # It may be on its way to settings of its own.
+        figures["failed"].append(f"the page's certificate is {page.certificate}, but it shows {told['page']['fingerprint']}")
+    # It may be restarting with its new settings.
     wait_for(lambda: figures.update(without_pin=page.without_pin("/museum")) or figures["without_pin"], STEP_S)
     if figures["without_pin"] != 401:
-        figures["failed"].append(f"who has no PIN gets {figures['without_pin']}")
+        figures["failed"].append(f"a client without the PIN gets {figures['without_pin']}")
     return True
 
 
 def check_camera(camera, page, machine, reference, figures):
-    """Out and in again, as the page tells it; the show goes on."""
+    """Unplugs the camera and plugs it in again, observed on the page; the show goes on."""
     camera.unplug()
     if wait(figures, "camera_gone_told_s", lambda: "No pictures" in page.says("tracker")):
         figures["camera_gone"] = page.check("part-tracker")
@@ -86,7 +86,7 @@ def check_camera(camera, page, machine, reference, figures):
 
 
 def read_bundle(page, figures):
-    """What the page's support bundle says of this start: it is all that can be had of a computer without a shell."""
+    """Checks the journal of this start in the page's support bundle, the only access to a computer without a shell."""
     bundle = page.support_bundle()
     journal = bundle.get("journal.txt", "")
 
@@ -98,19 +98,19 @@ def read_bundle(page, figures):
                          "tracker_starts": len(re.findall("Started cyclorama-tracker.service", journal))}
     figures["version"] = next((line.split("=")[1] for line in bundle.get("versions.txt", "").splitlines() if line.startswith("IMAGE_VERSION")), None)
     print(figures["bundle"], figures["version"], flush=True)
-    # Once by itself, once with the stick's settings.
+    # One start by itself, one with the stick's settings.
     if figures["bundle"]["secure_boot"] is None or figures["bundle"]["display_starts"] != 2:
         figures["failed"].append(f"the journal of this start: {figures['bundle']}")
 
 
 def check(machine, camera, page, options, folder, figures):
-    """On a computer that shows the attract picture on three heads."""
+    """Tests a computer that shows the attract picture on three heads."""
     farm = HostFarm(options.programs, folder / "farm")
     farm.start()
     try:
         for head in range(HEADS):
             machine.plug_in(head, *SMALL)
-            time.sleep(5)  # The guest's driver misses the second of two at once.
+            time.sleep(5)  # The guest's driver may miss the second of two at once.
         image = stick_of_farm(folder, farm, site=farm.site() + f"picture_width_px = {PICTURE_PX}\n", tracker=TRACKER, operator=f'pin = "{PIN}"\n')
         hand = Hand(camera, wand_pictures(options.programs, folder), page)
         hand.show("rest")
@@ -127,7 +127,7 @@ def check(machine, camera, page, options, folder, figures):
         check_farm_away(machine, hand.show, farm, reference, figures)
         figures["yaw_deg"] = hand.seen_deg
         if any(seen is None or abs(seen - WANDS[wand][0]) > YAW_WITHIN_DEG for wand, seen in hand.seen_deg.items()):
-            figures["failed"].append(f"the tracker sees the wand otherwise: {hand.seen_deg}")
+            figures["failed"].append(f"the tracker reports other angles of the wand: {hand.seen_deg}")
         figures["page"] = {line["id"]: line["level"] for line in page.museum().get("checks", [])}
         print(figures["page"], figures["yaw_deg"], flush=True)
     finally:
@@ -153,7 +153,7 @@ def run(options, folder):
         print(figures["first_picture_s"], flush=True)
         keep_pictures(machine, options, "mission-attract")
         if wait(figures, "page_answers_s", lambda: page.without_pin("/museum") == 401) and page.museum():
-            figures["failed"].append("the page lets somebody in before there is a PIN")
+            figures["failed"].append("the page is open before there is a PIN")
         if len(figures["first_picture_s"]) < HEADS:
             figures["failed"].append(f"no attract picture on every head: {figures['first_picture_s']}")
         else:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings on a stick: good ones are taken, wrong ones are refused with a reason and change nothing."""
+"""Tests settings on a stick: good ones are taken into use, wrong ones are refused with a reason and change nothing."""
 import pathlib
 
 from appliance import Appliance
@@ -11,7 +11,7 @@ GOOD = '[farm]\nheads = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
 BAD = '[farm]\nheds = ["[2001:db8::1]:7401"]\n'
 
 def plug(machine, folder, name, site):
-    """A stick with these settings, in the computer until they were looked at."""
+    """Plugs in a stick with these settings until they were checked."""
     file = folder / f"{name}.toml"
     file.write_text(site)
     image = folder / f"{name}.img"
@@ -23,12 +23,12 @@ def plug(machine, folder, name, site):
 def expect(machine, figures, what, command, wanted):
     _, found = machine.run(command)
     if wanted not in found:
-        figures["failed"].append(f"{what}: {found!r} does not say {wanted!r}")
+        figures["failed"].append(f"{what}: {found!r} does not contain {wanted!r}")
     print(f"{what}: {found}", flush=True)
 
 
 def check_sticks(machine, folder, figures):
-    """On a running computer that has the image's own settings; what it leaves is the good stick's."""
+    """Tests a running computer that has the image's own settings; afterwards the good stick's are in use."""
     expect(machine, figures, "without a stick", "cat /etc/cyclorama/site.toml", "[::1]:7401")
     plug(machine, folder, "good", GOOD)
     expect(machine, figures, "a good stick", "cat /etc/cyclorama/site.toml", "Hall 3")
@@ -41,7 +41,7 @@ def check_sticks(machine, folder, figures):
 
 
 def check_reset(machine, figures):
-    """On the start after /var/lib/cyclorama/factory-reset was made."""
+    """Tests the start after /var/lib/cyclorama/factory-reset was made."""
     expect(machine, figures, "after a factory reset, /var", "cat /run/cyclorama/var", "encrypted")
     machine.run("for i in $(seq 90); do [ -e /etc/cyclorama/site.toml ] && break; sleep 1; done", 300)
     expect(machine, figures, "after a factory reset, settings", "cat /etc/cyclorama/site.toml", "[::1]:7401")

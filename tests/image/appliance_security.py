@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the image offers to an attacker: each service's exposure by systemd's own measure; set-user-id files, users, running programs
-with their capabilities, and what listens against the checked lists beside this file; a scan of the computer's ports from the network."""
+"""Checks the image's attack surface: systemd's rating of each service; set-user-id files, users, running programs with
+their capabilities and open ports against the checked lists in expected/; a scan of the computer's ports from the
+network."""
 import pathlib
 import re
 import socket
@@ -15,15 +16,16 @@ sys.path.insert(0, str(HERE.parent / "tools"))
 from installed_units import exposure, install_units  # noqa: E402
 
 MAX_EXPOSURE = 2.0
-# Services of root, which end as soon as they have mounted or divided disks, written partitions or restarted the computer.
+# Services of root, which end as soon as they have mounted or divided disks, written partitions or restarted the
+# computer.
 ROOTS = {"cyclorama-var": 9.6, "cyclorama-keyboard": 9.6, "cyclorama-update@": 4.5, "cyclorama-update-from-farm@": 4.5, "cyclorama-health": 2.5}
 OPERATOR_PORT = 8443
 SCANNED = [*range(1, 1025), 2049, 3306, 3389, 4352, 5355, 5432, 5900, 6000, *range(7380, 7430), 8000, 8080, OPERATOR_PORT, 9090, 19531, 50051]
 FIRST_SCAN_PORT = 20000
 ANSWERS_WITHIN_S = 6
-# Who hears nothing more closes again after seconds.
+# Connection states of ports that answered, within seconds.
 ANSWERED = {f"TCP[{state}]" for state in ("ESTABLISHED", "CLOSE_WAIT", "FIN_WAIT_1", "FIN_WAIT_2", "CLOSING", "LAST_ACK", "TIME_WAIT")}
-# Not the debug shell's own, and no threads of the kernel's.
+# Lists user, program and capabilities of all processes but the debug shell's and the kernel's threads.
 PROCESSES = """for p in /proc/[0-9]*; do
   if grep -q cyclorama-debug-shell $p/cgroup || ! readlink -e $p/exe >/dev/null; then continue; fi
   caps=$(capsh --decode=$(sed -n 's/^CapEff:.//p' $p/status))
@@ -32,7 +34,7 @@ done 2>/dev/null | sort -u"""
 
 
 def compare(name, found, failed):
-    """With a checked list, of which a render host has its own: 'farm-host/users'."""
+    """Compares with a checked list; a render host has its own ones, such as 'farm-host/users'."""
     wanted = [line for line in (HERE / "expected" / name).read_text().splitlines() if line and not line.startswith("#")]
     for line in sorted(set(found) - set(wanted)):
         failed.append(f"{name}: '{line}' is in the image and not in the checked list")
@@ -41,7 +43,7 @@ def compare(name, found, failed):
 
 
 def compare_journal(lines, failed):
-    """Returns how many lines are no board's own."""
+    """Returns the number of lines that no pattern in expected/journal allows."""
     known = [re.compile(line) for line in (HERE / "expected/journal").read_text().splitlines() if line and not line.startswith("#")]
     strange = [line for line in lines if not any(pattern.fullmatch(re.sub(r"^\[ *[\d.]+\] ", "", line)) for pattern in known)]
     failed.extend(f"journal above notice: {line}" for line in strange)
@@ -49,9 +51,10 @@ def compare_journal(lines, failed):
 
 
 def scan(machine):
-    """The ports of SCANNED that answer. QEMU's network stands for a neighbour's computer; it knows how each connection fares."""
+    """Returns the ports of SCANNED that answer. QEMU's network stands for a neighbour's computer; it knows each
+    connection's state."""
     calls, answering = [], set()
-    # Loopback of the tests' machine; another computer that is scanned there has another.
+    # A loopback address of the tests' machine that differs for each scanned computer.
     here = f"127.{machine.process.pid // 250 % 250 + 1}.{machine.process.pid % 250}.77"
     for number, port in enumerate(SCANNED):
         if trouble := machine.hmp(f"hostfwd_add net tcp:{here}:{FIRST_SCAN_PORT + number}-:{port}"):
@@ -92,7 +95,7 @@ def look_at_running(machine, figures, lists="", ports=(OPERATOR_PORT,)):
     print("\n".join(noted))
     figures["ports_open"] = scan(machine)
     if figures["ports_open"] != list(ports):
-        failed.append(f"ports that answer: {figures['ports_open']}")
+        failed.append(f"open ports: {figures['ports_open']}")
 
 
 def run(options, folder):

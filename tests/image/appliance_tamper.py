@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What was changed after it was signed does not start: no picture, and the firmware, the loader or the kernel says why."""
+"""Tests that nothing that was changed after signing starts: no picture, and firmware, loader or kernel report the
+reason."""
 import concurrent.futures
 import re
 import shutil
@@ -10,11 +11,11 @@ from appliance import Appliance, Disk
 from appliance_boot import attract_pictures, image_of, is_as, wait_for_pictures
 from disk_image import BootPartition, place_of, partitions
 
-PATIENCE = 3.0  # So many times as long as an untouched start took, and no picture: it does not start.
-LEAST_S = 120
+TIMEOUT_FACTOR = 3.0  # No picture after so many times the duration of an untouched start means that it does not start.
+MIN_S = 120
 AT_A_TIME = 2
-UNTOUCHED_S = 300  # Where none was measured: --computer has its keys from an earlier start.
-AFTERWARDS_S = 30  # Once something was said.
+UNTOUCHED_S = 300  # Used if no start was measured: --computer has its keys from an earlier start.
+AFTERWARDS_S = 30  # Seconds after the first report.
 
 
 def flip_bit(image, offset, bit=3):
@@ -41,7 +42,7 @@ def change_kernel(image, folder, change):
 
 
 def without_signature(kernel):
-    """The certificate table of a PE32+ file is its fifth data directory; without it, it is as any unsigned one."""
+    """Removes the signature of a PE32+ file: its certificate table is the fifth data directory."""
     pe = int.from_bytes(kernel[0x3C:0x40], "little")
     entry = pe + 24 + 112 + 4 * 8
     at = int.from_bytes(kernel[entry:entry + 4], "little")
@@ -66,13 +67,13 @@ CASES = {
     "another command line": lambda image, folder: change_kernel(image, folder, other_command_line),
     "another root hash": lambda image, folder: change_kernel(image, folder, replaced_root_hash),
 }
-# A sound start says "failed" and "error" here and there, too: these words it does not.
+# Messages that a good start never prints; it does print "failed" and "error" now and then.
 REASON = re.compile(r"device-mapper: verity: [^\r\n]*corrupt\w*|Kernel panic[^\r\n]*|Security Violation|Access [Dd]enied|Bad [Ss]ignature|"
                     r"Error (?:loading|preparing|starting)[^\r\n]{0,80}|Image verification failed")
 
 
 def watch(machine, reference, seconds):
-    """(what was said against it, whether the show started all the same)."""
+    """Returns (the reported reason, whether the show started nevertheless)."""
     end = time.monotonic() + seconds
     is_shown = False
     is_said = False
@@ -94,28 +95,28 @@ def run(options, folder):
         disk = Disk(folder / "untouched", image)
         machine = Appliance(disk)
         try:
-            # The keys are in the firmware from now on.
+            # The firmware has the keys from now on.
             first = wait_for_pictures(machine, reference)
         finally:
             machine.power_off()
         untouched_s = min(first.values())
-        print(f"untouched: a picture after {untouched_s} s, with the keys taken on the way")
+        print(f"untouched: a picture after {untouched_s} s, including the enrolment of the keys")
     cases = dict(list(CASES.items())[:2] if options.quick else CASES)
     figures = {"cases": len(cases), "refused": 0, "untouched_s": untouched_s, "said": {}, "failed": []}
 
     def look(name):
-        """(case, what was said against it, whether the show started all the same)."""
+        """Yields (case, the reported reason, whether the show started nevertheless)."""
         case = folder / f"case-{list(cases).index(name)}"
         case.mkdir()
         changed = case / "image.raw"
-        # Sparse: most of it is holes.
+        # The file is sparse: most of it is holes.
         subprocess.run(["cp", "--sparse=always", image, changed], check=True)
         cases[name](changed, case)
         other = Disk(case / "computer", changed)
         shutil.copy(disk.folder / "vars.fd", other.folder / "vars.fd")
         machine = Appliance(other)
         try:
-            said, is_shown = watch(machine, reference[0], max(LEAST_S, PATIENCE * untouched_s))
+            said, is_shown = watch(machine, reference[0], max(MIN_S, TIMEOUT_FACTOR * untouched_s))
         finally:
             machine.power_off()
         print(f"{name}: {said if said and not is_shown else 'NOT REFUSED'} ({machine.seconds():.0f} s)", flush=True)
@@ -128,5 +129,5 @@ def run(options, folder):
             figures["refused"] += refused
             figures["said"][name] = said
             if not refused:
-                figures["failed"].append(f"{name}: {'the show started' if is_shown else 'nothing was said against it'}; {said}")
+                figures["failed"].append(f"{name}: {'the show started' if is_shown else 'no reason was reported'}; {said}")
     return figures

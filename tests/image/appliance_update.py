@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Updates from a stick on the Debug image: a bad one uses up its tries and goes back by itself, and says so; a good one is tried and
-stays; power that is cut at any moment of the good one leaves a computer that starts. Needs a second version, newer than the one under
-OUT, under OUT/next (image/build --debug --version V --out OUT/next)."""
+"""Tests updates from a stick on the Debug image: a bad one uses up its attempts, is rolled back and reported; a good
+one is tried and stays; a power cut at any moment of the good one leaves a computer that starts. It needs a newer
+version under OUT/next (image/build --debug --version V --out OUT/next)."""
 import concurrent.futures
 import random
 import re
@@ -17,7 +17,7 @@ from disk_image import stick
 
 STICK_MB = 700
 START_S = 900
-BACK_S = 2400  # Three tries that end in a kernel's panic, and the start of the version before.
+BACK_S = 2400  # Three attempts that end in a kernel panic, and the start of the previous version.
 UPDATED_S = 900
 GOOD_S = 900
 AT_A_TIME = 2
@@ -25,7 +25,7 @@ REPORT = "cat /var/lib/cyclorama/update.json 2>/dev/null; true"
 
 
 def signed(folder, keys):
-    """Its manifest, as image/build makes it."""
+    """Writes the manifest as image/build does."""
     names = sorted(path.name for path in folder.iterdir() if not path.name.startswith("SHA256SUMS"))
     sums = subprocess.run(["sha256sum", *names], cwd=folder, check=True, capture_output=True).stdout
     (folder / "SHA256SUMS").write_bytes(sums)
@@ -38,7 +38,7 @@ def stick_of(update, file):
 
 
 def bad_version(update, folder, options):
-    """The same with a flipped bit in root, properly signed, named as an older version: what a broken build would be."""
+    """Makes an update with a flipped bit in root, properly signed, as a broken build would be."""
     shutil.copytree(update, folder)
     (kernel,) = folder.glob("*.efi")
     name = re.search(r"_([\d.]+)\.efi", kernel.name)[1]
@@ -56,7 +56,7 @@ def version(machine):
 
 
 def started(disk):
-    # Nothing here waits for a picture; where two emulated processors share a real one, each waits for the other's.
+    # Nothing here waits for a picture; two emulated processors that share a real one wait for each other.
     machine = Appliance(disk, processors=1)
     try:
         machine.wait_for_shell(START_S)
@@ -67,17 +67,17 @@ def started(disk):
 
 
 def wait_for_report(machine, word, seconds):
-    """What the updater says, once `word` is in it."""
+    """Waits until the updater's report contains `word` and returns it."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         if word in (said := machine.run(REPORT)[1]):
             return said
         time.sleep(2)
-    return f"not '{word}' within {seconds} s, but {said!r}"
+    return f"no '{word}' within {seconds} s, but {said!r}"
 
 
 def after_cut(disk, folder):
-    """What a computer says that starts after a cut."""
+    """Starts a computer after a power cut and returns its report."""
     account = {}
     began = time.monotonic()
     try:
@@ -111,7 +111,7 @@ def check_bad(machine, image, old, bad, figures):
 
 
 def check_good(machine, image, old, folder, options, figures, ret_states):
-    """`ret_states` gets what cuts left."""
+    """Installs the good update. `ret_states` receives the states after power cuts."""
     machine.attach_stick(image, "good")
     ret_states += cut_while(lambda: "ready" not in machine.run(REPORT)[1], machine, folder, options.cuts, random.Random(8))
     print(machine.run(REPORT)[1], f"{len(ret_states)} cuts", flush=True)
@@ -122,7 +122,7 @@ def check_good(machine, image, old, folder, options, figures, ret_states):
     for head in range(1, HEADS):
         machine.plug_in(head)
         time.sleep(5)
-    # The health check takes the tries out of the kernel image's name.
+    # The health check removes the count of attempts from the kernel image's name.
     stays = "at=$(bootctl -p)/EFI/Linux; for i in $(seq 60); do ls $at | grep -q '%s\\.efi' && break; sleep 10; done; ls $at; cat /run/cyclorama/health" % now.replace(".", "\\.")
     _, kernels = machine.run(stays, GOOD_S)
     print(kernels, flush=True)
@@ -133,7 +133,8 @@ def check_good(machine, image, old, folder, options, figures, ret_states):
 
 
 def check_cuts(states, updates, old, folder, options, figures):
-    """The running version is whole after each, and the other one is, once the loader would start it; all or some are started."""
+    """Checks that after each cut the running version is intact, and the other one too if the loader would start it.
+    Starts all or some of them."""
     figures["power_cuts"], figures["cuts"], figures["started_after_cut"] = len(states), [], 0
     for after_s, disk in states:
         figures["cuts"].append({"after_s": after_s, "whole": what_is_whole(disk, updates, folder)})
@@ -160,7 +161,7 @@ def run(options, folder):
     old = machine = None
 
     def whole(what, check):
-        """When it breaks off, the other update is looked at all the same, on a computer as it was."""
+        """Runs one update; if it fails, the other one is still tested, on a computer in the original state."""
         nonlocal machine, old
         try:
             if machine is None:
@@ -169,7 +170,7 @@ def run(options, folder):
                 old = version(machine)
             check()
         except (RuntimeError, OSError) as error:
-            figures["failed"].append(f"{what} update broke off: {error}"[-1500:])
+            figures["failed"].append(f"{what} update failed: {error}"[-1500:])
             print(figures["failed"][-1], flush=True)
             if machine is not None:
                 machine.power_off()

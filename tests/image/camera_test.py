@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The V4L2 camera on a kernel's own video device: a virtual machine loads vivid, whose HDMI output is joined to its input;
-test-camera sends a rendered hand with a tag through it, reads it back bit for bit, lets the driver fail in each way that
-it can, and unplugs and re-plugs the camera under a running cyclorama-tracker, which must find the tag before and after.
-Needs qemu-system-x86, and some minutes: ctest runs it only with CYCLORAMA_IMAGE_TESTS=1. The kernel is Debian's, fetched
+"""Tests the V4L2 camera on a kernel video device: a virtual machine loads vivid, whose HDMI output is connected to its
+input; test-camera sends a rendered hand with a tag through it, compares every bit, makes the driver fail in every way
+that it offers, and unplugs and replugs the camera under a running cyclorama-tracker, which must find the tag before and
+after. It needs QEMU and some minutes: ctest runs it only with CYCLORAMA_IMAGE_TESTS=1. The kernel is Debian's, fetched
 with apt-get.
 
-With libcamera 0.4 or later, a second machine shows the pictures of its virtual camera to our libcamera camera.
+With libcamera 0.4 or later, a second machine tests our libcamera camera with libcamera's virtual camera.
 
-Run: CYCLORAMA_IMAGE_TESTS=1 camera_test.py SOURCE_ROOT BUILD_FOLDER [KEPT], where KEPT is a folder for the kernel.
+Run: CYCLORAMA_IMAGE_TESTS=1 camera_test.py SOURCE_ROOT BUILD_FOLDER [KEPT], where KEPT is a folder that keeps the
+kernel.
 """
 import os
 import pathlib
@@ -37,12 +38,12 @@ LIBCAMERA_CONFIG = """"Virtual0":
 
 
 def with_dependencies(modules, name, ordered):
-    """Appends to `ordered` (name, bytes) of the module and all that it says it needs, the needed first."""
+    """Appends (name, bytes) of the module and its dependencies to `ordered`, dependencies first."""
     if any(known == name for known, _ in ordered):
         return
     data = module_bytes(modules, name) or module_bytes(modules, name.replace("_", "-"))
     if data is None:
-        return  # Built in.
+        return  # The module is built into the kernel.
     needed = re.search(rb"\0depends=([^\0]*)\0", data)
     for dependency in filter(None, needed[1].decode().split(",") if needed else []):
         with_dependencies(modules, dependency, ordered)
@@ -50,7 +51,7 @@ def with_dependencies(modules, name, ordered):
 
 
 def guest_files(build, modules):
-    """{path in the guest: bytes}."""
+    """Returns {path in the guest: bytes}."""
     files = {"init": (build / "tests/test-camera").read_bytes(), TRACKER: (build / TRACKER).read_bytes()}
     ordered = []
     with_dependencies(modules, "vivid", ordered)
@@ -65,7 +66,8 @@ def guest_files(build, modules):
 
 
 def libcamera_files(program):
-    """As guest_files(), of the machine whose camera is libcamera's own; None where libcamera has none (before 0.4)."""
+    """Returns the files of the machine with libcamera's virtual camera, or None where libcamera has none (before
+    0.4)."""
     libraries = needed_libraries(program)
     found = next((re.search(r"libcamera\.so\.(\d+)\.(\d+)$", path) for path in libraries if "libcamera.so" in path), None)
     if not found or (int(found[1]), int(found[2])) < (0, 4):
@@ -79,7 +81,7 @@ def libcamera_files(program):
 
 
 def run_machine(kernel, initrd, log):
-    """What the guest said."""
+    """Returns the guest's output."""
     machine = subprocess.Popen(
         ["qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", "2048", "-nodefaults",
          "-no-reboot", "-display", "none", "-kernel", kernel, "-initrd", initrd,
@@ -95,34 +97,34 @@ def run_machine(kernel, initrd, log):
 
 
 def check(text):
-    """What is wrong, as sentences."""
+    """Returns the failures as sentences."""
     bad = []
     if "camera: ok" not in text:
         failed = re.search(r"camera: failed.*", text)
-        bad.append(failed[0] if failed else "the guest did not come to its end")
+        bad.append(failed[0] if failed else "the guest did not finish")
     for kind in ("mapped", r"\?memory=dma_buf"):
         if not re.search(rf"camera: pictures {kind}: (\d+) of \1 bit for bit, tag found in (\d+) of \2,", text):
-            bad.append(f"{kind}: not every picture was the one that was sent, or the tag was not in it")
+            bad.append(f"{kind}: a picture differs from the one that was sent, or lacks the tag")
     if not re.search(r"camera: fault 'Inject Fatal Streaming Error': (?!not noticed)", text):
-        bad.append("a stream that broke was not noticed")
+        bad.append("a broken stream was not noticed")
     parts = re.split(r"camera: (?:tracker starts|unplugged|plugged in again|tracker ends)", text)
     if len(parts) != 5:
-        return bad + ["the tracker's part was not reached"]
+        return bad + ["the tracker's part did not run"]
     _, before, without, after, _ = parts
     if "Follows tag 0" not in before:
         bad.append("the tracker did not find the tag")
     if "No pictures: " not in without:
-        bad.append("the tracker did not say that its camera is gone")
+        bad.append("the tracker did not report the loss of its camera")
     if "Follows tag 0" not in after:
         bad.append("the tracker did not find the tag again once its camera was back")
     return bad
 
 
 def check_libcamera(kernel, program, folder):
-    """What is wrong with libcamera's pictures; nothing where it has no camera of its own."""
+    """Returns the failures of libcamera's pictures, none where it has no virtual camera."""
     files = libcamera_files(program)
     if files is None:
-        print("camera: libcamera before 0.4 has no camera that needs no board, not looked at")
+        print("camera: libcamera before 0.4 has no virtual camera; not tested")
         return []
     initrd = folder / "initrd-libcamera"
     initrd.write_bytes(cpio(files))
@@ -131,7 +133,7 @@ def check_libcamera(kernel, program, folder):
     if "libcamera: ok" in text:
         return []
     print(text[-6000:])
-    return ["libcamera's virtual camera does not come through"]
+    return ["libcamera's virtual camera gives no pictures"]
 
 
 def main(source, build, kept=None):

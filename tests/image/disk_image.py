@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A raw disk image's partitions (GPT, UEFI specification 2.10, 5.3), and files of its boot partition by mtools."""
+"""Reads a raw disk image's partitions (GPT, UEFI specification 2.10, 5.3) and accesses its boot partition by mtools."""
 import pathlib
 import struct
 import subprocess
@@ -10,7 +10,7 @@ ESP = uuid.UUID("c12a7328-f81f-11d2-ba4b-00a0c93ec93b")
 
 
 def partitions(image):
-    """[(type, label, first byte, bytes)]."""
+    """Returns [(type, label, first byte, bytes)]."""
     found = []
     with open(image, "rb") as file:
         file.seek(SECTOR)
@@ -33,7 +33,7 @@ def place_of(image, label):
 
 
 class BootPartition:
-    """Files of the ESP inside a raw image."""
+    """The files of the ESP inside a raw image."""
 
     def __init__(self, image):
         first = next(first for kind, _, first, _ in partitions(image) if kind == ESP)
@@ -56,12 +56,12 @@ class BootPartition:
 
 
 def stick(file, megabytes, contents):
-    """A FAT disk named CYCLORAMA with {path on it: file}."""
+    """Makes a FAT disk named CYCLORAMA with {path on it: file}."""
     with open(file, "wb") as image:
         image.truncate(megabytes * 1_000_000 // SECTOR * SECTOR)
     subprocess.run(["mformat", "-i", str(file), "-v", "CYCLORAMA", "-F", "::"], check=True)
     with open(file, "r+b") as image:
-        # mformat writes a partition's entry, too, and the stick would be there twice.
+        # mformat writes a partition entry too, with which the stick would appear twice.
         image.seek(446)
         image.write(bytes(64))
     folders = sorted({parent for path in contents for parent in pathlib.PurePosixPath(path).parents if str(parent) != "."}, key=str)

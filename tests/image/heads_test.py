@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The DRM output on a kernel's own KMS: a virtual machine with a virtio graphics card of three heads runs test-wall, and
-what each head shows is compared pixel by pixel (QEMU's screen dumps). Needs qemu-system-x86, and a minute or more: ctest
-runs it only with CYCLORAMA_IMAGE_TESTS=1. The kernel is Debian's, fetched with apt-get.
+"""Tests the DRM output on a kernel's KMS: a virtual machine with a virtio graphics card of three heads runs test-wall,
+and each head's picture is compared pixel by pixel (QEMU's screen dumps). It needs QEMU and a minute or more: ctest runs
+it only with CYCLORAMA_IMAGE_TESTS=1. The kernel is Debian's, fetched with apt-get.
 
-Run: CYCLORAMA_IMAGE_TESTS=1 heads_test.py SOURCE_ROOT BUILD_FOLDER [KEPT], where KEPT is a folder for the kernel.
+Run: CYCLORAMA_IMAGE_TESTS=1 heads_test.py SOURCE_ROOT BUILD_FOLDER [KEPT], where KEPT is a folder that keeps the
+kernel.
 """
 import json
 import lzma
@@ -26,7 +27,7 @@ STARTS_WITHIN_S = 300
 
 
 def fetch_kernel(folder):
-    """(the kernel's image, its modules' folder) of Debian's newest."""
+    """Returns (image, folder of modules) of Debian's newest kernel."""
     if not list(folder.glob("boot/vmlinuz-*")):
         depends = subprocess.run(["apt-cache", "depends", "linux-image-amd64"], check=True, capture_output=True, text=True).stdout
         package = re.search(r"Depends: (linux-image-\S+)", depends)[1]
@@ -40,7 +41,7 @@ def fetch_kernel(folder):
 def module_bytes(modules, name):
     for found in modules.rglob(f"{name}.ko*"):
         return lzma.decompress(found.read_bytes()) if found.suffix == ".xz" else found.read_bytes()
-    return None  # Built in, or not there in this version.
+    return None  # The module is built in, or missing in this version.
 
 
 def needed_libraries(program):
@@ -49,7 +50,7 @@ def needed_libraries(program):
 
 
 def guest_files(build, modules):
-    """{path in the guest: bytes}."""
+    """Returns {path in the guest: bytes}."""
     files = {"init": (build / "tests/test-wall").read_bytes()}
     for number, name in enumerate(MODULES):
         data = module_bytes(modules, name)
@@ -69,7 +70,7 @@ def guest_files(build, modules):
 
 
 def cpio(files):
-    """The kernel's newc form (Documentation/driver-api/early-userspace/buffer-format.rst)."""
+    """Returns a newc archive (Documentation/driver-api/early-userspace/buffer-format.rst)."""
     folders = {str(parent) for path in files for parent in pathlib.PurePath(path).parents if str(parent) != "."}
     entries = [(name, 0o040755, b"") for name in sorted(folders)] + [(name, 0o100755, data) for name, data in files.items()]
     out = bytearray()
@@ -82,7 +83,7 @@ def cpio(files):
 
 
 class Machine:
-    """QEMU with three heads; a VNC display on each is what makes it connected."""
+    """QEMU with three heads, which a VNC display each makes connected."""
 
     def __init__(self, kernel, initrd, folder):
         self.folder = folder
@@ -114,8 +115,8 @@ class Machine:
                 return answer["return"]
 
     def resize(self, head, width, height):
-        """A VNC client that wants another size: the card tells the guest that a screen of that size was plugged in.
-        (RFB 3.8 without security; pseudo-encoding -308 is ExtendedDesktopSize, message 251 SetDesktopSize.)"""
+        """Requests another size as a VNC client: the card reports to the guest that a screen of that size was plugged
+        in. (RFB 3.8 without security; pseudo-encoding -308 is ExtendedDesktopSize, message 251 SetDesktopSize.)"""
         client = socket.socket(socket.AF_UNIX)
         client.settimeout(60)
         client.connect(str(self.folder / f"vnc{head}"))
@@ -143,7 +144,7 @@ class Machine:
         raise RuntimeError(f"no {pattern!r} within {seconds} s:\n{text[-3000:]}")
 
     def picture(self, head):
-        """(width, height, rows from the top as bytes of red, green, blue) of what a head scans out."""
+        """Returns (width, height, rows from the top as bytes of red, green, blue) of a head's scan-out."""
         file = self.folder / f"head{head}.ppm"
         self.ask("screendump", filename=str(file), device="card", head=head)
         magic, size, depth, pixels = file.read_bytes().split(b"\n", 3)
@@ -157,7 +158,7 @@ class Machine:
 
 
 def expected(head):
-    """As test-wall draws it."""
+    """Returns the picture that test-wall draws."""
     bars = b"".join(bytes(255 * (bar >> bit & 1) for bit in range(3)) for bar in (8 * x // WIDTH for x in range(WIDTH)))
     squares = b"".join(b"\xff\xff\xff" if x // 32 % 2 == 0 and x // 32 < 2 * (head + 1) else bytes(3) for x in range(WIDTH))
     return bars * (HEIGHT - 32) + squares * 32
@@ -193,7 +194,7 @@ def main(source, build, kept=None):
         try:
             print(machine.wait_for(r"wall: .*", STARTS_WITHIN_S))
             machine.connect()
-            # Two projectors are plugged in while the show runs.
+            # Plugs in two projectors while the show runs.
             for head in range(1, HEADS):
                 machine.resize(head, WIDTH, HEIGHT)
             print(machine.wait_for(r"wall: (.*Virtual-\d RHT){3}.*", STARTS_WITHIN_S))

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A farm on the host side of the virtual network: an authority, a head and a node, which the computer in QEMU dials over IPv6."""
+"""A farm on the host: an authority, a coordinator and a node, to which the computer in QEMU connects over IPv6."""
 import pathlib
 import subprocess
 import time
 
-# QEMU's own network: this address is the host's loopback, seen from within.
+# In QEMU's network this address is the host's loopback, seen from the guest.
 HOST_FROM_WITHIN = "fec0::2"
 MUSEUMS, NODES = 7401, 17402
 TRIANGLES = 10000
@@ -13,7 +13,7 @@ MUSEUM = "hall-3"
 
 class HostFarm:
     def __init__(self, programs, folder, addresses=(HOST_FROM_WITHIN, "::1"), more=""):
-        """Its head's certificate is for these addresses; `more` stands in its farm.toml before the tables."""
+        """The coordinator's certificate is for these addresses. `more` is added to farm.toml before the tables."""
         self.programs = pathlib.Path(programs).resolve()
         self.folder = pathlib.Path(folder)
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -40,11 +40,11 @@ class HostFarm:
         return f'[tls]\nauthority = "{at}/authority.crt"\ncertificate = "{at}/certificate.crt"\nkey = "{at}/key.pem"\n'
 
     def on_stick(self):
-        """{path on a museum's stick: file}: its certificates."""
+        """Returns {path on a museum's stick: file} of the museum's certificates."""
         return {f"cyclorama/tls/{name}": self.folder / "museum" / name for name in ("authority.crt", "certificate.crt", "key.pem")}
 
     def site(self):
-        """Turned slowly, and patient: an emulated computer shows a picture in seconds, which is wrong as long as the view turns."""
+        """Returns a site.toml with slow turns and long timeouts: an emulated computer needs seconds for a picture."""
         return (f'[farm]\nheads = ["[{HOST_FROM_WITHIN}]:{MUSEUMS}"]\nmuseum = "{MUSEUM}"\nauthority = "tls/authority.crt"\n'
                 'certificate = "tls/certificate.crt"\nkey = "tls/key.pem"\n[picture]\nsamples = 1\njpeg_quality = 70\n'
                 '[walk]\nturn_deg_per_s = 5\nguide_after_s = 0\n[display]\nattract_after_s = 90\n')

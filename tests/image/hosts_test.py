@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The packages on a Debian that boots: installs them under a real systemd, sets them up as install.md says, kills, hangs,
-stops and removes them. Needs root, mmdebstrap and systemd-nspawn (package systemd-container), and some minutes: ctest
-runs it only with CYCLORAMA_IMAGE_TESTS=1.
+"""Tests the packages on a Debian that boots: installs them under a real systemd, sets them up as install.md describes,
+kills, hangs, stops and removes them. It needs root, mmdebstrap, systemd-nspawn (package systemd-container) and some
+minutes: ctest runs it only with CYCLORAMA_IMAGE_TESTS=1.
 
-Run: CYCLORAMA_IMAGE_TESTS=1 hosts_test.py SOURCE_ROOT BUILD_FOLDER [ROOT], where ROOT is a folder for the Debian that is kept for another time.
+Run: CYCLORAMA_IMAGE_TESTS=1 hosts_test.py SOURCE_ROOT BUILD_FOLDER [ROOT], where ROOT is a folder that keeps the
+Debian.
 """
 import os
 import pathlib
@@ -34,7 +35,7 @@ def run(*command, **options):
 
 
 def make_root(source, build, folder, root):
-    """A bare Debian with what the packages need, and without them."""
+    """Makes a bare Debian with the packages' dependencies, without the packages."""
     debs = folder / "debs"
     for component in ("farm", "node"):
         run("cpack", "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", debs, "-D", f"CPACK_COMPONENTS_ALL={component}",
@@ -59,7 +60,7 @@ def boot(source, root):
     wants.symlink_to("/etc/systemd/system/hosts-check.service")
     log = root / "checked.log"
     log.unlink(missing_ok=True)
-    # In a mount namespace of its own, where the unified hierarchy is, whatever this machine has.
+    # Runs in a mount namespace with the unified cgroup hierarchy, whatever this machine has.
     command = "mountpoint -q /sys/fs/cgroup && [ $(stat -fc %T /sys/fs/cgroup) = cgroup2fs ] || mount -t cgroup2 none /sys/fs/cgroup; " \
         f"exec systemd-nspawn --quiet --register=no --keep-unit --private-network --link-journal=no --machine=hosts-test --boot -D '{root}'"
     subprocess.run(["unshare", "--mount", "bash", "-c", command], timeout=400, stdin=subprocess.DEVNULL,

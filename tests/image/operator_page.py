@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The operator page as somebody in the museum's network sees it: HTTPS with a certificate of its own, and a PIN."""
+"""A client of the operator page in the museum's network: HTTPS with the page's own certificate, and a PIN."""
 import hashlib
 import http.client
 import io
@@ -11,7 +11,7 @@ ANSWERS_WITHIN_S = 60
 
 
 class OperatorPage:
-    """Nothing of it raises when the page does not answer, or not yet: what is asked for is then None, or empty."""
+    """No method raises if the page does not answer (yet): results are then None or empty."""
 
     def __init__(self, port, pin):
         self._port, self._pin = port, pin
@@ -19,7 +19,7 @@ class OperatorPage:
         self._trust = ssl.create_default_context()
         self._trust.check_hostname = False
         self._trust.verify_mode = ssl.CERT_NONE
-        self.certificate = ""  # Its fingerprint, as browsers show it.
+        self.certificate = ""  # The fingerprint in the form that browsers show.
 
     def _once(self, method, path, body, cookie):
         connection = http.client.HTTPSConnection("127.0.0.1", self._port, timeout=ANSWERS_WITHIN_S, context=self._trust)
@@ -37,11 +37,11 @@ class OperatorPage:
             connection.close()
 
     def without_pin(self, path):
-        """The status of what somebody gets who has not entered the PIN."""
+        """Returns the HTTP status that a client without the PIN gets."""
         return self._once("GET", path, None, None)[0]
 
     def ask(self, method, path, body=None):
-        """What is answered to who entered the PIN, or None."""
+        """Returns the answer to a request after entering the PIN, or None."""
         for _ in range(2):
             if self._cookie is None:
                 status, cookie, _ = self._once("POST", "/login", json.dumps({"pin": self._pin}), None)
@@ -51,7 +51,7 @@ class OperatorPage:
             status, _, answer = self._once(method, path, body, self._cookie)
             if status != 401:
                 return answer if status in (200, 204) else None
-            self._cookie = None  # The page was started again.
+            self._cookie = None  # The page was restarted.
         return None
 
     def _json(self, path):
@@ -62,7 +62,7 @@ class OperatorPage:
         return self._json("/museum")
 
     def check(self, name):
-        """(level, sentence) of one line of the page, as "part-tracker"."""
+        """Returns (level, sentence) of one check, such as "part-tracker"."""
         for line in self.museum().get("checks", []):
             if line["id"] == name:
                 return line["level"], line["sentence"]
@@ -72,11 +72,11 @@ class OperatorPage:
         return next((one for one in self._json("/status").get("processes", []) if one["name"] == name), {})
 
     def says(self, name):
-        """A part's own sentence, as the page tells it."""
+        """Returns a part's state, a sentence."""
         return self.process(name).get("state", "")
 
     def support_bundle(self):
-        """{file: text}"""
+        """Returns {file: text}."""
         answer = self.ask("GET", "/support-bundle.zip")
         if not answer:
             return {}

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The appliance's scripts that take what strangers bring: at a start, settings are taken whole or refused with a reason; an
-update without our signature, or damaged, is refused. What a stick's settings may be is provision_test's to show.
+"""Tests the appliance's scripts that process foreign data: at a start, settings are taken as a whole or refused with a
+reason; an update that is damaged or lacks our signature is refused. provision_test checks the settings themselves.
 
 Run: scripts_test.py SOURCE_ROOT BUILD_FOLDER
 """
@@ -19,7 +19,7 @@ DEFAULT = '[farm]\nheads = ["[::1]:7401"]\n'
 
 
 class Computer:
-    """With an image's files, laid over each other as image/build does it."""
+    """A computer with an image's files, merged as image/build does."""
 
     def __init__(self, source, build, folder, profile="museum"):
         folder.mkdir(exist_ok=True)
@@ -33,7 +33,7 @@ class Computer:
         self.state.mkdir()
         if profile == "museum":
             shutil.copy(source / "demo/installation.toml", self.defaults)
-        # Restarting services is not for a test.
+        # Stubs, so that no service restarts.
         stubs = folder / "stubs"
         stubs.mkdir()
         for name in ("systemctl", "chown", "cyclorama-fetch-update"):
@@ -46,7 +46,7 @@ class Computer:
         return subprocess.run(["sh", str(self.scripts / script), *map(str, arguments)], env=self.environment | environment, capture_output=True, text=True).returncode
 
     def unit(self, name):
-        """All that the image says of a unit of ours: itself, then what is laid over it."""
+        """Returns the text of one of our units and its drop-ins."""
         files = [self.over / "usr/lib/systemd/system" / name, *sorted((self.over / f"usr/lib/systemd/system/{name}.d").glob("*.conf"))]
         return "".join(file.read_text() for file in files if file.exists())
 
@@ -56,14 +56,14 @@ class Computer:
         file.chmod(0o755)
 
     def start_with(self, folder, **environment):
-        """A start, with the folder's files as systemd credentials."""
+        """Runs a start with the folder's files as systemd credentials."""
         with tempfile.TemporaryDirectory() as credentials:
             for file in folder.iterdir():
                 shutil.copy(file, f"{credentials}/cyclorama.{file.name}")
             self.run("find-settings", CREDENTIALS_DIRECTORY=credentials, **environment)
 
     def report(self, name="provisioning"):
-        """All that it says, one text; it is JSON."""
+        """Returns the report, which must be JSON, as one text."""
         file = self.state / f"{name}.json"
         return json.dumps(json.loads(file.read_text())) if file.exists() else ""
 
@@ -103,26 +103,26 @@ def check_settings(computer, folder):
         file.truncate(65 << 20)
     computer.start_with(given)
     bad += expect("a file that is too large is refused", "refused" in computer.report() and "wall.obj" in computer.report(), computer.report())
-    # Power was cut while others were being made.
+    # Simulates a power cut while others were being written.
     (computer.state / "staging").mkdir(exist_ok=True)
     (computer.state / "staging/site.toml").write_text("half a fi")
     computer.run("find-settings")
-    bad += expect("a cut while settings are taken loses none", computer.site() == GOOD)
+    bad += expect("a power cut while settings are written loses none", computer.site() == GOOD)
     (given / "wall.obj").unlink()
     stick, newer = folder / "stick", GOOD + "# newer\n"
     shutil.copytree(given, stick)
     (stick / "site.toml").write_text(newer)
     subprocess.run(["cyclorama-provision", "--state", str(computer.state), "install", str(stick), "--programs", ""], env=computer.environment, capture_output=True, check=True)
     computer.start_with(given)
-    bad += expect("what a stick brought since stays", computer.site() == newer, computer.report())
+    bad += expect("later settings from a stick stay", computer.site() == newer, computer.report())
     (given / "site.toml").write_text(GOOD + "# newest\n")
     computer.start_with(given)
-    bad += expect("other credentials are taken", computer.site() == GOOD + "# newest\n", computer.report())
+    bad += expect("changed credentials are taken", computer.site() == GOOD + "# newest\n", computer.report())
     return bad + check_refused(computer, folder, given, stick)
 
 
 def check_refused(computer, folder, given, stick):
-    """Credentials, and what lies on the boot partition, are there again at the next start."""
+    """Credentials and files on the boot partition exist again at the next start."""
     bad = 0
     busy = folder / "busy"
     busy.mkdir()
@@ -163,27 +163,27 @@ def check_update(computer, folder):
         return expect(f"{what} is refused", status == 1 and word in computer.report("update"), computer.report("update"))
     bad += refused("an update without a manifest", "signature")
     sign(update, folder / "theirs")
-    bad += refused("an update signed by another", "signature")
+    bad += refused("an update signed with another key", "signature")
     sign(update, folder / "ours")
     (update / "cyclorama-museum_9.efi").write_bytes(b"another's")
-    bad += refused("a file beside those that are signed", "cyclorama-museum_9.efi is there, but")
+    bad += refused("a file beside the signed ones", "cyclorama-museum_9.efi is there, but")
     sign(update, folder / "ours")
     bad += refused("an update of two versions", "more than one version")
     (update / "cyclorama-museum_9.efi").unlink()
     sign(update, folder / "ours")
     (update / "cyclorama-museum_2.efi").write_bytes(b"kernal")
     bad += refused("an update that is damaged", "damaged")
-    # As the boot loader counts its tries.
+    # The boot loader counts attempts in the name.
     kernels = folder / "esp/EFI/Linux"
     kernels.mkdir(parents=True)
     went_back = {"CYCLORAMA_ESP": str(folder / "esp")}
     (kernels / "cyclorama-museum_1.efi").write_text("")
     (kernels / "cyclorama-museum_2+1-2.efi").write_text("")
     computer.run("update", "--went-back", **went_back)
-    bad += expect("a version that has tries left is no word", "rolled-back" not in computer.report("update"), computer.report("update"))
+    bad += expect("a version with attempts left is not reported", "rolled-back" not in computer.report("update"), computer.report("update"))
     (kernels / "cyclorama-museum_2+1-2.efi").rename(kernels / "cyclorama-museum_2+0-3.efi")
     computer.run("update", "--went-back", **went_back)
-    bad += expect("a version that went back is told", "rolled-back" in computer.report("update") and "2 did not start well; 1 runs again" in computer.report("update"),
+    bad += expect("a version that was rolled back is reported", "rolled-back" in computer.report("update") and "2 did not start well; 1 runs again" in computer.report("update"),
                   computer.report("update"))
     (update / "cyclorama-museum_2.efi").rename(update / "cyclorama-museum-debug_2.efi")
     sign(update, folder / "ours")
@@ -192,7 +192,7 @@ def check_update(computer, folder):
 
 
 def check_written(computer, folder):
-    """What is remembered of a version, so that the farm is not asked for it again."""
+    """Records of versions keep the farm from sending one again."""
     bad = 0
     update, sysupdate = folder / "written", folder / "sysupdate"
     seen = computer.state / "update-seen"
@@ -208,18 +208,18 @@ def check_written(computer, folder):
         return computer.run("update", update, CYCLORAMA_SYSUPDATE=str(sysupdate)), computer.report("update"), seen.read_text().strip() if seen.exists() else None
     (folder / "os-release").write_text("IMAGE_ID=cyclorama-museum\nIMAGE_VERSION=1\n")
     cut = bring("3", "kill -9 $PPID")
-    bad += expect("a cut while a version is written leaves it to be brought again", cut[0] != 0 and cut[2] is None, str(cut))
+    bad += expect("after a power cut a version can be fetched again", cut[0] != 0 and cut[2] is None, str(cut))
     written = bring("3", "exit 0")
-    bad += expect("one that is written is not", written[0] == 0 and '"ready"' in written[1] and written[2] == "3", str(written))
+    bad += expect("a written version is not fetched again", written[0] == 0 and '"ready"' in written[1] and written[2] == "3", str(written))
     older = bring("2", "exit 0", is_newer=False)
-    bad += expect("an older one of a stick's changes nothing of that", '"current"' in older[1] and older[2] == "3", str(older))
+    bad += expect("an older version from a stick does not change that", '"current"' in older[1] and older[2] == "3", str(older))
     failed = bring("10", "exit 1")
-    bad += expect("one that cannot be written is told, and not brought again", '"failed"' in failed[1] and failed[2] == "10", str(failed))
+    bad += expect("a version that cannot be written is reported and not fetched again", '"failed"' in failed[1] and failed[2] == "10", str(failed))
     return bad
 
 
 def check_wishes(computer, folder):
-    """What the operator page may wish of root: two things, by a file's name."""
+    """The operator page may request two actions of root, by a file's name."""
     bad = 0
     wishes = folder / "wishes"
     wishes.mkdir()
@@ -233,18 +233,18 @@ def check_wishes(computer, folder):
         (wishes / name).write_text("\n")
         return computer.run("wish", name, **where)
     stick.write_text("")
-    bad += expect("a wished update looks at the stick", wish("update") == 0 and "cyclorama-update@sdz1.service" in called.read_text(), called.read_text())
-    bad += expect("a wished reset starts anew", wish("factory-reset") == 0 and called.read_text() == "reboot\n", called.read_text())
-    bad += expect("and leaves word for cyclorama-var", (computer.state / "factory-reset").exists())
-    bad += expect("another wish is refused", wish("poweroff") == 1 and called.read_text() == "", called.read_text())
-    bad += expect("a wish is granted once", list(wishes.iterdir()) == [])
+    bad += expect("a requested update checks the stick", wish("update") == 0 and "cyclorama-update@sdz1.service" in called.read_text(), called.read_text())
+    bad += expect("a requested reset restarts the computer", wish("factory-reset") == 0 and called.read_text() == "reboot\n", called.read_text())
+    bad += expect("and leaves a file for cyclorama-var", (computer.state / "factory-reset").exists())
+    bad += expect("another request is refused", wish("poweroff") == 1 and called.read_text() == "", called.read_text())
+    bad += expect("a request is carried out once", list(wishes.iterdir()) == [])
     stick.unlink()
-    bad += expect("without a stick the farm is asked", wish("update") == 0 and "cyclorama-update-from-farm@now.service" in called.read_text(), called.read_text())
+    bad += expect("without a stick the farm is checked", wish("update") == 0 and "cyclorama-update-from-farm@now.service" in called.read_text(), called.read_text())
     return bad
 
 
 def check_farm_updates(computer, folder):
-    """What cyclorama-fetch-update says becomes the page's word, and at night a restart; the program itself is another test's."""
+    """The result of cyclorama-fetch-update becomes the page's report and, at night, a restart."""
     bad = 0
     updates, called = folder / "updates", folder / "called"
     (folder / "os-release").write_text("IMAGE_ID=cyclorama-museum\nIMAGE_VERSION=1\n")
@@ -260,36 +260,36 @@ def check_farm_updates(computer, folder):
         return computer.report("update")
     (computer.state / "update.json").unlink(missing_ok=True)
     said = look("night", "later it is not the time for updates")
-    bad += expect("by day nothing is said", said == "" and "cyclorama-fetch-update@night.service" in called.read_text(), said + called.read_text())
+    bad += expect("by day nothing is reported", said == "" and "cyclorama-fetch-update@night.service" in called.read_text(), said + called.read_text())
     said = look("now", "nothing nothing newer than 1")
-    bad += expect("nothing newer is told", '"current"' in said and "nothing newer than 1" in said, said)
-    bad += expect("and what lies there of an older one goes", not (updates / "offer").exists())
+    bad += expect("that nothing is newer is reported", '"current"' in said and "nothing newer than 1" in said, said)
+    bad += expect("and the files of an older one are removed", not (updates / "offer").exists())
     said = look("now", "failed the disk has \"room\"\\ for 3 MB")
-    bad += expect("why not is told", '"failed"' in said and "the disk has room for 3 MB" in said, said)
+    bad += expect("the reason is reported", '"failed"' in said and "the disk has room for 3 MB" in said, said)
     said = look("night", "")
-    bad += expect("a program that ends without a word is told", '"failed"' in said and "checks the farm failed" in said, said)
+    bad += expect("a program that ends without a result is reported", '"failed"' in said and "checks the farm failed" in said, said)
     said = look("night", "ready 2 has come from the farm")
-    bad += expect("what came is checked as a stick's, and removed", "does not bear our signature" in said and not (updates / "offer").exists(), said)
+    bad += expect("fetched files are checked like a stick's, and removed", "does not bear our signature" in said and not (updates / "offer").exists(), said)
     ready = '{"state": "ready", "version": "1", "available": "2", "at": "", "sentence": "2 is there"}'
     for when, result, starts in (("now", "nothing x", False), ("night", "later x", False), ("day", "nothing x", False), ("day", "", False), ("night", "nothing x", True), ("night", "nothing x", False)):
-        # The night may end, and the museum open, while the farm is asked and all is written.
+        # The night may end, and the museum open, during fetching and writing.
         computer.stub("cyclorama-fetch-update", "exit 1" if when == "day" else "exit 0")
         when = "night" if when == "day" else when
         (computer.state / "update.json").write_text(ready)
         said = look(when, result)
-        bad += expect(f"{when}, {result or 'no word'}: {'starts again, once' if starts else 'starts nothing'}", ("reboot" in called.read_text()) == starts and '"ready"' in said, called.read_text() + said)
+        bad += expect(f"{when}, {result or 'no result'}: {'restarts, once' if starts else 'does not restart'}", ("reboot" in called.read_text()) == starts and '"ready"' in said, called.read_text() + said)
     (computer.state / "update.json").write_text(ready)
     (computer.state / "started-for").unlink()
     computer.stub("cyclorama-health", f'echo "health $@" >>{called}')
     look("night", "nothing x")
     said = called.read_text()
-    bad += expect("what is dark is noted before the restart", f"--note-dark {computer.state}/dark-heads" in said and said.index("health") < said.index("reboot"), said)
+    bad += expect("dark heads are recorded before the restart", f"--note-dark {computer.state}/dark-heads" in said and said.index("health") < said.index("reboot"), said)
     (computer.state / "update.json").write_text(ready)
     (folder / "os-release").write_text("IMAGE_ID=cyclorama-museum\nIMAGE_VERSION=2\n")
     computer.run("update", "--went-back", CYCLORAMA_ESP=str(folder / "no-esp"))
-    bad += expect("a version that runs is no longer ready", '"current"' in computer.report("update") and '"version": "2"' in computer.report("update"), computer.report("update"))
+    bad += expect("a running version is not ready any more", '"current"' in computer.report("update") and '"version": "2"' in computer.report("update"), computer.report("update"))
     (computer.state / "update.json").write_text('{"state": "rolled-back", "version": "1", "available": "2", "at": "", "sentence": "2 did not start well; 1 runs again"}')
-    bad += expect("a version that went back stays told", "rolled-back" in look("night", "nothing 2 was here already"), computer.report("update"))
+    bad += expect("a version that was rolled back stays reported", "rolled-back" in look("night", "nothing 2 was here already"), computer.report("update"))
     return bad
 
 
@@ -300,16 +300,16 @@ def free_port():
 
 
 def check_fetch_program(build, folder):
-    """A farm that hands a version out, and the museum's program that fetches it, with certificates: what it says, and what lies there."""
+    """Tests a farm that offers a version and the museum's program that fetches it, with certificates."""
     bad = 0
     here = folder / "fetch"
-    shelf = here / "shelf/cyclorama-museum"
-    shelf.mkdir(parents=True)
+    store = here / "store/cyclorama-museum"
+    store.mkdir(parents=True)
     for name in ("cyclorama-museum_2.efi", "cyclorama-museum_2_0b.root.raw", "cyclorama-museum_2_0c.verity.raw"):
-        (shelf / name).write_bytes(name.encode() * 1000)
-    sums = subprocess.run("sha256sum cyclorama-*", shell=True, cwd=shelf, check=True, capture_output=True).stdout
-    (shelf / "SHA256SUMS").write_bytes(sums)
-    subprocess.run(["openssl", "dgst", "-sha256", "-sign", str(folder / "ours"), "-out", "SHA256SUMS.sig", "SHA256SUMS"], cwd=shelf, check=True)
+        (store / name).write_bytes(name.encode() * 1000)
+    sums = subprocess.run("sha256sum cyclorama-*", shell=True, cwd=store, check=True, capture_output=True).stdout
+    (store / "SHA256SUMS").write_bytes(sums)
+    subprocess.run(["openssl", "dgst", "-sha256", "-sign", str(folder / "ours"), "-out", "SHA256SUMS.sig", "SHA256SUMS"], cwd=store, check=True)
     authority = [f"{build}/bin/cyclorama-authority", "--folder", str(here / "authority")]
     subprocess.run([*authority, "init"], check=True, stdout=subprocess.DEVNULL)
     for role, *more in (("head", "farm", "--address", "::1"), ("museum", "hall-3")):
@@ -319,7 +319,7 @@ def check_fetch_program(build, folder):
     port = free_port()
     tls = 'authority = "{0}/authority.crt"\ncertificate = "{0}/certificate.crt"\nkey = "{0}/key.pem"\n'
     (here / "farm.toml").write_text(f'museums = "[::1]:{port}"\nnodes = "[::1]:{free_port()}"\n[[scene]]\nname = "a"\npath = "/srv/a"\n'
-                                    f'[updates]\nfolder = "{here}/shelf"\n[tls]\n' + tls.format("head"))
+                                    f'[updates]\nfolder = "{here}/store"\n[tls]\n' + tls.format("head"))
     (here / "site.toml").write_text(f'[farm]\nheads = ["[::1]:{port}"]\nmuseum = "hall-3"\n' + tls.format("museum") + '[hours]\nopen = ["Mon-Sun 00:00-24:00"]\n')
     (here / "os-release").write_text('NAME=Debian\nIMAGE_ID="cyclorama-museum"\nIMAGE_VERSION=1\n')
     (here / "at").mkdir()
@@ -334,14 +334,14 @@ def check_fetch_program(build, folder):
         said = fetch("night")
         bad += expect("an open museum fetches nothing", said.startswith("later ") and not (here / "at/offer").exists(), said)
         said = fetch("now")
-        bad += expect("a version comes whole from the farm", said.startswith("ready 2 ") and all((here / "at/offer" / file.name).read_bytes() == file.read_bytes() for file in shelf.iterdir()), said)
+        bad += expect("a complete version is fetched from the farm", said.startswith("ready 2 ") and all((here / "at/offer" / file.name).read_bytes() == file.read_bytes() for file in store.iterdir()), said)
         (here / "update.json").write_text('{"state": "rolled-back", "version": "1", "available": "2"}')
         said = fetch("now")
-        bad += expect("one that went back is not fetched again", said.startswith("nothing 2 "), said)
+        bad += expect("one that was rolled back is not fetched again", said.startswith("nothing 2 "), said)
         (here / "update.json").unlink()
-        (shelf / "SHA256SUMS").write_bytes((b"1" if sums.startswith(b"0") else b"0") + sums[1:])
+        (store / "SHA256SUMS").write_bytes((b"1" if sums.startswith(b"0") else b"0") + sums[1:])
         said = fetch("now")
-        bad += expect("one that is not signed so is refused", said.startswith("failed ") and "signature" in said, said)
+        bad += expect("one without this signature is refused", said.startswith("failed ") and "signature" in said, said)
     finally:
         farm.kill()
         farm.wait()
@@ -349,14 +349,14 @@ def check_fetch_program(build, folder):
 
 
 def check_health(computer, folder):
-    """Whoever is not well and on trial is sent back; who was good before stays."""
+    """A version on trial that is not well is rolled back; one that was good before stays."""
     bad = 0
     counted = folder / "counted"
     where = {"CYCLORAMA_COUNTED": str(counted), "CYCLORAMA_SETTINGS": str(computer.defaults)}
     for well in (True, False):
         computer.stub("cyclorama-health", f'[ "$2" = 3 ] || exit 9; exit {0 if well else 1}')
         counted.write_text("")
-        bad += expect(f"a version on trial that is {'' if well else 'not '}well {'stays' if well else 'goes'}", computer.run("health", **where) == (0 if well else 1))
+        bad += expect(f"a version on trial that is {'' if well else 'not '}well {'stays' if well else 'is rolled back'}", computer.run("health", **where) == (0 if well else 1))
         counted.unlink()
         bad += expect(f"one that was good and is {'' if well else 'not '}well stays", computer.run("health", **where) == 0)
     return bad
@@ -366,13 +366,13 @@ HEAD = 'museums = "[::1]:7401"\nnodes = "[::1]:7402"\n[[scene]]\nname = "cave"\n
 
 
 def check_farm_host(host, folder):
-    """A render host's settings come by the same ways; what it is, they say."""
+    """A render host gets its settings in the same ways; they decide what it is."""
     bad = 0
     host.environment["CYCLORAMA_SETTINGS_FOR"] = "farm-host"
-    bad += expect("a render host's units say so", all("CYCLORAMA_SETTINGS_FOR=farm-host" in host.unit(name) for name in ("cyclorama-provision@.service", "cyclorama-find-settings.service")))
+    bad += expect("a render host's units name it", all("CYCLORAMA_SETTINGS_FOR=farm-host" in host.unit(name) for name in ("cyclorama-provision@.service", "cyclorama-find-settings.service")))
     host.run("find-settings")
     bad += expect("a new render host has no settings", not (host.state / "settings").exists(), host.report())
-    bad += expect("and that is a good start", host.run("is-well", CYCLORAMA_SETTINGS=str(host.state / "settings")) == 0)
+    bad += expect("and its start succeeds", host.run("is-well", CYCLORAMA_SETTINGS=str(host.state / "settings")) == 0)
     esp = folder / "host/esp/cyclorama"
     (esp / "cave").mkdir(parents=True)
     (esp / "cave/scene.toml").write_text("")
@@ -383,7 +383,7 @@ def check_farm_host(host, folder):
     bad += expect("settings and a scene of the boot partition are taken", (settings / "cave/scene.toml").exists() and "installed" in host.report(), host.report())
     (esp / "farm.toml").write_text(HEAD.replace("museums", "musuems"))
     host.run("find-settings")
-    bad += expect("the head's own reader refuses a wrong key", "refused" in host.report() and "musuems" in host.report(), host.report())
+    bad += expect("the coordinator's reader refuses a wrong key", "refused" in host.report() and "musuems" in host.report(), host.report())
     (esp / "farm.toml").write_text(HEAD)
     (esp / "node.toml").write_text('heads = ["[::1]:7402"]\nthreads = 99999\n')
     host.run("find-settings")
@@ -391,26 +391,26 @@ def check_farm_host(host, folder):
     bad += expect("and they change nothing", (settings / "farm.toml").read_text() == HEAD)
     console = folder / "console"
     host.run("tell-settings", CYCLORAMA_CONSOLE=str(console))
-    bad += expect("the serial port tells why", "threads" in console.read_text())
+    bad += expect("the serial port shows why", "threads" in console.read_text())
     given = folder / "given-node"
     given.mkdir()
     (given / "node.toml").write_text('heads = ["[2001:db8::1]:7402"]\n')
     shutil.rmtree(esp)
     host.start_with(given)
-    bad += expect("a node alone comes by credentials", not (settings / "farm.toml").exists() and "2001:db8::1" in (settings / "node.toml").read_text(), host.report())
+    bad += expect("credentials can make it a node alone", not (settings / "farm.toml").exists() and "2001:db8::1" in (settings / "node.toml").read_text(), host.report())
     fast = {"CYCLORAMA_SETTINGS": str(settings), "CYCLORAMA_HEALTH_S": "1", "CYCLORAMA_STILL_S": "0"}
     asked = folder / "asked"
     asked.write_text("")
     host.stub("systemctl", f'echo "$@" >>{asked}; case $1 in show) echo 0 ;; esac')
     bad += expect("a node that runs is well", host.run("is-well", **fast) == 0)
-    bad += expect("and nobody asks for a head", "cyclorama-node" in asked.read_text() and "cyclorama-farm" not in asked.read_text(), asked.read_text())
+    bad += expect("and no coordinator is expected", "cyclorama-node" in asked.read_text() and "cyclorama-farm" not in asked.read_text(), asked.read_text())
     host.stub("systemctl", "case $1 in show) echo 0 ;; *) exit 3 ;; esac")
-    bad += expect("one that does not start is not", host.run("is-well", **fast) == 1)
+    bad += expect("a node that does not start is not well", host.run("is-well", **fast) == 1)
     host.stub("systemctl", f"case $1 in show) wc -l <{asked}; echo >>{asked} ;; esac")
-    bad += expect("nor is one that starts again and again", host.run("is-well", **fast) == 1)
+    bad += expect("nor is one that restarts again and again", host.run("is-well", **fast) == 1)
     rules = (host.over / "etc/nftables.conf").read_text()
-    bad += expect("only what museums and nodes dial is open", "tcp dport { 7401, 7402 }" in rules and "8443" not in rules)
-    bad += expect("nothing of a museum's is there", not list(host.over.rglob("*wish*")) + list(host.over.rglob("cyclorama-display*")))
+    bad += expect("only the ports for museums and nodes are open", "tcp dport { 7401, 7402 }" in rules and "8443" not in rules)
+    bad += expect("it has nothing of a museum", not list(host.over.rglob("*wish*")) + list(host.over.rglob("cyclorama-display*")))
     return bad
 
 

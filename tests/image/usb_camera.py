@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A USB camera for computers in QEMU, made of nothing but its words on the bus: USB Video Class 1.1, YUYV of one size over a bulk
-endpoint (isochronous ones need a bus in time, which an emulated one is not). Time of exposure and gain can be set and are not seen in
-the picture, which is the caller's.
+"""An emulated USB camera for computers in QEMU: USB Video Class 1.1, YUYV of one size over a bulk endpoint (isochronous
+endpoints need a bus with exact timing, which an emulated bus lacks). Exposure time and gain can be set but do not
+affect the picture, which the caller provides.
 
     camera = UsbCamera(folder / "camera", 640, 480)
-    machine = Appliance(disk, extra=camera.options())      # A socket with a plug on it
+    machine = Appliance(disk, extra=camera.options())      # A USB port for this camera
     camera.show(grey_bytes); camera.plug(); camera.unplug()
 """
 import select
@@ -16,18 +16,18 @@ import time
 from usb_redirection import BULK_ENDPOINT, IN, ProtocolError, Redirected, endpoints
 
 CONTROL_INTERFACE, STREAM_INTERFACE = 0, 1
-CAMERA, PROCESSING, OUTPUT = 1, 2, 3  # The parts of the camera: light comes in, is amplified, goes out as a stream.
+CAMERA, PROCESSING, OUTPUT = 1, 2, 3  # The units of the camera: input terminal, processing, output terminal.
 ENDPOINT, PACKET_BYTES = 0x81, 512
-PAYLOAD_BYTES = 16384  # With its head: as much as one request of Linux's uvcvideo holds (32 packets).
+PAYLOAD_BYTES = 16384  # Payload with its header: the size of one request of Linux's uvcvideo (32 packets).
 PER_SECOND = 10
-TICKS = 10_000_000  # Per second, in which the class counts intervals.
+TICKS = 10_000_000  # Units per second in which the class counts intervals.
 YUY2 = bytes.fromhex("5955593200001000800000aa00389b71")
-# USB: requests of any device.
+# USB: requests for any device.
 GET_STATUS, CLEAR_FEATURE, SET_FEATURE, GET_DESCRIPTOR = 0, 1, 3, 6
 # USB Video Class 1.1, A.8 and A.9.
 SET_CUR, GET_CUR, GET_MIN, GET_MAX, GET_RES, GET_LEN, GET_INFO, GET_DEF = 0x01, 0x81, 0x82, 0x83, 0x84, 0x85, 0x86, 0x87
 PROBE, COMMIT = 1, 2
-EXPOSURE_MODE, EXPOSURE_TIME, GAIN = 2, 4, 4  # Selectors: of the camera, of the camera, of the processing.
+EXPOSURE_MODE, EXPOSURE_TIME, GAIN = 2, 4, 4  # Selectors of the camera terminal (two) and of the processing unit.
 END_OF_HEADER, END_OF_PICTURE, PICTURE = 0x80, 0x02, 0x01
 
 
@@ -45,17 +45,17 @@ def w32(*numbers):
 
 
 class Setting:
-    """One that the camera lets be set: (least, most, step, at first), of so many bytes."""
+    """A control of the camera: (minimum, maximum, step, initial value) in so many bytes."""
 
-    def __init__(self, size, least, most, step, first):
+    def __init__(self, size, minimum, maximum, step, first):
         self.size, self.now = size, first
-        self._answers = {GET_MIN: least, GET_MAX: most, GET_RES: step, GET_DEF: first}
+        self._answers = {GET_MIN: minimum, GET_MAX: maximum, GET_RES: step, GET_DEF: first}
 
     def get(self, request):
         if request == GET_LEN:
             return w16(self.size)
         if request == GET_INFO:
-            return b"\x03"  # Can be read, can be set.
+            return b"\x03"  # It can be read and set.
         value = self.now if request == GET_CUR else self._answers.get(request)
         return None if value is None else value.to_bytes(self.size, "little")
 
@@ -64,7 +64,7 @@ class Setting:
 
 
 class VideoDevice:
-    """The camera itself, for Redirected. Its owner calls show(); all else is asked by the computer."""
+    """The camera as a device for Redirected. Its owner calls show(); the computer calls the rest."""
 
     name = "cyclorama test camera"
     interfaces = [(CONTROL_INTERFACE, 0x0e, 1, 0), (STREAM_INTERFACE, 0x0e, 2, 0)]
@@ -76,13 +76,13 @@ class VideoDevice:
     def __init__(self, width, height, per_second=PER_SECOND, clock=time.monotonic):
         self.width, self.height, self.interval = width, height, TICKS // per_second
         self.bytes = 2 * width * height
-        self.sent = 0  # Whole pictures.
+        self.sent = 0  # Number of whole pictures sent.
         self._clock = clock
         self._picture = b"\x10\x80" * (width * height)
         self._next_at = clock()
         self._identity = 0
         self._payloads = []
-        # Manual or of its own; units of 0.1 ms.
+        # Manual or automatic exposure; units of 0.1 ms.
         self._settings = {(CAMERA, EXPOSURE_MODE): Setting(1, 1, 9, 9, 8), (CAMERA, EXPOSURE_TIME): Setting(4, 1, 1000, 1, 100),
                           (PROCESSING, GAIN): Setting(2, 0, 255, 1, 64)}
         self.configuration = self._configuration()
@@ -102,11 +102,11 @@ class VideoDevice:
         return descriptor(2, w16(9 + len(parts)), 2, 1, 0, 0x80, 250) + parts
 
     def offer(self):
-        """Probe and commit (4.3.1.1): the one format, the one size, the one rate."""
+        """Returns probe and commit (4.3.1.1): the only format, size and rate."""
         return (w16(0) + bytes([1, 1]) + w32(self.interval) + w16(0, 0, 0, 0, 0) + w32(self.bytes, PAYLOAD_BYTES, 48_000_000) + bytes([3, 0, 0, 0]))
 
     def show(self, grey):
-        """From the next picture on."""
+        """Sets the picture, from the next one on."""
         if len(grey) != self.width * self.height:
             raise ValueError(f"{len(grey)} bytes are no grey picture of {self.width}x{self.height}")
         picture = bytearray(b"\x80") * (2 * len(grey))
@@ -114,13 +114,13 @@ class VideoDevice:
         self._picture = bytes(picture)
 
     def control(self, setup, data):
-        """The answer; empty to what only sets; None for a stall."""
+        """Returns the answer, empty for a request that only sets, or None for a stall."""
         if setup.kind == IN and setup.request == GET_DESCRIPTOR:
             return self._descriptor(setup.value >> 8, setup.value & 0xff)
         if setup.kind & 0x7f <= 2 and setup.request == GET_STATUS:
             return w16(0)
         if setup.kind & 0x7f <= 2 and setup.request in (CLEAR_FEATURE, SET_FEATURE):
-            # An endpoint that is no longer halted begins anew; so Linux says that it wants no more pictures.
+            # Clearing a halt restarts the endpoint; Linux ends a stream this way.
             self._payloads.clear()
             return b""
         if setup.kind & 0x7f != 0x21:
@@ -145,18 +145,18 @@ class VideoDevice:
         if selector not in (PROBE, COMMIT):
             return None
         if request == SET_CUR:
-            # Whatever is wished, this is what there is.
+            # The host may request anything; there is only one mode.
             if selector == COMMIT:
                 self._payloads.clear()
             return b""
         return {GET_LEN: w16(len(self.offer())), GET_INFO: b"\x03"}.get(request, self.offer())
 
     def give(self, length):
-        """The next payload, or None when its time has not come."""
+        """Returns the next payload, or None before its time."""
         if not self._payloads:
             if (now := self._clock()) < self._next_at:
                 return None
-            # Who comes late gets none of those that were missed.
+            # Missed pictures are skipped.
             self._next_at = max(self._next_at + self.interval / TICKS, now)
             self._identity ^= PICTURE
             self._payloads = payloads(self._picture, self._identity, min(length, PAYLOAD_BYTES))
@@ -170,7 +170,7 @@ class VideoDevice:
 
 
 def payloads(picture, identity, most):
-    """A picture in pieces with a head each (2.4.3.3); the last one says that it is the last."""
+    """Returns a picture in payloads with a header each (2.4.3.3); the last one is marked."""
     room = most - 2
     pieces = [picture[at:at + room] for at in range(0, len(picture), room)]
     heads = [END_OF_HEADER | identity] * (len(pieces) - 1) + [END_OF_HEADER | END_OF_PICTURE | identity]
@@ -178,18 +178,18 @@ def payloads(picture, identity, most):
 
 
 class UsbCamera:
-    """The camera at its cable."""
+    """The camera with its cable."""
 
     def __init__(self, socket_path, width, height, per_second=PER_SECOND):
         self._path = str(socket_path)
         self._size = (width, height, per_second)
         self._grey = None
         self._cable = self._thread = None
-        self.device = None  # Of the newest plugging in.
+        self.device = None  # Number of the newest connection.
         self.problem = ""
 
     def options(self, bus="usb.0"):
-        """QEMU's: where it is plugged in. The computer sees it once plug() was called."""
+        """Returns QEMU's options for the port. The computer sees the camera after plug()."""
         return ["-chardev", f"socket,id=camera,path={self._path},server=on,wait=off", "-device", f"usb-redir,id=camera,chardev=camera,bus={bus}"]
 
     def show(self, grey):
@@ -214,7 +214,7 @@ class UsbCamera:
             self._cable = None
 
     def sent(self):
-        """Whole pictures since it was plugged in."""
+        """Returns the number of whole pictures since it was plugged in."""
         return self.device.sent if self.device else 0
 
     def _serve(self, cable, device):
@@ -230,5 +230,5 @@ class UsbCamera:
                 if out := redirected.give():
                     cable.sendall(out)
         except (OSError, ProtocolError) as error:
-            # A cable that is pulled ends as one that breaks.
+            # A pulled cable ends like a broken one.
             self.problem = str(error)

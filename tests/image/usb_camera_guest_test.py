@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The V4L2 camera on the kernel's own USB video driver: a virtual machine with an emulated USB camera (usb_camera.py). Its pictures arrive
-bit for bit, also when they change; it is unplugged and plugged in again, first under our driver (test-usb-camera), then under
-cyclorama-tracker, which must find the wand before and after. Needs qemu-system-x86, and minutes: ctest runs it only with
-CYCLORAMA_IMAGE_TESTS=1. The kernel is Debian's, fetched with apt-get.
+"""Tests the V4L2 camera on the kernel's USB video driver, in a virtual machine with an emulated USB camera
+(usb_camera.py). Every bit of its pictures must arrive, also when they change. It is unplugged and plugged in again,
+first under our driver (test-usb-camera), then under cyclorama-tracker, which must find the wand before and after. It
+needs QEMU and minutes: ctest runs it only with CYCLORAMA_IMAGE_TESTS=1. The kernel is Debian's, fetched with apt-get.
 
-Run: CYCLORAMA_IMAGE_TESTS=1 usb_camera_guest_test.py SOURCE_ROOT BUILD_FOLDER [KEPT], where KEPT is a folder for the kernel.
+Run: CYCLORAMA_IMAGE_TESTS=1 usb_camera_guest_test.py SOURCE_ROOT BUILD_FOLDER [KEPT], where KEPT is a folder that keeps
+the kernel.
 """
 import os
 import pathlib
@@ -28,7 +29,7 @@ PROGRAM = "tests/test-usb-camera"
 
 
 def fingerprint(data):
-    """FNV-1a, 64 bits."""
+    """Returns the 64-bit FNV-1a hash."""
     value = 0xcbf29ce484222325
     for byte in data:
         value = (value ^ byte) * 0x100000001b3 & 0xffffffffffffffff
@@ -36,7 +37,7 @@ def fingerprint(data):
 
 
 class Guest:
-    """The machine, and what it says."""
+    """The machine and its output."""
 
     def __init__(self, kernel, initrd, folder, camera):
         self._log = folder / "serial.log"
@@ -51,7 +52,7 @@ class Guest:
         return self._log.read_text(errors="replace") if self._log.exists() else ""
 
     def wait_for(self, pattern):
-        """Of what it said after what was waited for last."""
+        """Waits for a pattern in the output after the previous match."""
         while time.monotonic() < self._until:
             text = self.text()
             if found := re.compile(pattern).search(text, self._seen):

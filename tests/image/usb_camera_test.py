@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The emulated USB camera's words, without QEMU: packets cut anywhere are the same packets; what it is fits together (descriptors' lengths
-and links); probe and commit; a picture cut into payloads is that picture. That Linux's uvcvideo takes it: usb_camera_guest_test.py."""
+"""Tests the emulated USB camera's protocol without QEMU: packets survive any fragmentation; descriptors' lengths and
+links are consistent; probe and commit; a picture survives its division into payloads. usb_camera_guest_test.py tests it
+with Linux's uvcvideo."""
 import random
 import struct
 import sys
@@ -25,7 +26,7 @@ class FakeClock:
 
 
 class Computer:
-    """QEMU's end of the wire."""
+    """QEMU's end of the connection."""
 
     def __init__(self, device, capabilities=0xff):
         self.here = Redirected(device)
@@ -37,7 +38,7 @@ class Computer:
         return self.wire.take(self.here.take(self.wire.pack(kind, number, body)))
 
     def control(self, kind, request, value=0, index=0, length=0, data=b""):
-        """(status, answer)"""
+        """Returns (status, answer)."""
         endpoint = kind & 0x80
         (answer,) = self.ask(CONTROL, 7, struct.pack("<BBBBHHH", endpoint, request, kind, 0, value, index, len(data) or length) + data)
         status, told = answer.body[3], struct.unpack_from("<H", answer.body, 8)[0]
@@ -45,12 +46,12 @@ class Computer:
         return status, answer.body[10:]
 
     def bulk(self):
-        """[(number, status, data)] of what is given now."""
+        """Returns [(number, status, data)] of the data that are available now."""
         return [(packet.number, packet.body[1], packet.body[10:]) for packet in self.wire.take(self.here.give())]
 
 
 def descriptors(data):
-    """Cut by their own lengths."""
+    """Splits descriptors by their lengths."""
     found = []
     while data:
         assert 2 <= data[0] <= len(data), data
@@ -181,7 +182,7 @@ class Pictures(unittest.TestCase):
             self.assertEqual([piece[1] for piece in cut], [0x81] * (len(cut) - 1) + [0x83])
 
     def test_one_after_the_other_each_in_its_time(self):
-        # 384 bytes are four payloads of 98.
+        # 384 bytes make four payloads of 98.
         self.want(9)
         first = self.computer.bulk()
         self.assertEqual([number & 0xff for number, _, _ in first], [0, 1, 2, 3])

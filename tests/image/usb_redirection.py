@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The other end of QEMU's `-device usb-redir`: a USB device that is a Python program. The usbredir protocol, 0.7: little-endian packets of
-a head (kind, length, number) and a body; hello first, then what endpoints the device has, then that it is plugged in.
+"""The other end of QEMU's `-device usb-redir`: a USB device as a Python program. In the usbredir protocol 0.7,
+little-endian packets have a header (kind, length, number) and a body; hello comes first, then the device's endpoints,
+then its connection.
 
     QEMU                     here
     hello            ◀─▶     hello
                      ◀──     interfaces, endpoints, connect
     set configuration──▶     interfaces, endpoints, configuration's status
-    control          ──▶     control               what the device answers; its status may be a stall
-    bulk (so many)   ──▶     bulk (at most so many)   later: when the device has something
+    control          ──▶     control               the device's answer; its status may be a stall
+    bulk (so many)   ──▶     bulk (at most so many)   later, when the device has data
     cancel           ──▶     bulk, cancelled
 
-QEMU's xHCI asks for three capabilities: 64-bit numbers, endpoints' packet sizes, long bulk packets. Bulk streams are not among ours.
+QEMU's xHCI requires three capabilities: 64-bit numbers, endpoints' packet sizes, long bulk packets. Bulk streams are
+not supported.
 """
 import collections
 import struct
@@ -23,7 +25,7 @@ HIGH_SPEED = 2
 NO_ENDPOINT, CONTROL_ENDPOINT, BULK_ENDPOINT = 255, 0, 2
 CONNECT_VERSION, PACKET_SIZE, LONG_NUMBERS, LONG_BULK = 1, 4, 5, 6
 OURS = 1 << CONNECT_VERSION | 1 << PACKET_SIZE | 1 << LONG_NUMBERS | 1 << LONG_BULK
-LONGEST = 1 << 20  # Of a body; what QEMU sends is far smaller.
+MAX_BODY = 1 << 20  # Maximum size of a body; QEMU sends far smaller ones.
 IN = 0x80
 
 _HELLO = struct.Struct("<64sI")
@@ -35,16 +37,16 @@ Setup = collections.namedtuple("Setup", "kind request value index length")
 
 
 class ProtocolError(Exception):
-    """What came is no usbredir, or of a peer that lacks what is needed."""
+    """The data are not usbredir, or the peer lacks a capability."""
 
 
 class Wire:
-    """Packets of a stream, either way. Numbers have 32 bits until both have said hello with 64."""
+    """Encodes and decodes packets. Numbers have 32 bits until both sides have announced 64."""
 
     def __init__(self):
         self._rest = b""
         self._is_long = False
-        self.peer = None  # Its capabilities; nothing before its hello.
+        self.peer = None  # The peer's capabilities, None before its hello.
 
     def pack(self, kind, number=0, body=b""):
         return struct.pack("<IIQ" if self._is_long else "<III", kind, len(body), number) + body
@@ -53,12 +55,12 @@ class Wire:
         return self.pack(HELLO, 0, _HELLO.pack(name.encode(), OURS))
 
     def take(self, data):
-        """Every packet that is whole now."""
+        """Yields every complete packet."""
         self._rest += data
         packets = []
         while len(self._rest) >= (size := 16 if self._is_long else 12):
             kind, length, number = struct.unpack_from("<IIQ" if self._is_long else "<III", self._rest)
-            if length > LONGEST or (self.peer is None) != (kind == HELLO):
+            if length > MAX_BODY or (self.peer is None) != (kind == HELLO):
                 raise ProtocolError(f"a packet of kind {kind} with {length} bytes")
             if len(self._rest) < size + length:
                 break
@@ -73,13 +75,14 @@ class Wire:
 
 
 def interfaces(numbered):
-    """Of [(number, class, subclass, protocol)]."""
+    """Returns the packet for [(number, class, subclass, protocol)]."""
     columns = [bytes(column) + bytes(32 - len(numbered)) for column in zip(*numbered)]
     return struct.pack("<I", len(numbered)) + b"".join(columns)
 
 
 def endpoints(bulk_in, interface, packet_bytes):
-    """A control endpoint and one for bulk, from the device (0x81...). Places 0 to 15 are to the device, 16 to 31 from it."""
+    """Returns the packet for a control endpoint and bulk endpoints from the device (0x81...). Slots 0 to 15 lead to the
+    device, 16 to 31 from it."""
     kinds, sizes, of = [NO_ENDPOINT] * 32, [0] * 32, [0] * 32
     kinds[0] = kinds[16] = CONTROL_ENDPOINT
     sizes[0] = sizes[16] = 64
@@ -89,25 +92,27 @@ def endpoints(bulk_in, interface, packet_bytes):
 
 
 class Redirected:
-    """A device's half of the protocol, without a socket: bytes in, bytes out. The device has `name`, `descriptor` (of the device),
-    `interfaces`, `endpoints` as made above, control(setup, data) -> bytes, or None for a stall, and give(length) -> bytes, or None for
-    not yet."""
+    """The device's side of the protocol without a socket: bytes in, bytes out.
+
+    The device has `name`, `descriptor` (the device descriptor), `interfaces`, `endpoints` as made above,
+    control(setup, data) -> bytes, or None for a stall, and give(length) -> bytes, or None if there are none yet.
+    """
 
     def __init__(self, device):
         self.device = device
         self.wire = Wire()
         self._configuration = 0
-        self._wanted = collections.deque()  # (number, endpoint, bytes) of bulk, the oldest first.
+        self._wanted = collections.deque()  # Bulk requests (number, endpoint, bytes), the oldest first.
 
     def begin(self):
         return self.wire.hello(self.device.name)
 
     def take(self, data):
-        """What is to be sent when this came."""
+        """Returns the bytes to send in response."""
         return b"".join(self._answer(packet) for packet in self.wire.take(data))
 
     def give(self):
-        """What bulk data there is now for those that wait."""
+        """Returns the available bulk data for waiting requests."""
         out = b""
         while self._wanted:
             number, endpoint, length = self._wanted[0]
@@ -130,7 +135,7 @@ class Redirected:
     def _answer(self, packet):
         kind, number, body = packet
         if kind == HELLO:
-            # USB 2.0, table 9-8: class, subclass, protocol at 4, then maker, product, version at 8.
+            # USB 2.0, table 9-8: class, subclass, protocol at offset 4, then vendor, product, version at 8.
             return self._what_it_is() + self.wire.pack(CONNECT, 0, bytes([HIGH_SPEED]) + self.device.descriptor[4:7] + self.device.descriptor[8:14])
         if kind == SET_CONFIGURATION:
             self._configuration = body[0]
@@ -138,7 +143,7 @@ class Redirected:
         if kind == GET_CONFIGURATION:
             return self.wire.pack(CONFIGURATION_STATUS, number, bytes([SUCCESS, self._configuration]))
         if kind in (SET_ALTERNATIVE, GET_ALTERNATIVE):
-            wanted = body[1] if kind == SET_ALTERNATIVE else 0  # There is none but the first.
+            wanted = body[1] if kind == SET_ALTERNATIVE else 0  # There is only one configuration.
             return self.wire.pack(ALTERNATIVE_STATUS, number, bytes([STALL if wanted else SUCCESS, body[0], 0]))
         if kind == CONTROL:
             return self._control(number, body)
@@ -152,7 +157,7 @@ class Redirected:
             given_up = [wanted for wanted in self._wanted if wanted[0] == number]
             self._wanted = collections.deque(wanted for wanted in self._wanted if wanted[0] != number)
             return b"".join(self._bulk(number, endpoint, CANCELLED) for _, endpoint, _ in given_up)
-        return b""  # A reset: what was asked for is cancelled by its number. Others ask for nothing.
+        return b""  # A reset; QEMU cancels requests by their numbers. Other packets need no answer.
 
     def _control(self, number, body):
         endpoint, request, request_kind, _, value, index, length = _CONTROL.unpack_from(body)

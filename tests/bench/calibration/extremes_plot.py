@@ -11,7 +11,7 @@ import sys
 COLOURS = {"p95_px": "#1b6ca8", "max_px": "#d1495b", "after_noise_p95_px": "#3a7d44"}
 WORDS = {"p95_px": "p95", "max_px": "max", "after_noise_p95_px": "p95 after a noisy calibration"}
 WIDTH, HEIGHT, LEFT, TOP, GAP_X, GAP_Y, ACROSS = 230, 130, 60, 60, 70, 75, 4
-MOST_PX = 1.2
+MAX_PX = 1.2
 
 
 def sweeps(records):
@@ -32,7 +32,7 @@ def drawn(number, name, points):
     out = [f'<rect x="{left}" y="{top}" width="{WIDTH}" height="{HEIGHT}" fill="none" stroke="#888"/>',
            f'<text x="{left}" y="{top - 8}" font-weight="bold">{name}</text>']
     for value in (0, 0.5, 1):
-        y = top + HEIGHT * (1 - value / MOST_PX)
+        y = top + HEIGHT * (1 - value / MAX_PX)
         out.append(f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{value} px</text>')
         out.append(f'<line x1="{left}" x2="{left + WIDTH}" y1="{y:.1f}" y2="{y:.1f}" stroke="#ddd"/>')
     for i, (x, _) in enumerate(points):
@@ -42,7 +42,7 @@ def drawn(number, name, points):
         for i, (_, seeds) in enumerate(points):
             values = [seed[key] for seed in seeds if key in seed]
             if values:
-                places.append((left + (i + 0.5) * step, top + HEIGHT * (1 - min(max(values), MOST_PX) / MOST_PX)))
+                places.append((left + (i + 0.5) * step, top + HEIGHT * (1 - min(max(values), MAX_PX) / MAX_PX)))
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
         out.append(f'<polyline points="{path}" fill="none" stroke="{colour}"/>')
         out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in places]

@@ -6,14 +6,14 @@ import math
 import sys
 
 WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 360, 60, 44, 16
-LEAST, MOST = 0.05, 500.0
+MIN_PX, MAX_PX = 0.05, 500.0
 
 
 def main():
     curve = json.loads(sys.stdin.read().strip().splitlines()[-1])["curve_px_p50_p95"]
     seconds = 5.0 / (len(curve) - 1)
     across = lambda s: LEFT + s / 5.0 * (WIDTH - LEFT - 16)
-    down = lambda px: ABOVE + (math.log(MOST) - math.log(max(px, LEAST))) / (math.log(MOST) - math.log(LEAST)) * (HEIGHT - ABOVE - BELOW)
+    down = lambda px: ABOVE + (math.log(MAX_PX) - math.log(max(px, MIN_PX))) / (math.log(MAX_PX) - math.log(MIN_PX)) * (HEIGHT - ABOVE - BELOW)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="13">',
            f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>']
     for px in (0.1, 1, 10, 100):

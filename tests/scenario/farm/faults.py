@@ -245,7 +245,7 @@ def see_through(fault, farm, rng, late_after_s):
     late = [museum.late_frames(a, b, late_after_s) for museum in others for a, b in ((began, passed), (passed, end)) if a < b]
     return {
         "kind": fault.kind, "began_s": began, "to_node": fault.to_node, "full_rate_s": seconds, "joined_s": joined,
-        "hangs": sum(m.longest_gap(passed if m is struck else began, end) >= HANG_S for m in farm.museums.values()),
+        "hangs": sum(m.max_gap(passed if m is struck else began, end) >= HANG_S for m in farm.museums.values()),
         "late": max(map(len, late), default=0),
         "reasons": sorted({frame["reason"] or f"after {frame['at_s'] - frame['asked_s']:.1f} s" for some in late for frame in some}),
         "lost_sessions": sum(lost_by(m, fault, m is struck, began) for m in farm.museums.values()),

@@ -58,7 +58,7 @@ class Museum:
                 return run[0]["at_s"]
         return None
 
-    def longest_gap(self, since, until):
+    def max_gap(self, since, until):
         times = [since] + [f["at_s"] for f in self.whole_frames(since, until)] + [until]
         return max(b - a for a, b in zip(times, times[1:]))
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every strategy promises. What each is good at: tests/unit/renderfarm/tools/balance/replay_test.cpp.
+// Guarantees of every strategy. For their individual strengths see tests/unit/renderfarm/tools/balance/replay_test.cpp.
 #include "renderfarm/balance/balancer.h"
 
 #include <gtest/gtest.h>
@@ -208,7 +208,7 @@ TEST(CostMap, gives_no_work_to_nodes_that_would_make_the_frame_slower) {
   asked.node_overhead_seconds = 0.01;
   const std::vector<MeasuredBlock> second{{{0, 0, 640, 352}, 1.0}};
   balancer->learn({{640, 352}, second});
-  // One second of work: 1/n + n/100 is least with 10 nodes.
+  // One second of work: 1/n + n/100 is minimal for 10 nodes.
   EXPECT_EQ(balancer->split(asked).size(), 10u);
 }
 

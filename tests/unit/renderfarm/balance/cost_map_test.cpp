@@ -12,7 +12,7 @@ namespace {
 constexpr PictureSize kSize{640, 320};  // 40 x 20 cells.
 const CostMapOptions kSharp{.spreads = 0.0};
 
-using Density = std::function<double(double x, double y)>;  // Seconds per pixel at a place in pixels.
+using Density = std::function<double(double x, double y)>;  // Seconds per pixel at a position in pixels.
 
 MeasuredBlock measured(PictureSize size, const Density& density, bool tells_cells = true) {
   WorkGrid work(size);
@@ -41,7 +41,7 @@ SplitRequest view(PictureSize size = kSize, double heading_rad = 0.0, double eye
           .effort = effort};
 }
 
-/// The column with the most work, on average of columns.
+/// Returns the centre of the work, as a column.
 double middle_of_work(const WorkGrid& work) {
   double sum = 0.0;
   double moment = 0.0;
@@ -76,7 +76,7 @@ TEST(CostMap, moves_with_the_turn_of_an_eye_that_stands_still) {
   CostMap map(kSharp);
   learn(&map, measured(kSize, relic_at(400.0)));
   const double before = middle_of_work(map.predict(view()));
-  // The picture spans 2 rad in 40 cells: to the right by 0.3 rad is 6 cells to the left.
+  // The picture spans 2 rad in 40 cells: a turn of 0.3 rad to the right moves content 6 cells to the left.
   EXPECT_NEAR(middle_of_work(map.predict(view(kSize, 0.3))), before - 6.0, 0.1);
   EXPECT_NEAR(middle_of_work(map.predict(view(kSize, -0.3))), before + 6.0, 0.1);
 }
@@ -93,7 +93,7 @@ TEST(CostMap, stays_in_a_picture_that_no_turn_shifts) {
 
 TEST(CostMap, stays_where_an_orbit_keeps_its_relic) {
   CostMap map(kSharp);
-  // The eye goes around and turns; the relic stays in the middle.
+  // The eye orbits and turns; the relic stays in the middle.
   for (int i = 0; i < 12; ++i) {
     (void)map.predict(view(kSize, 0.1 * i, 0.2 * i));
     learn(&map, measured(kSize, relic_at(320.0)), 0.1 * i, 0.2 * i);
@@ -165,9 +165,9 @@ TEST(CostMap, spreads_costs_when_the_view_has_moved_and_keeps_all_of_them) {
 }
 
 TEST(CostMap, keeps_two_eyes_pictures_apart) {
-  // The left eye's costs nothing to speak of, the right eye's, below it, a thousand times as much.
+  // The left eye's picture costs almost nothing, the right eye's, below it, a thousand times as much.
   const auto density = [](double, double y) { return y < 160.0 ? 1e-6 : 1e-3; };
-  CostMap map;  // It spreads what moves.
+  CostMap map;  // With spreading when the view moves.
   const MeasuredBlock block = measured(kSize, density);
   MeasuredFrame frame{kSize, {&block, 1}};
   frame.stacked = 2;
@@ -198,7 +198,7 @@ TEST(CostMap, begins_the_second_eye_with_what_the_first_one_costs) {
   request.stacked = 2;
   const WorkGrid work = map.predict(request);
   for (int y = 0; y < 10; ++y) EXPECT_EQ(work.at(3, y), work.at(3, y + 10)) << y;
-  request.stacked = 3;  // No such cells: taken for one picture.
+  request.stacked = 3;  // The cells cannot be divided in this way, so it counts as one picture.
   EXPECT_GT(map.predict(request).at(3, 19), map.predict(request).at(3, 10));
 }
 

@@ -62,7 +62,7 @@ TEST_F(CostRecord, comes_back_as_it_was_written) {
 TEST_F(CostRecord, takes_what_nodes_measured) {
   auto recorder = CostRecorder::create(path_);
   ASSERT_TRUE(recorder);
-  // The second node is twice as fast; of the third quarter nobody said anything.
+  // The second node is twice as fast; the third quarter was not reported.
   const std::vector<MeasuredBlock> blocks{{{0, 0, 16, 32}, 3.0, {1.0f, 2.0f}, 1.0},
                                           {{16, 0, 16, 16}, 4.0, {4.0f}, 2.0}};
   ASSERT_TRUE(recorder->add(frame({}, 0.0f), {32, 32}, blocks));

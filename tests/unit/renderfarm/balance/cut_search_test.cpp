@@ -38,7 +38,7 @@ TEST(CutSearch, cuts_where_both_are_done_at_once) {
 }
 
 TEST(CutSearch, cuts_the_shorter_side_where_only_that_is_fair) {
-  // Four wide and three high: the last column has nearly all, in its two upper cells.
+  // Four cells wide and three high: the last column has nearly all the work, in its two upper cells.
   WorkGrid work({64, 48}, 0.01f);
   work.at(3, 0) = work.at(3, 1) = 10.0f;
   const std::vector<double> speeds{1.0, 1.0};
@@ -46,7 +46,8 @@ TEST(CutSearch, cuts_the_shorter_side_where_only_that_is_fair) {
 }
 
 TEST(CutSearch, looks_a_fork_ahead) {
-  // Between the columns both sides have the same; but a side whose work lies in one cell cannot be shared by two.
+  // A cut between the columns gives both sides equal work, but a side whose work lies in one cell cannot be divided
+  // between two.
   WorkGrid work({64, 64}, 0.001f);
   work.at(0, 0) = work.at(1, 0) = work.at(2, 0) = work.at(3, 0) = 1.0f;
   const std::vector<double> speeds(4, 1.0);
@@ -75,7 +76,7 @@ TEST(Levelling, gives_from_the_fullest_to_the_emptiest) {
       {1.0, {{5.0, false}, {2.0, true}, {1.0, true}}}, {1.0, {{6.0, false}, {0.5, true}}}, {2.0, {{8.0, false}}}};
   const auto moves = level(nodes, 0.0);
   // Loads 8, 6.5, 4: the first gives its 2 (6, 6.5, 5), the second its 0.5 (6, 6, 5.25). Then the second has nothing
-  // more.
+  // left to give.
   ASSERT_EQ(moves.size(), 2u);
   EXPECT_EQ(moves[0].from, 0u);
   EXPECT_EQ(moves[0].block, 1u);

@@ -24,7 +24,7 @@ TEST(Stealing, takes_from_the_node_with_the_most_left) {
 }
 
 TEST(Stealing, counts_what_is_left_in_time_not_in_work) {
-  const Nodes nodes{kDone, queue(1, 1, {0.5}), queue(4, 2, {0.5})};  // 1.5 s and 0.625 s.
+  const Nodes nodes{kDone, queue(1, 1, {0.5}), queue(4, 2, {0.5})};  // 1.5 s and 0.625 s remain.
   EXPECT_EQ(choose_steal(nodes, 0, 0.0), (Steal{1, 1}));
 }
 
@@ -34,10 +34,10 @@ TEST(Stealing, takes_the_last_of_equal_blocks) {
 }
 
 TEST(Stealing, takes_the_block_that_ends_the_frame_soonest) {
-  // Five left. Alone the victim ends at 5; without the 2 at 3 (and the thief at 2); without the 1 at 4.
+  // Five seconds remain. Alone the victim ends at 5; without the 2 at 3 (and the thief at 2); without the 1 at 4.
   const Nodes nodes{queue(1, 2, {2, 1}), kDone};
   EXPECT_EQ(choose_steal(nodes, 1, 0.0), (Steal{0, 1}));
-  // To a node ten times slower the 2 would take 20 seconds, and the 0.2 two: before the victim's 4.
+  // A node ten times slower would take 20 seconds for the 2, and two for the 0.2, which is before the victim's 4.
   const Nodes slow{queue(1, 2, {2, 0.2}), {0.1, {}, 0.0}};
   EXPECT_EQ(choose_steal(slow, 1, 0.0), (Steal{0, 2}));
 }
@@ -54,7 +54,8 @@ TEST(Stealing, goes_to_the_next_node_where_the_first_has_nothing_to_give) {
 }
 
 TEST(Stealing, takes_nothing_that_would_be_done_no_sooner) {
-  const Nodes nodes{queue(1, 0.5, {0.3}), kDone};  // 0.8 left; taken, it would be done after the way and 0.3.
+  // 0.8 s remain; stolen, it would be done after the overhead and 0.3 s.
+  const Nodes nodes{queue(1, 0.5, {0.3}), kDone};
   EXPECT_TRUE(choose_steal(nodes, 1, 0.4));
   EXPECT_FALSE(choose_steal(nodes, 1, 0.5));
   EXPECT_FALSE(choose_steal(Nodes{queue(1, 0.5, {0.3}), {0.3, {}, 0.0}}, 1, 0.0));
@@ -66,7 +67,7 @@ TEST(Stealing, takes_nothing_that_the_victim_begins_before_it_hears_of_it) {
 }
 
 TEST(Stealing, sees_that_a_node_is_slower_than_believed) {
-  // Both should have the same left, but the second's first block has taken ten times what it should.
+  // Both should have the same remaining time, but the second's first block has taken ten times its prediction.
   const Nodes nodes{queue(1, 1, {1, 1}), queue(1, 0.1, {1, 0.9}, 1.0), kDone};
   EXPECT_DOUBLE_EQ(nodes[0].remaining_seconds(), 3.0);
   EXPECT_DOUBLE_EQ(nodes[1].remaining_seconds(), 19.0);

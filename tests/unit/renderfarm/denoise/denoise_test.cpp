@@ -14,7 +14,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A grey wall five metres away that shines with `light`; of no noise yet.
+/// A grey wall five metres away that emits `light`, without noise yet.
 struct Wall {
   Film film;
   PixelRays rays;
@@ -30,13 +30,13 @@ struct Wall {
       }
     }
   }
-  /// The pixel's samples, of grey light.
+  /// Sets the pixel's samples to grey light.
   void set(int x, int y, int samples, const std::vector<float>& lights) {
     *film.samples.at(x, y) = samples;
     *film.square.at(x, y) = std::inner_product(lights.begin(), lights.end(), lights.begin(), 0.0f);
     std::fill_n(film.sum.at(x, y), 3, std::accumulate(lights.begin(), lights.end(), 0.0f));
   }
-  /// Samples of exponential distribution about the mean `light(x, y)`.
+  /// Adds samples with an exponential distribution around the mean `light(x, y)`.
   template <typename LightAt>
   void add_noise(int samples, std::uint32_t seed, const LightAt& light) {
     std::mt19937 generator(seed);
@@ -70,7 +70,7 @@ bool is_finite(const RadianceImage& image) {
 }
 
 TEST(Denoiser, keeps_the_mean_of_an_even_wall_and_takes_its_noise) {
-  constexpr double kMostLoss = 0.02;  // Of fireflies, and of the brightest pixels' weight.
+  constexpr double kMostLoss = 0.02;  // Caused by fireflies, and by the weight of the brightest pixels.
   for (const int samples : {1, 2, 4}) {
     Wall wall(96, 96, samples);
     wall.add_noise(samples, 5, [](int, int) { return 1.0f; });
@@ -81,7 +81,7 @@ TEST(Denoiser, keeps_the_mean_of_an_even_wall_and_takes_its_noise) {
   }
 }
 
-/// Ten times as much light in the right half; what the features say there is the test's.
+/// Ten times as much light in the right half; the test sets the features there.
 template <typename Change>
 void expect_edge_kept(const Change& change) {
   Wall wall(64, 32, 4);
@@ -156,8 +156,8 @@ TEST(Denoiser, errs_less_than_the_film_from_one_sample_to_a_thousand) {
     const RadianceImage truth = scene.truth(32);
     for (const int samples : {1, 2, 4, 16, 64, 256, 1024}) {
       const Film film = scene.film(samples, 1);
-      // Where samples are stratified the film's own variance is far too large: then the filter may not ruin what they
-      // won.
+      // With stratified samples the film's own variance is far too large; the filter must not undo the gain of
+      // stratification.
       const double allowed = stratified && samples >= 16 ? 1.1 : 1.0;
       EXPECT_LE(squared_error(denoised(film, scene.rays()), truth), allowed * squared_error(film.mean(), truth))
           << samples << " samples, stratified: " << stratified;

@@ -12,7 +12,7 @@
 namespace cyclorama {
 namespace {
 
-/// A ball before a wall in soft light: noise, edges, and a shadow.
+/// A ball in front of a wall in soft light: noise, edges and a shadow.
 class DenoisingRendererTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -113,12 +113,12 @@ TEST_F(DenoisingRendererTest, counts_the_filters_processor_time) {
   ASSERT_TRUE(renderer) << renderer.error().message();
   DenoisingRenderer denoising(**renderer, 1);
   PanoramaView cheap = view();
-  cheap.eye = {0, 100, 0};  // Where nearly nothing is to be seen, the filter takes about as long as the film.
+  cheap.eye = {0, 100, 0};  // With almost nothing visible, filtering takes about as long as rendering the film.
   cheap.quality.samples = 1;
   RadianceImage light;
   Film film;
   double with = 0.0, without = 0.0;
-  for (int i = 0; i < 6; ++i) {  // By turns, so that a slower while slows both.
+  for (int i = 0; i < 6; ++i) {  // Alternates, so that a temporary slowdown affects both.
     with += denoising.render_radiance(cheap, whole(cheap), &light, nullptr).cpu_seconds;
     without += (*renderer)->render_film(cheap, whole(cheap), true, &film, nullptr).cpu_seconds;
   }
@@ -164,11 +164,11 @@ TEST_F(DenoisingRendererTest, lets_nothing_of_one_eyes_picture_into_the_others) 
   const PixelRect whole{0, 0, 200, 2 * kHeight};
   const RenderCost cost = denoising.render_radiance(both, whole, &all, nullptr);
   EXPECT_EQ(cost.cell_cpu_seconds.size(), 13u * 12u);
-  // The left eye's has the samples of a picture of its own, and no row of the other comes into it.
+  // The left eye's picture has the samples of a picture of its own, and no row of the other contributes to it.
   RadianceImage left;
   denoising.render_radiance(for_eyes(view(), Eyes::kLeft, kHeight), {0, 0, 200, kHeight}, &left, nullptr);
   EXPECT_EQ(cropped(all, {0, 0, 200, kHeight}), left);
-  // Whatever part is asked for, across the seam or beside it.
+  // Holds for any requested part, across the seam or beside it.
   for (const PixelRect& rect : {PixelRect{0, kHeight, 200, kHeight}, PixelRect{32, 80, 64, 32},
                                 PixelRect{0, 95, 200, 2}, PixelRect{160, 96, 40, 16}}) {
     RadianceImage part;

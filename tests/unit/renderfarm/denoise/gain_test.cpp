@@ -8,7 +8,7 @@
 namespace cyclorama {
 namespace {
 
-/// Even light of 1, of one sample with normal noise of deviation 0.5.
+/// Even light of 1, from one sample with normal noise of deviation 0.5.
 std::vector<Film> noisy_films(int count) {
   std::mt19937 generator(3);
   std::normal_distribution<float> noise(1.0f, 0.5f);

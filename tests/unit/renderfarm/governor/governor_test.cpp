@@ -21,7 +21,7 @@ Front front_of(int points) {
   return *Front::make(std::move(made));
 }
 
-/// Lets the governor choose for frames whose time is `ms_of(frame, cost)`; returns what it chose.
+/// Runs the governor for frames whose time is `ms_of(frame, cost)`; returns its choices.
 std::vector<std::size_t> play(Governor& governor, int frames, const std::function<double(int, double)>& ms_of,
                               double megapixels = 1.0) {
   std::vector<std::size_t> chosen;
@@ -117,7 +117,7 @@ TEST(Governor, follows_the_size_of_the_picture_at_once) {
 TEST(Governor, does_not_pump_when_times_are_noisy) {
   std::mt19937 random(7);
   std::lognormal_distribution<double> noise(0.0, 0.25);
-  // The budget lies anywhere between two points.
+  // The budget may lie anywhere between two points.
   for (const double budget : {33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 60.0, 64.0}) {
     Governor governor(front_of(8), budget);
     const auto chosen = play(governor, 2000, [&](int, double cost) { return cost * noise(random); });
@@ -126,7 +126,7 @@ TEST(Governor, does_not_pump_when_times_are_noisy) {
 }
 
 TEST(Governor, tries_less_and_less_often_what_proves_too_expensive) {
-  // The dearer point costs more than its figures say, so that it looks as if it fitted, and does not.
+  // The more expensive point costs more than stated, so it appears to fit but does not.
   Governor governor(front_of(2), 10.0);
   const auto chosen = play(governor, 1000, [](int, double cost) { return cost < 2.0 ? 3.0 : 12.0; });
   const auto at_second = std::ranges::count(chosen, 1u);

@@ -22,7 +22,7 @@ RgbImage noise(unsigned seed, int width = 24, int height = 20) {
   return picture;
 }
 
-/// Equation 13 of the paper, window by window and with no filter: the other implementation.
+/// Equation 13 of the paper, window by window and without filters: an independent implementation.
 double ssim_by_windows(const RgbImage& a, const RgbImage& b) {
   const auto luma = [](const RgbImage& p, int x, int y) {
     const std::uint8_t* rgb = p.at(x, y);

@@ -39,7 +39,7 @@ double mean_of(const RgbImage& a, const RgbImage& b, double pixels_per_degree = 
   return result->mean;
 }
 
-/// The paper once more, at one pixel, in double, with whole two-dimensional kernels: the other implementation.
+/// An independent implementation of the paper for one pixel, in double, with full two-dimensional kernels.
 class AtOnePixel {
  public:
   AtOnePixel(const RgbImage& picture, int x, int y, double ppd) : picture_(picture), x_(x), y_(y), ppd_(ppd) {}
@@ -149,7 +149,8 @@ TEST(Flip, equal_pictures_differ_nowhere) {
 }
 
 TEST(Flip, black_and_white_differ_by_the_closed_form) {
-  // Lightness differs by 100; green and blue, which differ most, by 203.30: .95 + .05 (100^.7 / 203.30^.7 - .4) / .6.
+  // Lightness differs by 100; green and blue, the pair with the largest distance, by 203.30: .95 + .05 (100^.7 /
+  // 203.30^.7 - .4) / .6.
   EXPECT_NEAR(mean_of(filled(kBlack), filled(kWhite)), 0.96738, 1e-5);
 }
 
@@ -161,7 +162,7 @@ TEST(Flip, agrees_with_the_paper_evaluated_pixel_by_pixel) {
   RgbImage a = noise(2, 32, 26);
   RgbImage b = noise(3, 32, 26);
   for (std::size_t i = 0; i < a.data().size(); ++i) {
-    // Smooth in a and close to it in b, so that no part of the colours is clipped away.
+    // Smooth in a and close to it in b, so that no colours are clipped.
     a.data()[i] = static_cast<std::uint8_t>(40 + 5 * (i / 3 % 32) + a.data()[i] / 8);
     b.data()[i] = static_cast<std::uint8_t>(a.data()[i] + b.data()[i] / 6);
   }

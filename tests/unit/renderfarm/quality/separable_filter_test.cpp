@@ -18,7 +18,7 @@ Plane with_a_point(int width, int height, int x, int y) {
 
 TEST(SeparableFilter, a_point_becomes_the_mirrored_kernel) {
   const Plane result = filtered(with_a_point(7, 7, 3, 3), {1, 2, 4}, {10, 20, 30});
-  EXPECT_EQ(*result.at(4, 3), 20.0);  // The pixel right of the point sees it on its left.
+  EXPECT_EQ(*result.at(4, 3), 20.0);  // The pixel right of the point has it on its left.
   EXPECT_EQ(*result.at(2, 3), 80.0);
   EXPECT_EQ(*result.at(3, 4), 20.0);
   EXPECT_EQ(*result.at(2, 2), 120.0);

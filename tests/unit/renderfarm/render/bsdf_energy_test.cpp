@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much light comes back: the white furnace, albedo(), and light and viewer swapped.
+// Energy of the BSDFs: the white furnace, albedo() and reciprocity.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -10,7 +10,8 @@
 namespace cyclorama {
 namespace {
 
-/// In even light of radiance 1. Sampling is proved elsewhere; its mean weight includes mirrors.
+/// Returns the reflected and transmitted light under uniform illumination of radiance 1. Sampling is verified
+/// elsewhere; its mean weight includes mirrors.
 template <typename Scatter>
 Vec3 returned(const Scatter& scattering, int samples) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -47,7 +48,7 @@ TEST(BsdfEnergy, albedo_is_what_comes_back) {
       with_scattering(at, Vec3::UnitZ(), direction(polar, 0.7), [&](const auto& scattering) {
         const Vec3 found = returned(scattering, 1 << 12);
         const Vec3 said = scattering.albedo();
-        // A coat of a different normal, and bodies seen from inside, are told roughly.
+        // Albedos of coats with their own normal, and of bodies seen from inside, are approximate.
         const float slack = at.bsdf.inside || !at.bsdf.coat_normal.isZero() ? 0.15f : 0.04f;
         EXPECT_LE((found - said).cwiseAbs().maxCoeff(), slack)
             << at.name << " seen at " << polar << ": " << found.transpose() << " for " << said.transpose();
@@ -69,7 +70,7 @@ TEST(BsdfEnergy, light_and_viewer_may_be_swapped_above_the_surface) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> polar(0.05, 1.5);
   for (const BsdfCase& at : cases) {
-    if (!at.bsdf.coat_normal.isZero()) continue;  // Two normals, two cosines: no normal map is symmetric.
+    if (!at.bsdf.coat_normal.isZero()) continue;  // Two normals give two cosines: no normal map is reciprocal.
     for (int i = 0; i < 20; ++i) {
       const Vec3 a = direction(polar(random), 4.0 * polar(random));
       const Vec3 b = direction(polar(random), -3.0 * polar(random));
@@ -79,7 +80,7 @@ TEST(BsdfEnergy, light_and_viewer_may_be_swapped_above_the_surface) {
   }
 }
 
-/// Seen through the surface, a body's other side is a surface of the reverse index with the normal turned round.
+/// Seen through the surface, the other side of a body is a surface of the inverse index with a reversed normal.
 TEST(BsdfEnergy, light_and_viewer_may_be_swapped_through_the_surface) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> polar(0.05, 1.5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where samples go, against what density() says of it.
+// Distribution of samples, compared with density().
 #include <gtest/gtest.h>
 
 #include "renderfarm/render/sampler.h"
@@ -16,7 +16,7 @@ std::vector<BsdfCase> all_cases() {
   return cases;
 }
 
-/// A mirror's samples are lost to the density, which knows nothing of them.
+/// Samples of mirrors are outside the pdf, which excludes them.
 template <typename Scatter>
 SamplerCheck check_of(const Scatter& scattering, unsigned seed) {
   const auto sample = [&](const Vec2& u, float choice) -> std::optional<Vec3> {
@@ -33,7 +33,8 @@ TEST(BsdfSampling, directions_are_distributed_as_the_density_says) {
   const double level = sidak(0.01, static_cast<int>(cases.size()));
   unsigned seed = 1;
   for (const BsdfCase& at : cases) {
-    const double polar = seed % 2 == 0 ? 0.6 : 1.4;  // By turns; each kind of material comes up at many roughnesses.
+    // Alternates, such that each kind of material occurs at many roughnesses.
+    const double polar = seed % 2 == 0 ? 0.6 : 1.4;
     with_scattering(at, Vec3::UnitZ(), direction(polar, 0.7), [&](const auto& scattering) {
       const SamplerCheck check = check_of(scattering, seed++);
       EXPECT_GT(check.chi_square.p_value, level) << at.name << " seen at " << polar << ": chi-square "
@@ -56,7 +57,7 @@ TEST(BsdfSampling, weights_are_the_bsdf_over_the_density) {
           ASSERT_NEAR(drawn.wi.norm(), 1.0f, 1e-5f) << at.name;
           EXPECT_EQ(drawn.through, drawn.wi.dot(normal) < 0.0f) << at.name;
           if (drawn.density == 0.0f) continue;
-          // Narrow lobes turn a rounding of the direction into percents.
+          // In narrow lobes, rounding of the direction causes errors of several percent.
           const float slack = at.bsdf.alpha < 0.01f ? 0.05f : 2e-3f;
           ASSERT_NEAR(scattering.density(drawn.wi) / drawn.density, 1.0f, slack) << at.name;
           const Vec3 value = scattering.evaluate(drawn.wi) / scattering.density(drawn.wi);

@@ -79,7 +79,7 @@ TEST(Scattering, clear_glass_bends_light_as_snell_says) {
   ASSERT_TRUE(sample.through);
   EXPECT_NEAR(sample.wi.x(), -std::sin(0.9f) / 1.5f, 1e-6f);
   EXPECT_NEAR(sample.weight.x(), 1.0f, 1e-5f);
-  // And back from inside along the same way.
+  // Also traces the reverse path from inside.
   const Bsdf back = make_bsdf(glass_material(0.0f, 1.5f, false), {}, true, SurfaceLevel::kLayered);
   const Scattering<SurfaceLevel::kLayered> leaving(back, -Vec3::UnitZ(), sample.wi);
   EXPECT_TRUE(leaving.sample({0.5f, 0.5f}, 0.99f).wi.isApprox(wo, 1e-5f));
@@ -141,7 +141,7 @@ TEST(SurfaceLevel, is_the_least_that_shows_a_material) {
   EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
   material.transmission = 0.5f;
   EXPECT_EQ(surface_level_of(material), SurfaceLevel::kLayered);
-  material.metallic = 1.0f;  // A metal lets nothing through.
+  material.metallic = 1.0f;  // A metal transmits nothing.
   EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
   material.clearcoat = 0.1f;
   EXPECT_EQ(surface_level_of(material), SurfaceLevel::kLayered);

@@ -19,7 +19,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
 constexpr double kHeading = 2.6;
 
-/// The largest pictures, from the narrowest to the widest field.
+/// The largest pictures, from the narrowest to the widest field of view.
 std::vector<PictureShape> large_shapes() {
   return {Panorama{16384, 4096, 2.0 * kPi, 0.8, -0.8},
           Panorama{16384, 16384, 359.9 * kDegree, 3.0, -0.5},
@@ -43,7 +43,7 @@ Projection with_eyes(const PictureShape& shape, Eyes eyes, double eye_distance_m
   return projection;
 }
 
-/// Where the batch functions write.
+/// Output arrays of the batch functions.
 struct Rays {
   explicit Rays(std::size_t count) : exists(count, 7) {
     for (auto& values : floats) values.assign(count, -77.0f);
@@ -74,7 +74,7 @@ Places places_in(const Projection& projection, int count, unsigned seed = 5) {
   return places;
 }
 
-/// Same bits, and the same pixels without ray.
+/// Expects identical bits, and rays that exist for the same pixels.
 void expect_same(const Camera& a, const Camera& b, const Places& places) {
   const auto count = static_cast<int>(places.x.size());
   Rays from_a(places.x.size());
@@ -130,7 +130,8 @@ TEST(Camera, over_under_holds_both_eyes_pictures_bit_for_bit) {
     const Camera left(with_eyes(shape, Eyes::kLeft), kHeading);
     const Camera right(with_eyes(shape, Eyes::kRight), kHeading);
     Places places = places_in(Projection{shape, {}}, 500);
-    for (float& y : places.y) y = std::floor(y * 16.0f) / 16.0f;  // So that the other picture's height adds exactly.
+    // Makes the addition of the other picture's height exact.
+    for (float& y : places.y) y = std::floor(y * 16.0f) / 16.0f;
     expect_same(both, left, places);
     Places lower = places;
     for (float& y : lower.y) y += static_cast<float>(height_px(shape));
@@ -155,7 +156,7 @@ TEST(Camera, a_batch_of_any_length_gives_the_bits_of_single_rays) {
         Rays rays(size + 1);
         const int found = camera.rays(count, places.x.data(), places.y.data(), rays.arrays());
         EXPECT_EQ(found, std::count(rays.exists.begin(), rays.exists.end(), std::uint8_t{1}));
-        EXPECT_EQ(rays.exists[size], 7);  // Nothing is written beyond.
+        EXPECT_EQ(rays.exists[size], 7);  // Nothing is written beyond the end.
         for (const auto& values : rays.floats) EXPECT_EQ(values[size], -77.0f);
         for (std::size_t i = 0; i < size; ++i) {
           CameraRay one;
@@ -189,7 +190,7 @@ TEST(Camera, turning_a_panorama_by_whole_pixels_shifts_it) {
 }
 
 TEST(Camera, the_cone_is_the_larger_angle_between_neighbouring_pixels) {
-  const Viewing displaced{Eyes::kMono, 0.0, 3.0, {0, 0, -1.5}};  // The middle of the screen is half as far away.
+  const Viewing displaced{Eyes::kMono, 0.0, 3.0, {0, 0, -1.5}};  // The centre of the screen is half as far away.
   for (const PictureShape& shape :
        {PictureShape(Panorama{2000, 1000, 5.0, 2.0, -1.0}), PictureShape(Perspective::from_field(2000, 1000, 2.0, 0.1)),
         PictureShape(Fisheye{1000, 1000, 3.0, 0.5}), PictureShape(Equirectangular{2000, 1000})}) {
@@ -204,7 +205,7 @@ TEST(Camera, the_cone_is_the_larger_angle_between_neighbouring_pixels) {
           !direction_at(shape, {x - 1.0, y + 1.0}) || !direction_at(shape, {x + 1.0, y - 1.0})) {
         continue;
       }
-      // The larger singular value of the derivative is at least each of its columns' lengths.
+      // The larger singular value of the derivative is at least the length of each column.
       Eigen::Matrix<double, 3, 2> derivative;
       derivative.col(0) = direction(x + 0.5, y) - direction(x - 0.5, y);
       derivative.col(1) = direction(x, y + 0.5) - direction(x, y - 0.5);
@@ -246,7 +247,7 @@ TEST(Camera, every_shape_shows_the_same_scene_from_the_same_eye) {
   Scene scene = scene_of(square_mesh(200.0f));
   scene.model.lights = {point_light({0, 2, 0}, 10.0f)};
   const auto renderer = *Renderer::build(std::move(scene), 1, nullptr);
-  // Down onto the plane, 45 degrees below the horizon: the law of a point light, whatever the picture.
+  // Looks down onto the plane, 45 degrees below the horizon: the law of a point light holds for every shape.
   const auto middle = [&](const PictureShape& shape) {
     PanoramaView view;
     view.eye = {0, 1, 0};
@@ -300,7 +301,7 @@ TEST(Camera, a_near_thing_lies_where_each_eye_sees_it) {
     return moment / sum;
   };
   EXPECT_NEAR(centre(Eyes::kLeft, 1.0), centre(Eyes::kRight, 1.0), 0.5);
-  // Beyond the screen the eyes' pictures of it are apart by the eye distance times (1/1 m - 1/2 m), as angles.
+  // Beyond the screen, the two images of a point are separated by eye distance times (1/1 m - 1/2 m), as an angle.
   EXPECT_NEAR(centre(Eyes::kRight, 2.0) - centre(Eyes::kLeft, 2.0), 0.063 * 0.5 * 1000.0, 1.0);
   EXPECT_NEAR(centre(Eyes::kMono, 2.0), 200.0, 0.5);
 }

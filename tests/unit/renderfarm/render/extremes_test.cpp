@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The sweep of `cyclorama-render extremes`, in small: each case has to hold here, too.
+/// A reduced version of the sweep of `cyclorama-render extremes`, all of whose cases must hold here too.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -71,7 +71,7 @@ TEST(Extremes, rays_do_not_meet_the_triangle_that_they_start_from) {
     EXPECT_EQ(hits->self_hits, 0u) << coordinate;
     EXPECT_GT(hits->rays, 2000u) << coordinate;
   }
-  // What it is measured against does fail, so that it would be seen.
+  // The fixed near distance, for comparison, does fail, so failures would be detected.
   EXPECT_GT(count_self_hits(1e3, 20'000)->self_hits_fixed_near, 100u);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The mean picture stays what it was, whatever is done to the way it is sampled. When it has to change:
+/// The mean picture must not change, however sampling is implemented. If a change is intended:
 ///   CYCLORAMA_MAKE_GOLDEN=1 CYCLORAMA_SOURCE=. build/release/tests/unit/renderfarm/unit.renderfarm.render.golden_test
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ std::unique_ptr<Renderer> renderer_of(Scene scene) {
   return std::move(*built);
 }
 
-/// Light that goes around in a closed room, a ball that throws a soft shadow, colours that bleed.
+/// Interreflection in a closed room, with a ball that casts a soft shadow, and colour bleeding.
 std::unique_ptr<Renderer> room() {
   Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
   scene.model.materials.push_back(matte_material({0.2f, 0.5f, 0.8f}));
@@ -33,7 +33,7 @@ std::unique_ptr<Renderer> room() {
   return renderer_of(std::move(scene));
 }
 
-/// A lamp with edges: soft shadows, no light but what comes straight.
+/// A lamp with edges: soft shadows, direct light only.
 std::unique_ptr<Renderer> lamp_room() {
   Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
   add_mesh(scene, sphere_mesh(0.5f, 8), Eigen::Affine3d(Eigen::Translation3d(0.2, -0.4, -1.6)));
@@ -48,7 +48,7 @@ std::unique_ptr<Renderer> lamp_room() {
   return renderer_of(std::move(scene));
 }
 
-/// Metal, plastic, lacquer and glass in the open, by a sky with a sun in it.
+/// Metal, plastic, lacquer and glass outdoors, under a sky with a sun.
 std::unique_ptr<Renderer> garden() {
   Scene scene = scene_of(square_mesh(8.0f), {0.5f, 0.5f, 0.4f});
   for (const auto& [roughness, metallic] : {std::pair{0.2f, 1.0f}, std::pair{0.4f, 0.0f}, std::pair{0.6f, 0.5f}}) {

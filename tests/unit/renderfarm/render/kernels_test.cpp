@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A kernel that is compiled for more than the scene needs makes the same picture.
+/// A kernel compiled for more than the scene needs renders the same picture.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -81,7 +81,7 @@ TEST(MoreGeneralKernels, change_no_bit_by_lights_that_are_not_there) {
   EXPECT_TRUE(same_bits(own, picture(under_sky(ball_on_floor()), {.lights = true})));
 }
 
-/// The largest difference of a value, as a part of the mean.
+/// Returns the largest difference of a value relative to the mean.
 double largest_difference(const RadianceImage& a, const RadianceImage& b) {
   double largest = 0.0;
   for (std::size_t i = 0; i < a.data().size(); ++i) {
@@ -91,7 +91,7 @@ double largest_difference(const RadianceImage& a, const RadianceImage& b) {
 }
 
 TEST(MoreGeneralKernels, show_matte_surfaces_alike) {
-  // The same lots by other arithmetic: a rounding may send a path past another edge, and no more.
+  // The random numbers are the same but the arithmetic differs: rounding may move a path across an edge, and no more.
   const RadianceImage own = picture(under_sky(under_lamp(ball_on_floor())), {});
   for (const SurfaceLevel surface : {SurfaceLevel::kGlossy, SurfaceLevel::kLayered}) {
     const RadianceImage other = picture(under_sky(under_lamp(ball_on_floor())), {.surface = surface});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What materials look like, in scenes whose picture is known.
+/// Appearance of materials in scenes whose picture is known.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -21,7 +21,7 @@ Sky even_sky(float radiance) {
   return {light, light, light};
 }
 
-/// A wall one metre before the eye, uv (0, 0) in its upper left corner, `size` wide.
+/// A wall one metre in front of the eye, `size` wide, with uv (0, 0) in its upper left corner.
 Eigen::Affine3d upright(double z = -1.0) {
   return Eigen::Affine3d(Eigen::Translation3d(0, 0, z)) *
          Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX());
@@ -33,7 +33,7 @@ Scene wall(const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f)) {
   return scene;
 }
 
-/// The colour seen straight along (x, y) on the wall, from a narrow view.
+/// Returns the colour seen straight along (x, y) on the wall, through a narrow view.
 Eigen::Vector3f seen(const Renderer& renderer, double x, double y, int samples = 1) {
   PanoramaView view = view_from({x, y, 0}, 1, 1, 1e-4, -1e-4);
   view.panorama.azimuth_span_rad = 2e-4;
@@ -116,9 +116,9 @@ TEST(Materials, a_hole_shows_what_is_behind_and_lets_light_through) {
     add_mesh(scene, square_mesh(2.0f, 1), upright(-2.0));
     scene.model.lights = {point_light({-0.5, 0.5, 0}, static_cast<float>(4.0 * std::numbers::pi))};
     const auto renderer = built(std::move(scene));
-    // Straight through the hole: the wall behind, 2 m from the lamp, albedo 1.
+    // Straight through the hole: the wall behind, 2 m from the lamp, with albedo 1.
     EXPECT_NEAR(seen(*renderer, -0.5, 0.5).x(), 1.0f, 1e-3f);
-    // Where the mask is whole, it is seen itself: green.
+    // Where the mask is opaque, the mask itself is visible: green.
     EXPECT_EQ(seen(*renderer, 0.5, 0.5).x(), 0.0f);
     EXPECT_GT(seen(*renderer, 0.5, 0.5).y(), 0.0f);
   }
@@ -136,7 +136,7 @@ TEST(Materials, half_transparent_layers_add_up_in_order) {
   for (int i = 0; i < 3; ++i) add_mesh(scene, square_mesh(2.0f, i), upright(-1.0 - i));
   scene.ambient = Eigen::Vector3f::Ones();
   const Eigen::Vector3f expected(0.5f, 0.5f * 0.25f, 0.5f * 0.75f);
-  // Which layer a sample sees is by lot; the lots of a pixel's samples share out evenly.
+  // The layer that a sample sees is random; the random numbers of a pixel's samples are evenly distributed.
   EXPECT_LT((seen(*built(std::move(scene)), 0.1, 0.2, 1024) - expected).norm(), 0.01f);
 }
 
@@ -188,14 +188,14 @@ TEST(Materials, both_sides_are_lit_whatever_the_winding) {
   }
 }
 
-/// The bump leans to +x in texture space, which is to the right on this wall: a lamp from the right makes it brighter.
+/// The bump points to +x in texture space, which is to the right on this wall, so light from the right brightens it.
 TEST(Materials, a_normal_map_leans_the_way_its_texture_runs) {
   for (const bool tangents : {false, true}) {
     for (const bool mirrored : {false, true}) {
       Scene scene = wall();
       Texture bump;
       bump.pixels = RgbaImage(1, 1, 255);
-      // Right by 0.6, up by 0.3.
+      // Right by 0.6 and up by 0.3.
       const std::array<std::uint8_t, 4> texel = {204, 166, 222, 255};
       std::copy(texel.begin(), texel.end(), bump.pixels.at(0, 0));
       scene.model.textures.push_back(bump);
@@ -203,7 +203,7 @@ TEST(Materials, a_normal_map_leans_the_way_its_texture_runs) {
       Mesh& mesh = scene.model.meshes[0];
       mesh.normals.assign(4, {0, 1, 0});
       if (tangents) mesh.tangents.assign(4, {1, 0, 0, 1});
-      if (mirrored) {  // The same wall, its mesh mirrored and placed by a mirror: the bump leans the other way.
+      if (mirrored) {  // The same wall with its mesh mirrored and placed by a mirror: the bump points the other way.
         scene.model.instances[0].T_model_mesh = upright() * Eigen::Scaling(-1.0, 1.0, 1.0);
       }
       const auto lit_from = [&](double x, double y) {
@@ -260,8 +260,8 @@ TEST(Materials, a_coarse_mirror_ball_has_no_black_rings) {
   EXPECT_EQ(dark, 0);
 }
 
-/// A board half a metre wide, 1 m above the floor, under a lamp of radius r, 2 m above it: full shadow in the middle,
-/// none far out, and in between a penumbra where geometry says.
+/// A board half a metre wide, 1 m above the floor, under a lamp of radius r, 2 m above it: umbra in the middle, no
+/// shadow far out, and a penumbra between them at the geometric position.
 TEST(Materials, a_sphere_light_makes_a_penumbra_within_its_bounds) {
   Scene scene = scene_of(square_mesh(20.0f));
   add_mesh(scene, square_mesh(1.0f), Eigen::Affine3d(Eigen::Translation3d(0, 1, 0)));
@@ -271,7 +271,7 @@ TEST(Materials, a_sphere_light_makes_a_penumbra_within_its_bounds) {
   open.model.instances.pop_back();
   const auto shaded = built(std::move(scene));
   const auto unshaded = built(std::move(open));
-  // The edge at x = 0.5 throws its shadow's edge to x = 1; the lamp's width spreads it by about 0.2 to each side.
+  // The edge at x = 0.5 casts its shadow's edge to x = 1; the lamp's width spreads it by about 0.2 to each side.
   const auto part = [&](double x) {
     PanoramaView view = view_from({x, 0.5, 0.001}, 1, 1, -500.0, -500.5);
     view.panorama.azimuth_span_rad = 1e-3;

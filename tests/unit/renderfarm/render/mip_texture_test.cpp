@@ -63,7 +63,7 @@ TEST(MipTexture, what_is_transparent_does_not_colour_what_is_not) {
 }
 
 TEST(MipTexture, normals_are_averaged_as_vectors) {
-  // 45 degrees to the left and to the right, and straight: together straight.
+  // 45 degrees to the left, 45 degrees to the right, and straight: the mean is straight.
   const Texture bumps = drawn(4, 1, [](int x, int) {
     return x == 0 ? Rgba{218, 128, 218, 255} : x == 1 ? Rgba{38, 128, 218, 255} : Rgba{128, 128, 255, 255};
   });
@@ -80,7 +80,7 @@ TEST(MipTexture, level_0_is_the_scenes_own_picture_and_the_others_a_third_of_it)
   EXPECT_LE(3 * mips.bytes(), texture.pixels.data().size());
 }
 
-/// Sizes that do not halve evenly: every texel counts as much as every other, in every level.
+/// Sizes that are not powers of two: every texel has equal weight in every level.
 TEST(MipTexture, the_mean_is_kept_whatever_the_size) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{1, 7}, std::pair{64, 1}, std::pair{3, 3},
                                       std::pair{5, 128}, std::pair{127, 33}, std::pair{640, 257}}) {
@@ -93,7 +93,7 @@ TEST(MipTexture, the_mean_is_kept_whatever_the_size) {
       double mean = 0.0;
       for (std::size_t i = 0; i < texture.pixels.data().size(); i += 4) mean += decode[texture.pixels.data()[i]];
       mean /= width * height;
-      const double slope = content == TextureContent::kData ? 1.0 / 255.0 : 2.0 / 255.0;  // Light per code, about here.
+      const double slope = content == TextureContent::kData ? 1.0 / 255.0 : 2.0 / 255.0;  // Approximate light per code.
       EXPECT_NEAR(decode[texel(mips, mips.levels().size() - 1)[0]], mean, 1.2 * slope) << width << "x" << height;
     }
   }
@@ -104,7 +104,7 @@ TEST(MipTexture, seven_texels_lie_evenly_under_three) {
     return Rgba{static_cast<std::uint8_t>(x == 2 ? 252 : 0), 0, 0, 255};
   });
   const MipTexture mips(seven, TextureContent::kData);
-  EXPECT_EQ(texel(mips, 1, 0)[0], 36);  // A third of texel 2, of 7 / 3.
+  EXPECT_EQ(texel(mips, 1, 0)[0], 36);  // A third of texel 2, divided by 7 / 3.
   EXPECT_EQ(texel(mips, 1, 1)[0], 72);
   EXPECT_EQ(texel(mips, 1, 2)[0], 0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How the error falls with samples, whether all pixels get as many or each as many as it needs.
+/// Decrease of the error with the number of samples, with and without adaptive sampling.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ TEST(PathTracerError, the_squared_error_falls_at_least_as_fast_as_samples_grow) 
   EXPECT_LT(slope, -0.93) << errors.front() << " to " << errors.back();
 }
 
-/// A lamp in the corner of four pixels, `size` pixels wide, nothing else.
+/// A lamp at the corner of four pixels, `size` pixels wide, and nothing else.
 std::unique_ptr<Renderer> lamp_in_the_dark(double size) {
   Scene scene = scene_of(square_mesh(0.01f));
   Light lamp;
@@ -66,8 +66,8 @@ std::unique_ptr<Renderer> lamp_in_the_dark(double size) {
   return built(std::move(scene));
 }
 
-/// The samples of a pixel are spread evenly: what fills the place of one of the first `adaptive_minimum` is found for
-/// certain. What is smaller may be missed, and then is never looked for.
+/// The samples of a pixel are evenly distributed: a feature as large as the cell of one of the first `adaptive_minimum`
+/// samples is certainly found. A smaller one may be missed, and is then never sampled.
 TEST(PathTracerError, adaptive_sampling_misses_nothing_that_its_first_samples_find) {
   PanoramaView view = view_from({0, 3, 0}, 16, 16, 2.0, -2.0);
   view.panorama.azimuth_span_rad = 4.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Direct light of every lamp on every kind of surface, against sums over the lamp in double: however it is sampled,
-/// by aiming, by scattering, by both weighed against each other, the mean is the same.
+/// Direct light of every lamp on every kind of surface, compared with sums over the lamp in double. The mean is the
+/// same for light sampling, BSDF sampling and both combined by multiple importance sampling.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A part of a lamp as the floor's point sees it.
+/// A part of a lamp as seen from the point on the floor.
 struct Glimpse {
   Vector3d direction;
   double light = 0.0;  ///< Radiance times solid angle.
@@ -25,11 +25,11 @@ struct Glimpse {
 
 struct Lighting {
   std::string name;
-  Scene scene;  ///< Without the floor.
+  Scene scene;  ///< Excludes the floor.
   std::vector<Glimpse> glimpses;
 };
 
-/// A parallelogram, cut into small ones; `keep(s, t)` for s and t in [-1, 1].
+/// A parallelogram, divided into small ones; `keep(s, t)` selects them for s and t in [-1, 1].
 template <typename Keep>
 void see(const Vector3d& middle, const Vector3d& x, const Vector3d& y, double radiance, bool both_sides,
          const Keep& keep, std::vector<Glimpse>* ret) {
@@ -82,7 +82,7 @@ void see_environment(const Scene& scene, std::vector<Glimpse>* ret) {
 }
 
 constexpr double kRadiance = 3.0;
-const Vector3d kPlace(0.25, 1.0, -0.9);  // About where a mirror on the floor would show it.
+const Vector3d kPlace(0.25, 1.0, -0.9);  // Approximate position at which a mirror on the floor would show it.
 
 Light flat_light(LightKind kind, bool visible) {
   Light light;
@@ -126,7 +126,7 @@ Lighting ball(bool visible) {
   return lit;
 }
 
-/// A square that glows and reflects nothing: its front up, or down by `turned`.
+/// An emissive square without reflection, with its front up, or down if turned by `turned`.
 Lighting glowing_square(const std::string& name, const std::vector<Eigen::Affine3d>& places, bool double_sided) {
   Lighting lit{name, {}, {}};
   Material glow = matte_material(Eigen::Vector3f::Zero());
@@ -137,7 +137,7 @@ Lighting glowing_square(const std::string& name, const std::vector<Eigen::Affine
   for (std::size_t i = 1; i < places.size(); ++i) lit.scene.model.instances.push_back({0, places[i]});
   for (const Eigen::Affine3d& place : places) {
     const Eigen::Matrix3d m = place.linear();
-    // Rays see both sides; which is the front matters to aiming alone.
+    // Rays see both sides; the front matters to light sampling alone.
     see(place.translation(), m.col(0), m.col(2), kRadiance, true, everywhere, &lit.glimpses);
   }
   return lit;
@@ -174,7 +174,7 @@ Lighting environment_map() {
   return lit;
 }
 
-/// Lights of every kind at once: the chances of choosing them have to sum up.
+/// Lights of every kind at once: the probabilities of choosing them must be consistent.
 Lighting all_of_them() {
   Lighting lit = rectangle(true);
   lit.name = "all";
@@ -185,7 +185,7 @@ Lighting all_of_them() {
     }
     if (more.scene.environment != nullptr) lit.scene.environment = more.scene.environment;
   }
-  // What the lamps hide of the environment is too much to leave out: only what they do not hide is seen.
+  // The part of the environment hidden by the lamps is too large to ignore: only what they leave visible is counted.
   const Light& front = lit.scene.model.lights[0];
   const Vector3d middle = lit.scene.model.lights[1].position;
   see_ball(middle, 0.3, kRadiance, &lit.glimpses);
@@ -273,7 +273,7 @@ TEST(PathTracerLights, a_sky_gives_what_its_integral_says) { expect_light_of(sky
 TEST(PathTracerLights, an_environment_map_gives_what_its_integral_says) { expect_light_of(environment_map()); }
 TEST(PathTracerLights, lights_of_all_kinds_together_give_what_their_integral_says) { expect_light_of(all_of_them()); }
 
-/// What aims at it is the front; the back glows for whom scattering leads there.
+/// Light sampling covers the front only; scattered rays see the back emit.
 TEST(PathTracerLights, the_back_of_a_glowing_mesh_is_found_by_scattering) {
   const Lighting lit = glowing_square("from behind", {placed(kPlace, 0.3, {0.4, 1.0, 0.4})}, false);
   Scene scene = lit.scene;

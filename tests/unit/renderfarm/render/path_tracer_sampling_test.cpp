@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How samples add up: whichever way a picture is cut, it is the same.
+/// Sums of samples do not depend on how a picture is divided.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -93,12 +93,12 @@ TEST(PathTracerSampling, tiles_change_no_bit) {
   }
 }
 
-/// Sums are of floats: added in the same order they are the same, in another as close as rounding.
+/// Float sums in the same order are identical, and in another order agree to rounding.
 TEST(PathTracerSampling, a_picture_in_steps_is_the_picture_in_one) {
   constexpr int kSamples = 8;
   const auto renderer = built(mixed_room());
   for (NamedView at : views()) {
-    if (at.view.quality.adaptive_error > 0.0f) continue;  // Steps know nothing of each other's errors.
+    if (at.view.quality.adaptive_error > 0.0f) continue;  // Steps do not share their error estimates.
     at.view.quality.samples = kSamples;
     const Film film = film_of(*renderer, at.view);
     at.view.quality.sequence = kSamples;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The path tracer as a whole against what is known of light: series, furnaces, and what changes nothing.
+/// The whole path tracer against known results: series, furnaces and invariances.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFurnaceTolerance = 0.025;
 
-/// A closed hollow ball that glows and reflects.
+/// A closed hollow ball that emits and reflects.
 Scene glowing_furnace(float albedo, float radiance, bool double_sided) {
   Scene scene = scene_of(sphere_mesh(2.0f, 16), Eigen::Vector3f::Constant(albedo));
   scene.model.materials[0].emissive.setConstant(radiance);
@@ -32,7 +32,7 @@ PanoramaView view_around(int bounces, int samples) {
 
 Sky even_sky() { return {Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones()}; }
 
-/// 1 + albedo + ... + albedo^most.
+/// Returns 1 + albedo + ... + albedo^most.
 double series(double albedo, int most) { return (1.0 - std::pow(albedo, most + 1)) / (1.0 - albedo); }
 
 TEST(PathTracer, a_glowing_furnace_is_a_geometric_series_that_bounces_cut) {
@@ -41,7 +41,7 @@ TEST(PathTracer, a_glowing_furnace_is_a_geometric_series_that_bounces_cut) {
     const auto renderer = built(glowing_furnace(albedo, static_cast<float>(kGlow), true));
     for (const int bounces : {0, 1, 3, 8}) {
       SCOPED_TRACE(testing::Message() << "albedo " << albedo << ", bounces " << bounces);
-      // Glow itself, then light reflected once for no bounces, and once more for each.
+      // Emission, then light reflected once for no bounces, and once more for each bounce.
       const double expected = kGlow * series(static_cast<double>(albedo), bounces + 1);
       const MeasuredLight light = measured(*renderer, view_around(bounces, 4), 8);
       EXPECT_NEAR(light.mean / expected, 1.0, kFurnaceTolerance);
@@ -50,7 +50,7 @@ TEST(PathTracer, a_glowing_furnace_is_a_geometric_series_that_bounces_cut) {
   }
 }
 
-/// Its front outside, nothing aims at the inside: every reflection has to be found by scattering.
+/// The front is outside, so light sampling ignores the inside: every reflection must be found by BSDF sampling.
 TEST(PathTracer, a_furnace_that_glows_from_behind_lacks_what_the_last_bounce_would_aim_at) {
   for (const int bounces : {1, 5}) {
     const double expected = series(0.5, bounces);
@@ -59,7 +59,7 @@ TEST(PathTracer, a_furnace_that_glows_from_behind_lacks_what_the_last_bounce_wou
   }
 }
 
-/// Paths of many bounces end by lot; what goes on stands for what ended.
+/// Russian roulette ends paths of many bounces; the surviving paths account for them.
 TEST(PathTracer, paths_that_end_by_lot_keep_the_series) {
   for (const float albedo : {0.3f, 0.6f, 0.9f}) {
     const auto renderer = built(glowing_furnace(albedo, 1.0f, true));
@@ -89,7 +89,7 @@ std::vector<NamedMaterial> white_materials() {
     glass.transmission = 1.0f;
     all.push_back({"thin glass" + rough, glass});
     glass.thickness = 1.0f;
-    // Rough diamonds hold light for more bounces than there may be.
+    // Rough diamonds keep light for more bounces than are allowed.
     for (const float ior : {1.0f, 1.33f, 1.5f}) {
       glass.ior = ior;
       all.push_back({"glass of ior " + std::to_string(ior).substr(0, 3) + rough, glass});
@@ -184,7 +184,7 @@ Light overhead_lamp() {
   return light;
 }
 
-/// Only what scatters finds a lamp behind glass: shadow rays end at the pane.
+/// Only scattered rays find a lamp behind glass, because shadow rays end at the pane.
 TEST(PathTracer, light_comes_through_clear_panes) {
   for (const bool body : {false, true}) {
     Scene scene = scene_of(square_mesh(0.01f));
@@ -206,14 +206,14 @@ TEST(PathTracer, light_comes_through_clear_panes) {
       add_mesh(scene, std::move(under), above(1.499));
     }
     const MeasuredLight through = measured(*built(std::move(scene)), view);
-    // At these steep angles each surface mirrors 4 %. A body has two, and what they mirror twice arrives as well.
+    // At these steep angles each surface mirrors 4 %. A body has two, and light mirrored twice arrives as well.
     constexpr double kMirrored = 0.04;
     expect_light(through, open.mean * (body ? (1.0 - kMirrored) / (1.0 + kMirrored) : 1.0 - kMirrored));
     EXPECT_LT(through.error, 0.005 * through.mean);
   }
 }
 
-/// Each crossing of a half-transparent pane is a lot of its own, though it is the same pane.
+/// Each crossing of a half-transparent pane draws its own random number, even for the same pane.
 TEST(PathTracer, what_is_seen_through_a_veil_and_lit_through_it_is_dimmed_twice) {
   constexpr double kAlpha = 0.4;
   for (const int bounces : {0, 1}) {

@@ -77,7 +77,7 @@ TEST(EnvironmentLight, looks_where_its_texels_are) {
   EXPECT_NEAR(light.radiance(-Vec3::UnitZ()).x(), 2.0f, 1e-5f);
   EXPECT_NEAR(light.radiance(Vec3::UnitX()).x(), 3.0f, 1e-5f);
   EXPECT_NEAR(light.radiance(Vec3::UnitZ()).x(), 0.0f, 1e-5f);
-  map->rotation_rad = 0.5f * kPi;  // What was ahead is to the right.
+  map->rotation_rad = 0.5f * kPi;  // Content that was ahead is now to the right.
   light = EnvironmentLight({}, map);
   EXPECT_NEAR(light.radiance(Vec3::UnitX()).x(), 2.0f, 1e-5f);
 }
@@ -89,7 +89,8 @@ TEST(EnvironmentLight, a_sun_of_one_texel_is_found_without_noise) {
   for (int i = 0; i < 256; ++i) {
     LightSample aim;
     ASSERT_TRUE(light.sample(Vec3::Zero(), SampleSequence(3, 0, 0, i, 256).pair(0), &aim));
-    // Light over density is the whole sphere's light wherever one aims, but for the change of the sine in a texel.
+    // Light over pdf equals the light of the whole sphere in every direction, except for the variation of the sine
+    // within a texel.
     EXPECT_NEAR(aim.radiance_over_density.x() / light.estimate(Vec3::Zero()), 1.0f, 0.15f);
   }
 }

@@ -11,11 +11,11 @@
 namespace cyclorama {
 namespace {
 
-/// Seen from the origin.
+/// A light as seen from the origin.
 struct Case {
   std::string name;
   Light light;
-  bool is_small = false;  ///< Too small or thin for the bins of a histogram to be integrated.
+  bool is_small = false;  ///< Too small or thin for integration over the bins of a histogram.
 };
 
 Light rectangle(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, double width, double height) {
@@ -59,7 +59,7 @@ const std::vector<Case>& cases() {
 
 FlatLight flat(const Light& light) { return make_flat_light(light, Eigen::Vector3d::Zero()); }
 
-/// Where a ray from `p` meets the light; false if beside it.
+/// Finds the point where a ray from `p` hits the light; returns false if it misses.
 bool meets(const FlatLight& light, const Vec3& p, const Vec3& direction, double* ret_distance) {
   const Eigen::Vector3d n = light.normal.cast<double>();
   const Eigen::Vector3d d = direction.cast<double>();

@@ -25,7 +25,7 @@ Light rectangle(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, dou
   return light;
 }
 
-/// A scene's tables without a BVH.
+/// The scene's tables without a BVH.
 class Glowing {
  public:
   explicit Glowing(Mesh mesh, float radiance, const Eigen::Affine3d& T = Eigen::Affine3d::Identity()) {
@@ -133,12 +133,13 @@ TEST(LightSet, aims_at_a_near_triangle_are_uniform_in_solid_angle) {
     const bool inside = z >= -1.0f && 2.5f * std::abs(x) <= 1.5f - z;
     return inside ? lights.density(Vec3::Zero(), Vec3::UnitY(), 0, d, t) : 0.0f;
   };
-  const SamplerCheck check = check_sampler(sample, density, 1 << 14, 3, 3);  // Bins that its tip does not slip through.
+  // Bins so fine that the triangle's tip does not fall between them.
+  const SamplerCheck check = check_sampler(sample, density, 1 << 14, 3, 3);
   EXPECT_GT(check.chi_square.p_value, 0.01) << check.chi_square.statistic << " " << check.lost;
   EXPECT_NEAR(check.integral, 1.0, 0.02);
 }
 
-/// The lamp that a ray meets, by Embree.
+/// Returns the lamp that a ray hits, found by Embree.
 class Traced {
  public:
   explicit Traced(const LightSet& lights) : device_(rtcNewDevice("threads=1")), top_(rtcNewScene(device_)) {
@@ -198,7 +199,7 @@ TEST(LightSet, rays_meet_visible_lamps_where_aims_go_with_the_same_density_and_r
         continue;
       float distance = 0.0f;
       const LightIndex light = traced.meet(p, aim.direction, &distance);
-      if (light == kNoLight) continue;  // Past a rim.
+      if (light == kNoLight) continue;  // Beyond a rim.
       ++met;
       EXPECT_LT(aim.distance, distance);
       EXPECT_GT(aim.distance, 0.999f * distance);
@@ -233,7 +234,7 @@ TEST(LightSet, rays_and_aims_agree_about_the_light_that_arrives) {
     if (!lights.sample(Vec3::Zero(), Vec3::UnitY(), sequence.pair(1).x(), sequence.pair(2), &aim)) continue;
     const float cosine = std::max(0.0f, aim.direction.y());
     const float share = aim.density > 0.0f ? aim.density / (aim.density + cosine / kPi) : 1.0f;
-    if (aim.density == 0.0f) continue;  // The lamp that no ray meets.
+    if (aim.density == 0.0f) continue;  // A lamp that no ray can hit.
     weighed += static_cast<double>(aim.radiance_over_density.x() * cosine * share);
   }
   EXPECT_NEAR(weighed / by_rays, 1.0, 0.02);
@@ -285,7 +286,7 @@ TEST(LightSet, bright_beside_dim_and_places_on_lights_give_numbers) {
 
 TEST(LightSet, finds_the_light_of_a_triangle) {
   Mesh mesh = square_mesh(2.0f);
-  mesh.triangles.push_back({0, 0, 1});  // Without an area.
+  mesh.triangles.push_back({0, 0, 1});  // A triangle without area.
   const Glowing glowing(std::move(mesh), 1.0f);
   const LightSet lights = glowing.lights({point_light({0, 1, 0}, 1.0f)});
   EXPECT_EQ(lights.triangles(), 2u);

@@ -39,7 +39,7 @@ LightBounds surface(const Vec3& at, const Vec3& normal, float candela) {
   return light;
 }
 
-/// What a light of no size gives.
+/// Returns the irradiance of a light without size.
 float irradiance(const LightBounds& light, const Vec3& p, const Vec3& n) {
   const Vec3 offset = light.low - p;
   const Vec3 to = offset.normalized();
@@ -75,7 +75,7 @@ TEST(LightTree, probabilities_and_what_is_lost_sum_to_one_and_each_light_that_sh
       const Vec3 p = random.inside(25.0f);
       const Vec3 n = place % 4 == 0 ? Vec3(Vec3::Zero()) : random.direction();
       const double sum = sum_of_probabilities(tree, lights.size(), p, n);
-      // Where bounds are too wide a choice may end at a group of which none can shine: that part is lost, not
+      // If bounds are too wide, a choice may end at a group in which no light can shine; that probability is lost, not
       // misplaced.
       constexpr int kChoices = 4096;
       int lost = 0;
@@ -171,7 +171,7 @@ TEST(LightTree, extremes_give_numbers) {
   EXPECT_TRUE(LightTree(std::vector<LightBounds>(3)).empty());
 }
 
-/// Variance of irradiance / probability, in units of the squared irradiance: 0 for a perfect choice.
+/// Returns the variance of irradiance / probability, relative to the squared irradiance: 0 for a perfect choice.
 template <typename Probability>
 double relative_variance(const std::vector<LightBounds>& lights, const Vec3& p, const Vec3& n,
                          const Probability& probability) {

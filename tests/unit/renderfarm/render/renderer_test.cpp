@@ -18,7 +18,7 @@ std::unique_ptr<Renderer> built(Scene scene, int threads = 2) {
   return *std::move(renderer);
 }
 
-/// A room with boxes, lamps and sky: something for every part of the plain kernels.
+/// A room with boxes, lamps and sky, which exercises every part of the plain kernels.
 Scene busy_scene(const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
   Mesh floor = square_mesh(10.0f);
   floor.origin = shift;
@@ -48,7 +48,7 @@ TEST(Renderer, a_sphere_under_an_even_sky_shows_its_albedo) {
   Scene scene = scene_of(sphere_mesh(1.0f, 32), {0.8f, 0.5f, 0.2f});
   scene.sky = {Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones()};
   PanoramaView view = view_from({0, 0, 3}, 32, 32, 0.1, -0.1);
-  view.panorama.azimuth_span_rad = 0.2;  // Nothing but the sphere.
+  view.panorama.azimuth_span_rad = 0.2;  // Nothing but the sphere is visible.
   view.quality.samples = 4;
   const RadianceImage image = radiance_of(*built(std::move(scene)), view);
   for (int y = 0; y < 32; ++y) {
@@ -66,7 +66,7 @@ TEST(Renderer, a_plane_under_a_point_light_follows_the_inverse_square_law) {
   const PanoramaView view = view_from({0, 1, 0}, 64, 16, -0.5, -2.0);
   const RadianceImage image = radiance_of(*built(std::move(scene)), view);
   for (int y = 0; y < 16; ++y) {
-    // A pixel is the mean over its area: bound it by the law at its edges.
+    // A pixel is the mean over its area, bounded by the law at its edges.
     const auto law = [&](double v) {
       const double out = 1.0 / -view.panorama.tan_elevation_at(v);
       const double r2 = out * out + 4.0;
@@ -125,7 +125,7 @@ TEST(Renderer, far_from_the_origin_the_picture_is_the_same) {
   for (std::size_t i = 0; i < near_picture.data().size(); ++i) {
     if (std::abs(near_picture.data()[i] - far_picture.data()[i]) > 1e-3f) ++different;
   }
-  EXPECT_LE(different, 6);  // A nanometre may move a silhouette across a sample or two.
+  EXPECT_LE(different, 6);  // A shift of a nanometre may move a silhouette across one or two samples.
 }
 
 TEST(Renderer, a_view_that_cannot_be_is_refused_with_the_reason) {

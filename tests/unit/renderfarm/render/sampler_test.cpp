@@ -20,7 +20,7 @@ std::vector<Vec2> points_of_pixels(int side, int samples, std::uint32_t dimensio
   return points;
 }
 
-/// Every elementary interval of area 1/n holds exactly one of n points: a (0, m, 2)-net.
+/// Every elementary interval of area 1/n contains exactly one of n points: a (0, m, 2)-net.
 void expect_net(const std::vector<Vec2>& points) {
   const int n = static_cast<int>(points.size());
   for (int columns = 1; columns <= n; columns *= 2) {
@@ -85,7 +85,7 @@ TEST(SampleSequence, two_dimensions_are_independent_of_each_other) {
 }
 
 TEST(SampleSequence, integrates_better_than_independent_numbers) {
-  // Integral of a disc's indicator; independent samples would miss by 0.41 / sqrt(n) = 0.0064 rms.
+  // Integral of a disc's indicator; independent samples would have an rms error of 0.41 / sqrt(n) = 0.0064.
   constexpr int kCount = 4096;
   double error2 = 0.0;
   for (std::uint64_t seed = 0; seed < 16; ++seed) {

@@ -73,7 +73,7 @@ TEST(SceneNeeds, are_those_of_what_is_used) {
   scene.model.materials[0].roughness = 0.5f;
   EXPECT_EQ(describe(needs_of(scene)), "glossy surfaces, lights, environment");
   scene.model.materials.emplace_back();
-  scene.model.materials.back().normal_texture.texture = 0;  // Nothing has this material.
+  scene.model.materials.back().normal_texture.texture = 0;  // Nothing uses this material.
   EXPECT_FALSE(needs_of(scene).normal_maps);
   scene.model.meshes[0].material = 1;
   EXPECT_EQ(describe(needs_of(scene)), "textures, normal maps, glossy surfaces, lights, environment");

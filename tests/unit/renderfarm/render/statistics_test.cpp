@@ -59,7 +59,7 @@ TEST(SphereHistogram, finds_samples_that_are_lost_unsaid) {
   EXPECT_GT(check_sampler(sample, honest).chi_square.p_value, 1e-3);
 }
 
-/// A cap of half a degree: where a grid of fixed bins sees one bin alone.
+/// A cap of half a degree, of which a fixed grid would have a single bin.
 TEST(SphereHistogram, resolves_what_is_narrow_and_has_hard_edges) {
   constexpr float kHeight = 4e-5f;
   const Vec3 axis = Vec3(0.3f, -0.5f, 0.8f).normalized();

@@ -14,7 +14,7 @@
 namespace cyclorama {
 namespace {
 
-/// A scene with its BVH, for rays of one's own.
+/// A scene with its BVH, for tracing individual rays.
 struct Traced {
   explicit Traced(Scene s) : scene(std::move(s)) {
     auto built = Accelerator::build(scene, 1, nullptr, &traced);
@@ -28,7 +28,7 @@ struct Traced {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-/// What a single ray hits.
+/// Returns the hit of a single ray.
 RTCHit nearest(const Traced& t, const Vec3& origin, const Vec3& direction) {
   const auto rays = std::make_unique<RayQueue<RTCRayHit16>>();
   rays->add(origin, direction, kFar, 0);
@@ -43,8 +43,8 @@ bool hits_anything(const Traced& t, const Vec3& origin, const Vec3& direction) {
   return rays->distance(0) < 0.0f;
 }
 
-/// Rays from inside a closed sphere: each must hit it, and a second one from the hit, to any side, must behave: inwards
-/// it hits again (closed: no leak) and never the same triangle (no self-hit), outwards it meets nothing.
+/// Traces rays from inside a closed sphere. Each must hit it, and a second ray from the hit must behave for either
+/// side: inwards it hits again (closed: no leak) and never the same triangle (no self-hit); outwards it hits nothing.
 void expect_tight(const Traced& t, const Vec3& centre, int rays) {
   std::mt19937 random(9);
   std::normal_distribution<float> normal;
@@ -73,7 +73,7 @@ void expect_tight(const Traced& t, const Vec3& centre, int rays) {
   EXPECT_EQ(inside_out, 0);
 }
 
-/// A second thing at the start eye keeps the render origin there while the sphere is `distance` away.
+/// A second object at the start eye keeps the render origin there while the sphere is `distance` away.
 Scene far_sphere(double distance, float radius, bool instanced) {
   Mesh sphere = sphere_mesh(radius, 40);
   const Eigen::Vector3d place = Eigen::Vector3d(0.6, 0.48, 0.64) * distance;
@@ -143,7 +143,7 @@ TEST(Surface, baked_equals_instanced) {
   }
 }
 
-/// The scattering of NaN starts where a triangle has no area, a normal no length or a texture no extent.
+/// Triangles without area, normals without length and textures without extent could introduce NaN into scattering.
 TEST(Surface, degenerate_triangles_give_directions) {
   Mesh mesh;
   mesh.positions = {{0, 0, 0},      {0, 0, 0},      {0, 0, 0},     {1, 0, 0},    {2, 0, 0},

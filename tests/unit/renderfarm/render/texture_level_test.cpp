@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which level of a texture a ray cone takes, and what that does to the picture.
+// The texture level that a ray cone selects, and its effect on the picture.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,8 @@ TEST(TextureLevel, counts_the_doublings_of_a_texel) {
       EXPECT_NEAR(square.lod({std::exp2(level) / kTexels, 1.0f}, triangle), level, 1e-4f);
     }
   }
-  EXPECT_NEAR(square.lod({4.0f / kTexels, 0.25f}), 4.0f, 1e-4f);  // Seen aslant, the cone's foot is longer.
+  // At an oblique angle, the cone's footprint is longer.
+  EXPECT_NEAR(square.lod({4.0f / kTexels, 0.25f}), 4.0f, 1e-4f);
 }
 
 TEST(TextureLevel, grows_with_distance_and_with_slant) {
@@ -92,7 +93,7 @@ TEST(TextureLevel, without_a_width_it_is_the_finest_and_without_a_triangle_still
   }
 }
 
-/// A floor of 400 m with tiles of noise, looked along from a man's height.
+/// A floor of 400 m with noisy tiles, seen at a grazing angle from eye height.
 struct Floor {
   Floor() : scene(scene_of(square_mesh(kSide), Eigen::Vector3f::Ones())) {
     std::mt19937 random(5);
@@ -111,13 +112,14 @@ struct Floor {
     mesh.material = &material;
     placement.mesh = &mesh;
   }
-  /// The red seen through a place of the picture, in pixels of kPx radians; each sample stands for `share` of one.
+  /// Returns the red seen through a position of the picture, in pixels of kPx radians; each sample covers `share` of
+  /// one.
   [[nodiscard]] float red(float u, float v, float share) const {
     constexpr float kPx = 0.01f;
     const Vec3 eye(0.3f, 1.6f, 0.2f);
     const Vec3 direction = Vec3(std::sin(kPx * u), -0.05f - kPx * v, -std::cos(kPx * u)).normalized();
     const float distance = eye.y() / -direction.y();
-    const Vec3 at = (eye + distance * direction) / kSide + Vec3::Constant(0.5f);  // x and z: its uv.
+    const Vec3 at = (eye + distance * direction) / kSide + Vec3::Constant(0.5f);  // x and z are its uv.
     const bool first = at.x() >= at.z();
     TriangleHit hit{&mesh, &placement, mesh.triangles[first ? 0 : 1], Vec3::Zero()};
     hit.weights = first ? Vec3(1.0f - at.x(), at.z(), at.x() - at.z()) : Vec3(1.0f - at.z(), at.z() - at.x(), at.x());

@@ -8,7 +8,7 @@
 namespace cyclorama {
 namespace {
 
-/// Four texels in a row or column, R = 0, 85, 170, 255.
+/// Four texels in a row or column: R = 0, 85, 170, 255.
 Texture ramp(bool vertical, WrapMode wrap) {
   Texture texture;
   texture.pixels = vertical ? RgbaImage(1, 4, 255) : RgbaImage(4, 1, 255);
@@ -48,7 +48,7 @@ TEST(TextureLookup, wraps_at_the_corners_as_asked) {
   EXPECT_NEAR(red(clamp, 7.3f), 1.0f, 1e-6f);
 
   const Texture repeat = ramp(false, WrapMode::kRepeat);
-  EXPECT_NEAR(red(repeat, 0.0f), 0.5f, 1e-6f);  // Half the last texel, half the first.
+  EXPECT_NEAR(red(repeat, 0.0f), 0.5f, 1e-6f);  // Half of the last texel, half of the first.
   EXPECT_NEAR(red(repeat, 1.0f), 0.5f, 1e-6f);
   EXPECT_NEAR(red(repeat, 3.375f), 1.0f / 3.0f, 1e-6f);
   EXPECT_NEAR(red(repeat, -0.125f), 1.0f, 1e-6f);

@@ -43,7 +43,7 @@ TEST(Tone, what_is_no_light_is_black) {
 TEST(Tone, linear_keeps_and_clips_and_filmic_is_the_published_fit) {
   EXPECT_EQ(tone_mapped(0.7f, ToneCurve::kLinear), 0.7f);
   EXPECT_EQ(tone_mapped(1.5f, ToneCurve::kLinear), 1.0f);
-  // x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), by hand.
+  // x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), computed by hand.
   EXPECT_NEAR(tone_mapped(1.0f, ToneCurve::kFilmic), 2.54f / 3.16f, 1e-6f);
   EXPECT_NEAR(tone_mapped(0.1f, ToneCurve::kFilmic), 0.0281f / 0.2233f, 1e-6f);
   EXPECT_GT(tone_mapped(7.2f, ToneCurve::kFilmic), 0.999f);

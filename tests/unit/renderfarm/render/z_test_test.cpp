@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The test that other tests stand on must be able to fail, and must not cry wolf.
+/// The test on which other tests rely must be able to fail, and must not raise false alarms.
 #include "tests/doubles/z_test.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 constexpr int kWidth = 16;
 constexpr int kHeight = 12;
 
-/// Noise about a mean that grows from pixel to pixel; the first one never scatters and is always right.
+/// Noise around a mean that grows from pixel to pixel; the first pixel has no noise and is always right.
 Film noise(int samples, unsigned seed, float brighter_everywhere = 1.0f, float brighter_in_the_middle = 1.0f) {
   std::mt19937 random(seed);
   Film film(kWidth, kHeight, false);

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 constexpr double kRadius = 0.30;
 constexpr double kCell = 0.05;
-/// Polygons follow cells: half of one, and three quarters of one for the simplification.
+/// Polygons follow cells: the tolerance is half a cell, and three quarters of one for the simplification.
 constexpr double kNear = 0.07;
 
 Result<WalkableGround> search(const Scene& scene) {
@@ -23,7 +23,7 @@ Result<WalkableGround> search(const Scene& scene) {
   return find_walkable(*probe, scene.info, scene.bounds, {});
 }
 
-/// For rooms in which somebody can walk.
+/// Options for rooms in which somebody can walk.
 WalkableGround found(const Scene& scene) {
   auto ground = search(scene);
   CHECK(ground);
@@ -37,7 +37,7 @@ bool holds(const WalkableGround& ground, double x, double z) {
   return is_inside(ground.outline, {x, z});
 }
 
-/// How far to the border from the start along +x.
+/// Returns the distance from the start to the border along x, in the direction of `x_sign`.
 double reach(const WalkableGround& ground, double x_sign, double z = 0.0) {
   double x = 0.0;
   while (holds(ground, x_sign * x, z) && x < 100.0) x += 0.01;
@@ -147,7 +147,7 @@ TEST(GroundSearch, goes_up_a_ramp_until_the_eye_would_be_too_low_and_not_up_a_st
 }
 
 TEST(GroundSearch, goes_round_a_spiral_as_far_as_it_suits_the_height_of_the_eye) {
-  // One turn of a ramp between the radii 1 and 3, rising 3 m, begun at angle 0 (+x), around a newel.
+  // One turn of a ramp between the radii 1 and 3, rising 3 m from angle 0 (+x), around a newel.
   Scene scene = scene_of(box_mesh({-0.9f, -1, -0.9f}, {0.9f, 5, 0.9f}));
   constexpr int kParts = 120;
   const auto at = [](float radius, int i) {
@@ -156,7 +156,7 @@ TEST(GroundSearch, goes_round_a_spiral_as_far_as_it_suits_the_height_of_the_eye)
                            radius * static_cast<float>(std::sin(angle)));
   };
   for (int i = 0; i < kParts; ++i) add_mesh(scene, quad_mesh(at(1, i), at(3, i), at(3, i + 1), at(1, i + 1)));
-  // The visitor stands at a quarter of the turn, 0.75 m up.
+  // The visitor stands at a quarter of the turn, at a height of 0.75 m.
   scene.info.start_eye = {0, 0.75 + 1.6, 2};
   scene.info.eye_height_m = 1.6;
   const WalkableGround ground = found(scene);

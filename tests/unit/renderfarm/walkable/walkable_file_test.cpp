@@ -24,7 +24,7 @@ WalkableGround triangle(bool hole) {
   return ground;
 }
 
-/// The file it names must be there to be read.
+/// The file that it names must exist to be read.
 class WalkableFile : public testing::Test {
  protected:
   void SetUp() override {

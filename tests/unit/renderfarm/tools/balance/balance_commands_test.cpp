@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// record, then replay and figure9 of what it wrote.
+// Tests `record`, then `replay` and `figure9` of its output.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -27,7 +27,7 @@ TEST(EyePath, orbits_at_one_distance_and_looks_at_the_middle) {
     const Eigen::Vector3d ahead(std::sin(pose.heading_rad), 0.0, -std::cos(pose.heading_rad));
     EXPECT_NEAR((pose.eye + 2.0 * ahead).head<3>().cwiseProduct(Eigen::Vector3d(1, 0, 1)).norm(), 0.0, 1e-9);
   }
-  EXPECT_NEAR(path[60].eye.z(), -2.0, 1e-3);  // Half round.
+  EXPECT_NEAR(path[60].eye.z(), -2.0, 1e-3);  // Half an orbit.
 }
 
 TEST(EyePath, stays_inside_of_a_hall) {

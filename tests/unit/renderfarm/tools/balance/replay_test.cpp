@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each strategy is good at, on made-up frames.
+// Strengths of each strategy, on synthetic frames.
 #include "renderfarm/tools/balance/replay.h"
 
 #include <gtest/gtest.h>
@@ -13,9 +13,9 @@ namespace {
 
 constexpr PictureSize kSize{960, 540};
 
-using Density = std::function<double(double x, double y)>;  ///< At a place in fractions of the picture.
+using Density = std::function<double(double x, double y)>;  ///< At a position in fractions of the picture.
 
-/// A relic before nothing: most of the cost on a tenth of the picture.
+/// A relic in front of nothing: most of the cost on a tenth of the picture.
 double relic(double x, double y) {
   const double r2 = (x - 0.4) * (x - 0.4) * 9.0 + (y - 0.5) * (y - 0.5) * 4.0;
   return 0.1 + 4.0 * std::exp(-6.0 * r2);
@@ -90,7 +90,7 @@ TEST(Replay, has_an_oracle_that_nobody_surpasses_by_much) {
   EXPECT_GT(mean_efficiency(oracle), mean_efficiency(replayed(frames, BalanceStrategy::kCostMap, farm)) - 0.005);
 }
 
-/// How much longer a frame takes with one node more than with fewer, at the worst.
+/// Returns the worst ratio of a frame's time to the best time with fewer nodes.
 double worst_step(double node_overhead_seconds, bool stealing) {
   const std::vector<RecordedFrame> frames(3, frame(relic));
   double least = 1e9;
@@ -111,7 +111,7 @@ double worst_step(double node_overhead_seconds, bool stealing) {
 TEST(Replay, never_finds_a_frame_slower_for_one_node_more) {
   for (const double node_overhead_seconds : {2e-5, 1e-3}) {
     EXPECT_LE(worst_step(node_overhead_seconds, false), 1.0001);
-    // Steals are decided as they come, not for the best of the frame.
+    // Steals are decided as they occur, not for the optimum of the frame.
     EXPECT_LE(worst_step(node_overhead_seconds, true), 1.02);
   }
 }
@@ -125,7 +125,7 @@ TEST(Replay, uses_unequal_nodes_by_their_speed) {
 }
 
 TEST(Replay, takes_the_costs_along_when_the_eye_turns) {
-  // The picture spans 1.5 rad; its content moves left by as much as the eye turns right.
+  // The picture spans 1.5 rad; its content moves left as far as the eye turns right.
   const auto turning = [](bool told) {
     std::vector<RecordedFrame> out;
     for (int i = 0; i < 20; ++i) {

@@ -23,7 +23,7 @@ TEST(Simulation, adds_up_what_a_node_has_to_do) {
   const WorkGrid work = row({3.0f, 1.0f, 2.0f});
   const SimulatedFarm farm{.speeds = {1.0, 2.0}, .block_overhead_seconds = 0.25};
   const SimulatedFrame frame = simulate(farm, work, std::vector{block(0, 0, 3.0), block(1, 1, 1.0), block(1, 2, 2.0)});
-  EXPECT_DOUBLE_EQ(frame.seconds, 3.25);  // The other: 0.25 + 0.5 + 0.25 + 1.
+  EXPECT_DOUBLE_EQ(frame.seconds, 3.25);  // The other node: 0.25 + 0.5 + 0.25 + 1.
   EXPECT_DOUBLE_EQ(frame.efficiency(farm.speeds), 6.0 / (3.0 * 3.25));
   ASSERT_EQ(frame.measured.size(), 3u);
   EXPECT_DOUBLE_EQ(frame.measured[0].cpu_seconds, 0.5);  // In the order in which they ended.
@@ -44,7 +44,7 @@ TEST(Simulation, lets_an_idle_node_steal) {
   EXPECT_DOUBLE_EQ(simulate(farm, work, plan).seconds, 3.0);
   farm.stealing = true;
   const SimulatedFrame frame = simulate(farm, work, plan);
-  EXPECT_DOUBLE_EQ(frame.seconds, 2.5);  // Done at 1, there at 1.5, done again at 2.5.
+  EXPECT_DOUBLE_EQ(frame.seconds, 2.5);  // Done at 1, received at 1.5, done again at 2.5.
   EXPECT_EQ(frame.steals, 1u);
   farm.steal_seconds = 1.0;  // 1 + 1 + 1 is no sooner.
   EXPECT_EQ(simulate(farm, work, plan).steals, 0u);
@@ -57,7 +57,7 @@ TEST(Simulation, lets_a_node_without_any_block_steal_from_the_start) {
 }
 
 TEST(Simulation, leaves_the_victim_a_block_that_it_has_begun_before_the_word_came) {
-  // Predicted to take 10, the first takes 1.2: at 1.5 the second is under way.
+  // Predicted to take 10, the first takes 1.2: at 1.5 the second is being rendered.
   const WorkGrid work = row({1.2f, 1.0f, 1.0f});
   const SimulatedFarm farm{.speeds = {1.0, 1.0}, .steal_seconds = 0.5, .stealing = true};
   const SimulatedFrame frame =

@@ -8,7 +8,8 @@
 
 namespace cyclorama {
 
-/// Keeps dark pixels from dominating; the value is that of published comparisons of renderers.
+/// Floor of the denominator, which keeps dark pixels from dominating; the value that published comparisons of renderers
+/// use.
 inline constexpr double kRelativeErrorFloor = 0.01;
 
 /// Returns the mean over pixels and channels of (p - r)².

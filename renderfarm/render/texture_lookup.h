@@ -21,9 +21,9 @@ enum class Coding { kSrgb, kLinear };
 /// the lower right corner of the last.
 ///
 /// `lod` is the base-2 logarithm of the side, in texels of level 0, of the area to be averaged. At 0 and below, and for
-/// NaN, level 0 is filtered bilinearly; above 0, the two nearest levels are, and interpolated. Textures with the
-/// `nearest` flag return the nearest texel of the nearest level. Non-finite coordinates read as 0; a texture without
-/// pixels is 1. Reentrant.
+/// NaN, level 0 is filtered bilinearly; above 0, the two nearest levels are filtered and the results interpolated.
+/// Textures with the `nearest` flag return the nearest texel of the nearest level. Non-finite coordinates read as 0; a
+/// texture without pixels is 1. Reentrant.
 [[nodiscard]] Eigen::Vector4f lookup(const MipTexture& texture, const Vec2& uv, Coding coding, float lod);
 
 /// Returns only the alpha, at level 0.

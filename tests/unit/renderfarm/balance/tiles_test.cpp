@@ -25,7 +25,7 @@ TEST(Tiles, cover_the_block_exactly_on_the_grid_and_are_small) {
       EXPECT_TRUE(corners.emplace(tile.x, tile.y).second);
       area += tile.area();
     }
-    EXPECT_EQ(area, block.area());  // Corners are distinct and form a product grid, so there is no overlap.
+    EXPECT_EQ(area, block.area());  // Distinct corners of a product grid: there is no overlap.
   }
 }
 

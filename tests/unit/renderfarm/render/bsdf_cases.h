@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The table of materials on which every Scattering is tested.
+/// Materials with which every Scattering is tested.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ struct BsdfCase {
   Bsdf bsdf;
 };
 
-/// Dielectric, white, and rough.
+/// Returns a white, rough dielectric.
 inline Material white_material(float roughness) {
   Material material;
   material.metallic = 0.0f;
@@ -37,7 +37,7 @@ inline BsdfCase bsdf_case(const std::string& name, const Material& material, Sur
   return {name, level, make_bsdf(material, SurfaceTexels{}, inside, level)};
 }
 
-/// White, nothing absorbs: all that arrives leaves again.
+/// White materials: they absorb nothing, so all light that arrives leaves again.
 inline std::vector<BsdfCase> white_cases() {
   std::vector<BsdfCase> cases = {bsdf_case("matte", white_material(1.0f), SurfaceLevel::kMatte)};
   for (const float roughness : {0.0f, 0.02f, 0.05f, 0.1f, 0.3f, 0.6f, 1.0f}) {
@@ -72,7 +72,7 @@ inline std::vector<BsdfCase> white_cases() {
   return cases;
 }
 
-/// Coloured: some light stays.
+/// Coloured materials, which absorb some light.
 inline std::vector<BsdfCase> tinted_cases() {
   std::vector<BsdfCase> cases;
   for (const float roughness : {0.0f, 0.04f, 0.25f, 0.7f, 1.0f}) {
@@ -119,7 +119,7 @@ void with_scattering(const BsdfCase& at, const Vec3& normal, const Vec3& wo, con
   }
 }
 
-/// Of polar angle `polar` about z.
+/// Returns the direction at the angle `polar` from the z axis.
 inline Vec3 direction(double polar, double azimuth) {
   return {static_cast<float>(std::sin(polar) * std::cos(azimuth)),
           static_cast<float>(std::sin(polar) * std::sin(azimuth)), static_cast<float>(std::cos(polar))};

@@ -30,13 +30,13 @@ std::string program_path() {
 }  // namespace
 
 void CalibrateCameraCommand::add_to(CLI::App* app) {
-  CLI::App& command =
-      *app->add_subcommand(kName, "A camera's lens: the board to print, and camera.json from pictures of it");
+  CLI::App& command = *app->add_subcommand(
+      kName, "Calibrate a camera's lens: print the board, and make camera.json from pictures of it");
   std::vector<std::string> names;
   for (const Paper& one : papers()) names.emplace_back(one.name);
-  command.add_option("--print", print, "Write a PDF: the board, and a page that says how to photograph it")
+  command.add_option("--print", print, "Write a PDF: the board, and a page of instructions for photographing it")
       ->type_name("FILE");
-  command.add_option("--paper", paper, "A larger paper gives a larger board, for cameras that look far")
+  command.add_option("--paper", paper, "Paper size; a larger one gives a larger board, for cameras far away")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
   command.allow_extras();

@@ -124,7 +124,7 @@ Result<std::string> restore(wire::Calibrator::Stub* stub) {
   context.set_deadline(std::chrono::system_clock::now() + kToRestore);
   wire::RestoreAnswer answer;
   const grpc::Status status = stub->Restore(&context, wire::RestoreOrder(), &answer);
-  if (!status.ok()) return from_grpc(status, "going back to the calibration of before");
+  if (!status.ok()) return from_grpc(status, "restoring the previous calibration");
   return printable(answer.date());
 }
 
@@ -134,16 +134,16 @@ void CalibrateCommand::add_to(CLI::App* app) {
   CLI::App& command = *app->add_subcommand(
       "calibrate",
       "Measure the wall: the heads show patterns for some minutes, then the projectors make one picture. "
-      "Ctrl-C cancels it, and the show comes back as it was");
+      "Ctrl-C cancels it, and the show continues as before");
   auto* const quick_option =
-      command.add_option("--quick", quick, "Measure one projector anew, from one direction: ten seconds")
+      command.add_option("--quick", quick, "Measure only this projector, from one direction: ten seconds")
           ->type_name("PROJECTOR");
   auto* const resume =
-      command.add_flag("--resume", is_resumed, "Go on with what a cancelled or failed one photographed");
-  command.add_flag("--restore", is_restored, "Go back to the calibration of before, and measure nothing")
+      command.add_flag("--resume", is_resumed, "Continue with the photographs of a cancelled or failed calibration");
+  command.add_flag("--restore", is_restored, "Restore the previous calibration without measuring")
       ->excludes(quick_option)
       ->excludes(resume);
-  command.add_option("--calibrator", calibrator, "Where cyclorama-calibrator listens")
+  command.add_option("--calibrator", calibrator, "Address of cyclorama-calibrator")
       ->type_name("HOST:PORT")
       ->capture_default_str();
 }

@@ -39,7 +39,7 @@ CalibrationDesk::~CalibrationDesk() {
 }
 
 Status CalibrationDesk::start(const wire::CalibrateOrder& order) {
-  return begin("wall", "dials the calibrator",
+  return begin("wall", "connects to the calibrator",
                [this, order](grpc::ClientContext* context) { calibrate(order, context); });
 }
 
@@ -99,7 +99,7 @@ void CalibrationDesk::place(grpc::ClientContext* context) {
                                               : "Not placed: " + printable(camera.trouble(), 500));
     }
   }
-  end(status.ok(), status, "placing the cameras");
+  end(status.ok(), status, "locating the cameras");
 }
 
 void CalibrationDesk::end(bool is_done, const grpc::Status& status, const char* doing) {

@@ -148,7 +148,7 @@ class List {
       const Level level = *share < kWorstInStep_percent   ? Level::kFault
                           : *share < kLeastInStep_percent ? Level::kWarning
                                                           : Level::kOk;
-      return add("in-step", "Displays in step", level,
+      return add("in-step", "Synchronised displays", level,
                  fmt::format("They show the same frame in {:.2f} of 100 refreshes.", *share),
                  "See that the displays' computers are on one cable network, not on wireless, and that each asks the "
                  "tour's computer for the time.");

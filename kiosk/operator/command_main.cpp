@@ -58,7 +58,7 @@ void add_watches(CLI::App& app, Options* options) {
 
 void add_options(CLI::App& app, Options* options) {
   app.require_subcommand(1);
-  CLI::App& status = *app.add_subcommand("status", "How every part is, as a table");
+  CLI::App& status = *app.add_subcommand("status", "Show the state of every part as a table");
   add_watches(status, options);
   status.add_option("--json", options->json, "Also write it to this file, as the page's /status");
   CLI::App& picture = *app.add_subcommand("picture", "Save one live picture as PNG");
@@ -69,15 +69,15 @@ void add_options(CLI::App& app, Options* options) {
   CLI::App& record =
       *app.add_subcommand("record", "Record a visit: pictures and a summary; fails if any part did not work");
   add_watches(record, options);
-  record.add_option("--seconds", options->seconds, "How long, from the first presented frame on")
+  record.add_option("--seconds", options->seconds, "Duration, from the first presented frame on")
       ->check(CLI::Range(1.0, 86400.0))
       ->capture_default_str();
   record.add_option("--out", options->out, "The folder to write")->required();
   record.add_option("--expect-frames", options->expect_frames, "Fail with fewer frames")->capture_default_str();
   record.add_option("--patience", options->patience_s, "Seconds to wait for the first frame")->capture_default_str();
   record.add_option("--started", options->started_s,
-                    "When the demo was started, in seconds of Unix time: summary.json then "
-                    "tells how long the first picture took");
+                    "Start of the demo in seconds of Unix time: summary.json then has the "
+                    "time to the first picture");
   options->wand.add_to(&app);
   options->calibrate.add_to(&app);
   options->realign.add_to(&app);
@@ -198,8 +198,8 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama",
-                             "The operator's command line: looks at a visit that runs, has the wall "
-                             "measured, and prints wands.");
+                             "The operator's command line: watches a running visit, calibrates the "
+                             "wall, and prints wands.");
   cyclorama::Options options;
   cyclorama::add_options(program.options(), &options);
   const int code = program.run(

@@ -26,9 +26,9 @@ std::vector<std::string> usual_watches(const std::filesystem::path& root) {
 
 CLI::App* DoctorCommand::add_to(CLI::App* app) {
   CLI::App* const doctor = app->add_subcommand(
-      "doctor", "What is well and what is not, with its remedy; exit status 0 well, 3 warnings, 1 something is broken");
+      "doctor", "List what works and what does not, with remedies; exit status 0: all well, 3: warnings, 1: broken");
   doctor->add_option("--museum", museum, "The museum's state folder")->capture_default_str();
-  doctor->add_flag("--network", network, "Also test the way to the farm; takes some seconds");
+  doctor->add_flag("--network", network, "Also test the connection to the farm; takes some seconds");
   doctor->add_option("--json", json, "Also write the list to this file");
   return doctor;
 }

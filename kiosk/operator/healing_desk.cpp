@@ -61,7 +61,7 @@ Status HealingDesk::realign() {
   wire::RealignAnswer answer;
   const grpc::Status status = healing_->Realign(&context, wire::RealignOrder(), &answer);
   if (status.ok()) return Done{};
-  return from_grpc(status, "having the projectors looked for anew");
+  return from_grpc(status, "realigning the projectors");
 }
 
 Result<std::string> HealingDesk::undo() {
@@ -71,7 +71,7 @@ Result<std::string> HealingDesk::undo() {
   order.set_undo(true);
   wire::RealignAnswer answer;
   const grpc::Status status = healing_->Realign(&context, order, &answer);
-  if (!status.ok()) return from_grpc(status, "taking the last correction back");
+  if (!status.ok()) return from_grpc(status, "undoing the last correction");
   return printable(answer.undone(), 4 * kLongest);
 }
 

@@ -32,20 +32,22 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--watch", options->watches, "NAME=ADDRESS of a process that must answer; repeat it")
       ->allow_extra_args(false);
   app.add_option("--endpoints", options->endpoints, "A file of [[watch]] tables, each with name and address");
-  app.add_option("--well", options->rules.well, "NAME of a process that must also be well, not only answer; repeat it")
+  app.add_option("--well", options->rules.well,
+                 "NAME of a process that must report that it is well, not only answer; repeat it")
       ->allow_extra_args(false);
-  app.add_option("--heads", options->rules.heads, "So many heads must show a picture, of all displays together")
+  app.add_option("--heads", options->rules.heads,
+                 "Minimum number of heads that show a picture, of all displays together")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
-  app.add_option("--looks", options->rules.looks, "So many looks in a row, a second apart, must find nothing")
+  app.add_option("--looks", options->rules.looks, "Number of checks in a row, a second apart, that must find nothing")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--deadline", options->deadline_s, "Seconds after which it is given up")
+  app.add_option("--deadline", options->deadline_s, "Seconds until the command fails")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();
   app.add_option("--dark-before", options->dark_before,
-                 "Heads that --note-dark wrote to this file need not be lit; without the file all must be");
-  app.add_option("--note-dark", options->note_dark, "Only write to this file which heads are dark now, one a line");
+                 "A file from --note-dark: its heads need not be lit; without it all must be");
+  app.add_option("--note-dark", options->note_dark, "Only write the heads that are dark now to this file, one a line");
   app.add_option("--report", options->report, "Write the verdict to this file, for the operator page");
 }
 
@@ -100,7 +102,7 @@ Status run(Options options, const StopSignal& stop) {
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-health",
                              "Waits until every part of a museum works and every head shows a picture; fails when that "
-                             "takes too long. A start that fails so is given up for the version before.");
+                             "takes too long; the computer then returns to the previous version.");
   cyclorama::Options options;
   cyclorama::add_options(program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });

@@ -27,13 +27,13 @@ std::string text_of(const Schedule& schedule) {
 
 void HoursCommand::add_to(CLI::App* app) {
   CLI::App& command = *app->add_subcommand(
-      "hours", "Whether the museum is open; or open it until a time, or close it for today, for this once");
+      "hours", "Show whether the museum is open; or open it once until a time, or close it once for today");
   command
       .add_option("WISH", wish,
-                  "open TIME: until then; closed: until it opens on a later day; settings: as they say; none: only "
-                  "tell")
+                  "open TIME: until then; closed: until it opens on a later day; settings: as configured; none: "
+                  "only show")
       ->check(CLI::IsMember({"open", "closed", "settings"}));
-  command.add_option("TIME", until, "Such as 22:00, by the museum's time zone");
+  command.add_option("TIME", until, "Such as 22:00, in the museum's time zone");
   command.add_option("--museum", museum, "The museum's state folder")->capture_default_str();
 }
 

@@ -35,14 +35,14 @@ void add_options(CLI::App& app, Options* options) {
       ->allow_extra_args(false);
   app.add_option("--endpoints", options->endpoints, "A file of [[watch]] tables, each with name and address");
   app.add_option("--museum", options->museum,
-                 "The museum's state folder, as cyclorama-provision keeps it: settings, PIN, what the updater says");
-  app.add_option("--keep", options->keep, "Where the page keeps its certificate, made at the first start");
+                 "The museum's state folder, written by cyclorama-provision: settings, PIN, state of updates");
+  app.add_option("--keep", options->keep, "Folder of the page's certificate, which is made at the first start");
   CLI::Option* const no_pin =
-      app.add_flag("--no-pin", options->has_no_pin, "Without PIN and encryption, by HTTP, for this computer alone");
+      app.add_flag("--no-pin", options->has_no_pin, "Serve HTTP without PIN and encryption, to this computer only");
   no_pin->excludes("--keep");
   app.add_option("--calibrator", options->calibrator, "HOST:PORT of the calibrator");
   app.add_option("--wishes", options->wishes,
-                 "Folder for what people ask of the system: a file 'update' or 'factory-reset', for systemd to see");
+                 "Folder for requests to the system: a file 'update' or 'factory-reset' triggers a systemd unit");
 }
 
 /// State of a page with a PIN; empty for a page without.

@@ -33,7 +33,7 @@ struct Absence {
 constexpr std::array<Absence, 6> kAbsences{{
     {"tour", "cyclorama-tour", "Nothing moves, and the wall holds its last picture."},
     {"display", "cyclorama-display", "The projectors show nothing new."},
-    {"tracker", "cyclorama-tracker", "The pattern in the visitor's hand is not seen; keys still steer."},
+    {"tracker", "cyclorama-tracker", "The wand is not seen; keys still steer."},
     {"projectors", "cyclorama-projectors", "No projector is switched on or off by the opening hours."},
     {"head", "cyclorama-farm", "No new pictures are ray traced."},
     {"simulated-room", "cyclorama-simulated-room",

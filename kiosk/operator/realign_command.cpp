@@ -17,14 +17,14 @@ constexpr auto kToPlace = std::chrono::minutes(20);
 
 void RealignCommand::add_to(CLI::App* app) {
   CLI::App& command = *app->add_subcommand(
-      "realign", "Look for every projector anew while the show goes on, and correct what is found, however little");
+      "realign", "Align every projector anew while the show goes on, and correct even small displacements");
   command.add_flag("--place-cameras", places_cameras,
-                   "Find out where the fixed cameras stand instead: the heads show patterns for a minute or two");
+                   "Locate the fixed cameras instead: the heads show patterns for a minute or two");
   command
       .add_flag("--undo", undoes,
-                "Take the last correction back instead: how its projector is seen now counts as its place")
+                "Undo the last correction instead: its projector counts as correctly placed where it is now")
       ->excludes("--place-cameras");
-  command.add_option("--calibrator", calibrator, "Where cyclorama-calibrator listens")
+  command.add_option("--calibrator", calibrator, "Address of cyclorama-calibrator")
       ->type_name("HOST:PORT")
       ->capture_default_str();
 }
@@ -39,21 +39,21 @@ Status RealignCommand::run() const {
     order.set_undo(undoes);
     wire::RealignAnswer answer;
     const grpc::Status status = stub->Realign(&context, order, &answer);
-    if (!status.ok()) return from_grpc(status, undoes ? "taking the last correction back" : "realigning");
+    if (!status.ok()) return from_grpc(status, undoes ? "undoing the last correction" : "realigning");
     std::puts(undoes ? printable(answer.undone()).c_str()
-                     : "the projectors are looked for anew; cyclorama status tells what comes of it");
+                     : "the projectors are being realigned; 'cyclorama status' shows the result");
     return Done{};
   }
   context.set_deadline(std::chrono::system_clock::now() + kToPlace);
   wire::PlacedCameras placed;
   const grpc::Status status = stub->PlaceCameras(&context, wire::PlaceCamerasOrder(), &placed);
-  if (!status.ok()) return from_grpc(status, "placing the cameras");
+  if (!status.ok()) return from_grpc(status, "locating the cameras");
   for (const wire::PlacedCameras::Camera& camera : placed.cameras()) {
     if (!camera.trouble().empty()) {
       std::printf("not placed: %s\n", printable(camera.trouble()).c_str());
       continue;
     }
-    std::printf("camera %s: %u places, off by %.2f px\n", printable(camera.name()).c_str(), camera.places(),
+    std::printf("camera %s: %u correspondences, off by %.2f px\n", printable(camera.name()).c_str(), camera.places(),
                 camera.rms_px());
   }
   return Done{};

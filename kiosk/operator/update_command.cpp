@@ -23,10 +23,10 @@ constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
 
 void UpdateCommand::add_to(CLI::App* app) {
   CLI::App& command = *app->add_subcommand(
-      "update", "Look for a newer version now, on a stick named CYCLORAMA or at the farm, and say what came of it");
-  command.add_option("--wishes", wishes, "Where the museum image looks for what is wished")->capture_default_str();
+      "update", "Look for a newer version now, on a USB stick named CYCLORAMA or at the farm, and report the result");
+  command.add_option("--wishes", wishes, "Folder in which the museum image looks for requests")->capture_default_str();
   command.add_option("--museum", museum, "The museum's state folder")->capture_default_str();
-  command.add_option("--wait", wait_s, "Seconds to wait for the answer; it goes on without")
+  command.add_option("--wait", wait_s, "Seconds to wait for the result; the update goes on all the same")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
 }

@@ -14,15 +14,16 @@
 namespace cyclorama {
 
 void WandCommand::add_to(CLI::App* app) {
-  CLI::App& wand = *app->add_subcommand("wand", "The wand that visitors hold: a sheet to print and fold");
+  CLI::App& wand = *app->add_subcommand("wand", "Print a wand: a sheet to cut and fold");
   std::vector<std::string> names;
   for (const Paper& one : papers()) names.emplace_back(one.name);
-  wand.add_option("--print", print, "Write a PDF: the sheet, and a page that says how to fold it")->type_name("FILE");
-  wand.add_option("--describe", describe, "Write its wand.toml, to correct it by what was measured")->type_name("FILE");
-  wand.add_option("--paper", paper, "A larger paper gives a larger wand, which is seen from farther away")
+  wand.add_option("--print", print, "Write a PDF: the sheet, and a page of instructions for folding it")
+      ->type_name("FILE");
+  wand.add_option("--describe", describe, "Write its wand.toml, to be corrected by measurements")->type_name("FILE");
+  wand.add_option("--paper", paper, "Paper size; a larger one gives a larger wand, which is seen from farther away")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
-  wand.add_option("--number", number, "Each wand in a room needs a number of its own")
+  wand.add_option("--number", number, "Number of the wand, different for each wand in a room")
       ->check(CLI::Range(0, kStandardWands - 1))
       ->capture_default_str();
 }

@@ -41,32 +41,29 @@ struct Options {
 
 void add_options(CLI::App& app, Options* options) {
   app.require_subcommand(1);
-  app.add_option("--state", options->state, "Where the settings live: the programs read its folder 'settings'")
+  app.add_option("--state", options->state, "Folder of the settings; the programs read its folder 'settings'")
       ->capture_default_str();
-  app.add_option("--for", options->of, "Whose settings they are: a museum's computer, or a render host's")
+  app.add_option("--for", options->of, "Kind of computer: a museum's or a render host")
       ->check(CLI::IsMember({kMuseum, kFarmHost}))
       ->envname("CYCLORAMA_SETTINGS_FOR")
       ->capture_default_str();
-  CLI::App& install = *app.add_subcommand("install", "Check a folder, and take its settings into use if all is well");
-  CLI::App& check =
-      *app.add_subcommand("check", "Check a folder, and say what is wrong with it; changes nothing in use");
-  CLI::App& restore =
-      *app.add_subcommand("restore", "Take the settings of before into use; a second time is back again");
-  app.add_subcommand("status", "What came of the last folder, as JSON");
+  CLI::App& install = *app.add_subcommand("install", "Check a folder, and take its settings into use if they are good");
+  CLI::App& check = *app.add_subcommand("check", "Check a folder, and report its problems; changes nothing in use");
+  CLI::App& restore = *app.add_subcommand("restore", "Take the previous settings into use; a second time undoes this");
+  app.add_subcommand("status", "Print the result of the last folder as JSON");
   for (CLI::App* const command : {&install, &check}) {
     command
         ->add_option("FOLDER", options->from,
                      "With site.toml and installation.toml, or farm.toml and node.toml, and all that they name")
         ->required();
     command
-        ->add_option(
-            "--programs", options->programs,
-            "Where the programs are that check their own settings, such as cyclorama-display; empty: not asked")
+        ->add_option("--programs", options->programs,
+                     "Folder of the programs that check their own settings, such as cyclorama-display; empty: none")
         ->capture_default_str();
   }
   install.add_flag("--if-there", options->if_there, "A folder that is not there is no error");
   for (CLI::App* const command : {&install, &restore}) {
-    command->add_option("--changed", options->changed, "Make this file when other settings are in use than before");
+    command->add_option("--changed", options->changed, "Write this file when the settings in use have changed");
   }
 }
 
@@ -98,7 +95,7 @@ Status run(const Options& options, const CLI::App& app) {
   if (app.got_subcommand("restore")) {
     TRY_ASSIGN(const ProvisioningReport report, restore_settings(at, &store, options.owner()));
     say(report);
-    log(LogLevel::kNotice, fmt::format("the settings of before are in use again, as {}", report.in_use));
+    log(LogLevel::kNotice, fmt::format("the previous settings are in use again, as {}", report.in_use));
     return publish(options, report);
   }
   ProvisionOrder order;
@@ -123,7 +120,7 @@ Status run(const Options& options, const CLI::App& app) {
   if (!order.only_check) TRY(publish(options, *report));
   switch (report->verdict) {
     case Verdict::kInstalled:
-      log(LogLevel::kNotice, order.only_check ? "these settings are good, and others than those in use"
+      log(LogLevel::kNotice, order.only_check ? "these settings are good, and differ from those in use"
                                               : fmt::format("the settings are in use, as {}", report->in_use));
       return Done{};
     case Verdict::kUnchanged:
@@ -133,7 +130,7 @@ Status run(const Options& options, const CLI::App& app) {
       return Error(ErrorCode::kBadData,
                    fmt::format("the settings in '{}' are refused for {} reason{}; {}", options.from,
                                report->problems.size(), report->problems.size() == 1 ? "" : "s",
-                               report->in_use.empty() ? "there are none in use" : "those of before stay in use"));
+                               report->in_use.empty() ? "there are none in use" : "the previous ones stay in use"));
   }
 }
 
@@ -143,7 +140,7 @@ Status run(const Options& options, const CLI::App& app) {
 int main(int argc, char** argv) {
   cyclorama::Program program(
       "cyclorama-provision",
-      "Takes a museum's or a render host's settings from a stick into use: all of them, checked, or none.");
+      "Takes a museum's or a render host's settings from a USB stick into use: all of them, checked, or none.");
   cyclorama::Options options;
   cyclorama::add_options(program.options(), &options);
   return program.run(argc, argv,

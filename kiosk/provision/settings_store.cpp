@@ -184,13 +184,13 @@ Status SettingsStore::commit(std::vector<CopiedFile> files, const std::vector<Se
 
 Status SettingsStore::restore() {
   const std::string previous = previous_of(in_use());
-  if (previous.empty()) return Error(ErrorCode::kNotFound, "there are no settings from before");
+  if (previous.empty()) return Error(ErrorCode::kNotFound, "there are no previous settings");
   TRY_ASSIGN(const fs::path folder, begin());
   // Copies the generation, so that the one in use is always the newest, and the other one its predecessor.
   std::error_code failed;
   step("copy");
   fs::copy(generation(previous), folder, fs::copy_options::recursive, failed);
-  if (failed) return Error(ErrorCode::kSystem, fmt::format("copying the settings of before: {}", failed.message()));
+  if (failed) return Error(ErrorCode::kSystem, fmt::format("copying the previous settings: {}", failed.message()));
   for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
     struct stat info {};
     const fs::path from = generation(previous) / entry->path().lexically_relative(folder);
@@ -201,7 +201,7 @@ Status SettingsStore::restore() {
       return Error::from_errno(fmt::format("copying '{}'", entry->path().string()));
     }
   }
-  if (::chmod(folder.c_str(), 0755) != 0) return Error::from_errno("protecting the settings of before");
+  if (::chmod(folder.c_str(), 0755) != 0) return Error::from_errno("protecting the previous settings");
   const std::string number = next_number();
   TRY(write_note(kPreviousNote, in_use()));
   TRY(sync_folder(folder));

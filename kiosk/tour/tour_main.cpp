@@ -40,32 +40,31 @@ struct Options {
 void add_options(CLI::App& app, Options* options) {
   app.add_option("--listen", options->listen, "Address for displays, trackers and the operator")->capture_default_str();
   app.add_option("--config", options->config, "The museum's site.toml: [farm], [picture], [walk]");
-  app.add_option("--farm", options->farms, "Address of the farm's head; repeat it for a second one to turn to")
+  app.add_option("--farm", options->farms, "Address of the farm's head; repeat it for a fallback")
       ->allow_extra_args(false);
   app.add_option("--scene", options->scene, "Name of the scene to visit; else the farm's first");
   CLI::Option* const budget =
-      app.add_option(
-             "--budget-ms", options->budget_ms,
-             "Time per frame that the farm holds while the view moves, by its choice of the quality (default 50)")
+      app.add_option("--budget-ms", options->budget_ms,
+                     "Time per frame while the view moves; the farm chooses the quality that fits (default 50)")
           ->check(CLI::Range(1.0, 60000.0));
-  app.add_option("--samples", options->samples, "Rays per pixel, always as many, instead of a budget")
+  app.add_option("--samples", options->samples, "Fixed number of samples per pixel, instead of a budget")
       ->check(CLI::Range(1, 4096))
       ->excludes(budget);
-  app.add_option("--quality", options->quality, "JPEG quality of the tiles, always the same, instead of a budget")
+  app.add_option("--quality", options->quality, "Fixed JPEG quality of the tiles, instead of a budget")
       ->check(CLI::Range(1, 100))
       ->excludes(budget);
   app.add_option("--guard-deg", options->guard_deg, "Degrees rendered beyond each side of the wall, for quick turns")
       ->check(CLI::Range(0.0, 90.0));
   app.add_flag("--check", options->is_check,
                "Read the settings and all files that they name, and end: 0 if it would start");
-  app.add_option("--state", options->state, "Keep the visitor's place in this folder, and go on there after a restart")
+  app.add_option("--state", options->state,
+                 "Save the visitor's position in this folder, and continue there after a restart")
       ->type_name("FOLDER");
   app.add_option("--record", options->record,
                  "Write the walk, every pose, key and step with its time, to this new file")
       ->type_name("FILE");
-  app.add_option(
-         "--replay", options->replay,
-         "Walk what --record wrote once more, without a farm, and tell whether every view is the same to the bit")
+  app.add_option("--replay", options->replay,
+                 "Replay a walk from --record without a farm, and report whether every view is the same to the bit")
       ->type_name("FILE")
       ->excludes("--record");
 }
@@ -200,8 +199,8 @@ Status run(const Options& options, const StopSignal& stop) {
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-tour",
-                             "Leads the visit: follows the pattern or the keys, asks the farm for "
-                             "pictures, and feeds the displays.");
+                             "Leads the visit: follows the wand or the keys, requests pictures "
+                             "from the farm, and feeds the displays.");
   cyclorama::Options options;
   cyclorama::add_options(program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });

@@ -37,12 +37,13 @@ struct Options {
 void add_options(CLI::App& app, Options* options) {
   app.add_option("--config", options->config, "The museum's site.toml: [farm], [hours], [update]")
       ->capture_default_str();
-  app.add_option("--release", options->release, "Where IMAGE_ID and IMAGE_VERSION stand")->capture_default_str();
-  app.add_option("--key", options->key, "The public half of the key that signs versions")->capture_default_str();
+  app.add_option("--release", options->release, "File with IMAGE_ID and IMAGE_VERSION")->capture_default_str();
+  app.add_option("--key", options->key, "Public key for the signature of versions")->capture_default_str();
   app.add_option("--state", options->state,
-                 "Where update.json is: what came of the version before; and what was said of [hours] for once")
+                 "Folder of update.json, the result of the last update, and of the override of [hours]")
       ->capture_default_str();
-  app.add_option("--folder", options->folder, "Versions come together in its folder 'offer'; 'result' says what came")
+  app.add_option("--folder", options->folder,
+                 "Folder for the download: its folder 'offer' collects a version, its file 'result' has the result")
       ->capture_default_str();
   app.add_option("--when", options->when, "night: only within [update] hours, while the museum is closed; now: at once")
       ->check(CLI::IsMember({kNight, kNow}))

@@ -362,7 +362,7 @@ WalkReplay replayed(const WalkRecord& record) {
     const RecordedView view = RecordedView::of(walk.navigation);
     meter.add(view.place_m, view.heading_rad, entry.at);
     if (replay.difference || view.is_same(*entry.view)) continue;
-    replay.difference = fmt::format("line {}: {} was recorded, and {} comes of it now", entry.line,
+    replay.difference = fmt::format("line {}: {} was recorded, but the replay gives {}", entry.line,
                                     describe(*entry.view), describe(view));
   }
   replay.peaks = meter.peaks();

@@ -13,7 +13,7 @@ Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string na
   const std::lock_guard lock(mutex_);
   if (closed_) return *closed_;
   if (members_.size() >= kMostDisplays)
-    return Error(ErrorCode::kBusy, "as many displays as may dial in are here already");
+    return Error(ErrorCode::kBusy, "the maximum number of displays is connected already");
   for (const Member& member : members_) {
     if (member.wanted.viewing != wanted.viewing) {
       return Error(

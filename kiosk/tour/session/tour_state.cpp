@@ -19,14 +19,14 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
   *ret_healthy = false;
   if (farm_away_) {
     return fmt::format(
-        "The farm is away ({}). The wall holds its last picture, and the tour goes on dialling {}; see that "
+        "The farm is away ({}). The wall holds its last picture, and the tour keeps trying {}; see that "
         "cyclorama-farm and its nodes run there.",
         printable(*farm_away_, 200), settings_.heads.front());
   }
-  if (!view_refused_.empty()) return fmt::format("No picture can be asked for: {}.", view_refused_);
+  if (!view_refused_.empty()) return fmt::format("No picture can be requested: {}.", view_refused_);
   const std::size_t displays = hub_.count();
   if (displays == 0)
-    return "No display has dialled in. Start cyclorama-display, and see that its --tour is this address.";
+    return "No display is connected. Start cyclorama-display, and see that its --tour is this address.";
   const auto completed_at = log_.frame_completed_at();
   const auto asked_at = pacer_.asked_at();
   if (pacer_.in_flight() > 0 && asked_at && now - *asked_at > kFarmSilent &&
@@ -36,11 +36,11 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
   }
   *ret_healthy = visit_->warning.empty();
   if (!*ret_healthy) return visit_->warning;
-  const char* const hint = trackers_.empty() ? " No tracker has dialled in, so only keys steer." : "";
+  const char* const hint = trackers_.empty() ? " No tracker is connected, so only keys steer." : "";
   const std::string picture =
       log_.refinement().value_or(fmt::format("{:.1f} frames a second", log_.frames_per_second(now)));
   const auto in_step = displays > 1 ? roster_.in_step() : std::nullopt;
-  const std::string step = in_step ? fmt::format(" in step ({:.2f} %)", 100.0 * *in_step) : "";
+  const std::string step = in_step ? fmt::format(" synchronised ({:.2f} %)", 100.0 * *in_step) : "";
   return fmt::format("Visiting '{}', {}, {} display{}{}, steered by {}.{}", printable(visit_->scene.title()), picture,
                      displays, displays == 1 ? "" : "s", step, to_text(walk_.navigation.steerer), hint);
 }

@@ -351,7 +351,7 @@ TEST(Tour, tells_a_display_alone_nothing_of_when_and_several_the_same) {
   ASSERT_TRUE(turn(second, [](const auto& d) { return d.frames_complete() > 5 && d.headings_with_show_at() > 5; }));
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("frame_lead_ms") == 32.0; }));
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("in_step_percent") == 75.0; }));
-  EXPECT_THAT(tour.status().state(), HasSubstr("2 displays in step (75.00 %)"));
+  EXPECT_THAT(tour.status().state(), HasSubstr("2 displays synchronised (75.00 %)"));
   EXPECT_EQ(tour.status().tables(0).rows_size(), 2);
   first->leave();
   second.leave();

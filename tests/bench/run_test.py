@@ -134,9 +134,9 @@ class Measure(unittest.TestCase):
             self.assertEqual(file.read_text(), "BUILD\n")
 
     def test_missing_data_skip(self):
-        with contextlib.redirect_stderr(io.StringIO()) as said:
+        with contextlib.redirect_stderr(io.StringIO()) as printed:
             self.assertEqual(self.measure({"needs": "/nowhere/data", "commands": ["false"]})[0], run.SKIPPED)
-        self.assertEqual(said.getvalue(), "bench.sh: example needs the data in /nowhere/data, which are not there\n")
+        self.assertEqual(printed.getvalue(), "bench.sh: example needs the data in /nowhere/data, which are not there\n")
 
 
 class CommandLine(unittest.TestCase):

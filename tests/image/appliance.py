@@ -136,8 +136,8 @@ class Appliance(Machine):
     def _listen(self):
         """Reads the serial port all the time: if nobody reads it, the kernel's messages block the computer."""
         try:
-            while said := self.shell.recv(65536):
-                self.heard += said
+            while data := self.shell.recv(65536):
+                self.heard += data
         except OSError:
             pass
 
@@ -174,8 +174,8 @@ class Appliance(Machine):
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
             # Only the output since the firmware's newest start; the line also carried that of earlier ones.
-            _, began, said = self.console()[self.seen:].rpartition("BdsDxe: starting")
-            if began and "debug#" in said:
+            _, began, data = self.console()[self.seen:].rpartition("BdsDxe: starting")
+            if began and "debug#" in data:
                 try:
                     # Silences the kernel's and systemd's messages, which would mix with a command's output on this
                     # line.

@@ -59,7 +59,7 @@ def plug_camera(machine):
     machine.run(f"systemctl stop cyclorama-tracker; modprobe {VIVID}", 120)
     for number, name in enumerate(WANDS):
         machine.run(f"dd if=/dev/disk/by-id/virtio-wand of=/run/{name}.grey bs={FRAME} skip={number} count=1", 60)
-    said = machine.run("""for node in /sys/class/video4linux/video*; do
+    output = machine.run("""for node in /sys/class/video4linux/video*; do
       case $(cat $node/name) in vivid-*-vid-out) out=/dev/${node##*/} ;; vivid-*-vid-cap) in=/dev/${node##*/} ;; esac
     done
     v4l2-ctl -d $in --set-dv-bt-timings=index=0 --set-ctrl osd_text_mode=2
@@ -70,7 +70,7 @@ def plug_camera(machine):
     >/dev/null
     echo in $in out $out; echo $out >/run/wand-node""", 120)[1]
     machine.run("systemctl start cyclorama-tracker", 60)
-    return said
+    return output
 
 
 def show_wand(machine, name):

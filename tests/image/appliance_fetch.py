@@ -12,7 +12,7 @@ from appliance_update import START_S, version
 from host_farm import HostFarm
 
 FETCHED_S = 3600
-ASKS = 8
+ATTEMPTS = 8
 IMAGE = "cyclorama-museum-debug"
 
 
@@ -36,13 +36,13 @@ def run(options, folder):
         began = time.monotonic()
         # Repeated as in each hour of a night: a busy emulated computer misses the farm's pings and resumes where it
         # was.
-        for figures["asked"] in range(1, ASKS + 1):
-            status, said = machine.run(f"cyclorama update --wait {FETCHED_S}", FETCHED_S + 60)
-            print(said, flush=True)
-            if status == 0 and f"{wanted} is there" in said:
+        for figures["attempts"] in range(1, ATTEMPTS + 1):
+            status, output = machine.run(f"cyclorama update --wait {FETCHED_S}", FETCHED_S + 60)
+            print(output, flush=True)
+            if status == 0 and f"{wanted} is installed" in output:
                 break
         else:
-            figures["failed"].append(f"cyclorama update: {status}, {said}; " + machine.run("journalctl -b -o cat --no-pager -u 'cyclorama-*update*' | tail -n 30")[1])
+            figures["failed"].append(f"cyclorama update: {status}, {output}; " + machine.run("journalctl -b -o cat --no-pager -u 'cyclorama-*update*' | tail -n 30")[1])
         figures["fetched_and_written_s"] = round(time.monotonic() - began)
         # Waits until the dark heads were recorded for the trial.
         _, left = machine.run("cd /var/lib/cyclorama-update; for i in $(seq 120); do [ -e offer ] || break; sleep 1; done; ls", 240)

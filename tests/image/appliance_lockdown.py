@@ -18,7 +18,7 @@ from disk_image import stick
 
 START_S = 900
 KEYS = ("ctrl alt delete", "ctrl alt f2", "alt f2", "alt sysrq b", "alt sysrq c", "alt sysrq e")
-STRANGERS = ("usb-net", "usb-ccid")
+FOREIGN_DEVICES = ("usb-net", "usb-ccid")
 # A module for computers without a watchdog, which is not needed here.
 MODULE = "softdog"
 WATCHDOG = ("-device", "i6300esb", "-action", "watchdog=reset")
@@ -48,15 +48,15 @@ def check_keys(machine, reference, figures):
 def check_usb(machine, figures):
     interfaces = "for i in /sys/bus/usb/devices/*:*; do echo $(cat $i/bInterfaceClass $i/authorized) $(basename $(readlink $i/driver || echo none)); done"
     before = machine.run(interfaces)[1].splitlines()
-    for number, device in enumerate(STRANGERS):
-        machine.ask("device_add", driver=device, id=f"stranger{number}", bus="usb.0")
+    for number, device in enumerate(FOREIGN_DEVICES):
+        machine.ask("device_add", driver=device, id=f"foreign{number}", bus="usb.0")
     time.sleep(20)
     came = sorted((collections.Counter(machine.run(interfaces)[1].splitlines()) - collections.Counter(before)).elements())
     figures["strange_usb_interfaces"] = came
-    for number, _ in enumerate(STRANGERS):
-        machine.ask("device_del", id=f"stranger{number}")
+    for number, _ in enumerate(FOREIGN_DEVICES):
+        machine.ask("device_del", id=f"foreign{number}")
     # The data interface of a serial adapter (0a) may be authorized: without its other interface no driver uses it.
-    if len(came) < len(STRANGERS) or any(not re.match("0a . none|.. 0 none", line) for line in came):
+    if len(came) < len(FOREIGN_DEVICES) or any(not re.match("0a . none|.. 0 none", line) for line in came):
         figures["failed"].append(f"foreign USB devices are used, or did not appear: {came}")
 
 
@@ -82,8 +82,8 @@ def check_modules(machine, options, folder, figures):
     machine.run("umount /run/modules")
     machine.ask("device_del", id="modules")
     figures["lockdown"] = machine.run("cat /sys/kernel/security/lockdown")[1]
-    status, said = figures["module"]["unsigned"]
-    if status == 0 or not re.search("rejected|not permitted", said) or figures["module"]["signed"][0] != 0 or "[integrity]" not in figures["lockdown"]:
+    status, output = figures["module"]["unsigned"]
+    if status == 0 or not re.search("rejected|not permitted", output) or figures["module"]["signed"][0] != 0 or "[integrity]" not in figures["lockdown"]:
         figures["failed"].append(f"modules: {figures['module']}; lockdown: {figures['lockdown']}")
 
 
@@ -91,7 +91,7 @@ def check_out(machine, figures):
     """Returns which users the packet filter refuses at once and which it lets through to a closed port of the host,
     which gives another error."""
     tries = {"root, a web server": ("root", 80), "root, a farm": ("root", 7401), "the display, a farm": ("cyclorama-display", 7401), "the tour, a farm": ("cyclorama-tour", 17401),
-             "the tour, a mail server": ("cyclorama-tour", 25), "the projectors' keeper, a projector": ("cyclorama-projectors", 4352)}
+             "the tour, a mail server": ("cyclorama-tour", 25), "cyclorama-projectors, a projector": ("cyclorama-projectors", 4352)}
     figures["out"] = {}
     for what, (user, port) in tries.items():
         command = f"timeout 20 setpriv --reuid={user} --clear-groups bash -c 'exec 3<>/dev/tcp/10.0.2.2/{port}' 2>&1 | head -n 1"
@@ -124,11 +124,11 @@ def check_read_only(machine, reference, figures):
     """Simulates a failing disk: ext4 then refuses all writes."""
     machine.run("for error in /sys/fs/ext4/*/trigger_fs_error; do echo tested >$error; done")
     time.sleep(20)
-    told = machine.run("touch /var/lib/x; cyclorama doctor 2>&1", 120)[1]
+    report = machine.run("touch /var/lib/x; cyclorama doctor 2>&1", 120)[1]
     failed = machine.run("systemctl --failed --no-legend --plain | cut -d' ' -f1")[1].split()
-    figures["read_only"] = {"told": [line for line in told.splitlines() if "written" in line], "failed_units": failed, "picture": is_as(machine.picture(0), reference[0])}
-    if "cannot touch" not in told or not figures["read_only"]["told"] or not figures["read_only"]["picture"]:
-        figures["failed"].append(f"a failing disk: {figures['read_only']}; {told[:600]}")
+    figures["read_only"] = {"reported": [line for line in report.splitlines() if "written" in line], "failed_units": failed, "picture": is_as(machine.picture(0), reference[0])}
+    if "cannot touch" not in report or not figures["read_only"]["reported"] or not figures["read_only"]["picture"]:
+        figures["failed"].append(f"a failing disk: {figures['read_only']}; {report[:600]}")
 
 
 def check_menu_reset(machine, reference, figures):

@@ -58,13 +58,13 @@ def plug_stick(machine, image, page, figures):
             return False
     finally:
         machine.ask("device_del", id="stick")
-    told = page.museum()
-    figures["settings"] = {name: told["provisioning"].get(name) for name in ("verdict", "museum", "farm", "projectors", "has_pin", "problems")}
+    museum = page.museum()
+    figures["settings"] = {name: museum["provisioning"].get(name) for name in ("verdict", "museum", "farm", "projectors", "has_pin", "problems")}
     print(figures["settings"], flush=True)
     if (figures["settings"]["verdict"], figures["settings"]["museum"], figures["settings"]["projectors"]) != ("installed", MUSEUM, HEADS):
         figures["failed"].append(f"the stick: {figures['settings']}")
-    if told["page"]["fingerprint"] != page.certificate:
-        figures["failed"].append(f"the page's certificate is {page.certificate}, but it shows {told['page']['fingerprint']}")
+    if museum["page"]["fingerprint"] != page.certificate:
+        figures["failed"].append(f"the page's certificate is {page.certificate}, but it shows {museum['page']['fingerprint']}")
     # It may be restarting with its new settings.
     wait_for(lambda: figures.update(without_pin=page.without_pin("/museum")) or figures["without_pin"], STEP_S)
     if figures["without_pin"] != 401:
@@ -75,14 +75,14 @@ def plug_stick(machine, image, page, figures):
 def check_camera(camera, page, machine, reference, figures):
     """Unplugs the camera and plugs it in again, observed on the page; the show goes on."""
     camera.unplug()
-    if wait(figures, "camera_gone_told_s", lambda: "No pictures" in page.says("tracker")):
+    if wait(figures, "camera_gone_reported_s", lambda: "No pictures" in page.state("tracker")):
         figures["camera_gone"] = page.check("part-tracker")
         print(figures["camera_gone"], flush=True)
     figures["live_without_camera"] = is_live(machine, reference)
     if not figures["live_without_camera"]:
         figures["failed"].append("no live picture while the camera is away")
     camera.plug()
-    wait(figures, "camera_back_s", lambda: page.says("tracker").startswith("Follows"))
+    wait(figures, "camera_back_s", lambda: page.state("tracker").startswith("Follows"))
 
 
 def read_bundle(page, figures):
@@ -117,7 +117,7 @@ def check(machine, camera, page, options, folder, figures):
         if not plug_stick(machine, image, page, figures):
             return
         reference = reference_pictures(options.programs, folder / "installation.toml", folder / "small")
-        wait(figures, "follows_s", lambda: page.says("tracker").startswith("Follows"))
+        wait(figures, "follows_s", lambda: page.state("tracker").startswith("Follows"))
         if not wait(figures, "live_s", lambda: is_live(machine, reference)):
             print(page.museum(), farm_logs(farm), flush=True)
             return

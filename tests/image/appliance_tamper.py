@@ -102,7 +102,7 @@ def run(options, folder):
         untouched_s = min(first.values())
         print(f"untouched: a picture after {untouched_s} s, including the enrolment of the keys")
     cases = dict(list(CASES.items())[:2] if options.quick else CASES)
-    figures = {"cases": len(cases), "refused": 0, "untouched_s": untouched_s, "said": {}, "failed": []}
+    figures = {"cases": len(cases), "refused": 0, "untouched_s": untouched_s, "reasons": {}, "failed": []}
 
     def look(name):
         """Yields (case, the reported reason, whether the show started nevertheless)."""
@@ -116,18 +116,18 @@ def run(options, folder):
         shutil.copy(disk.folder / "vars.fd", other.folder / "vars.fd")
         machine = Appliance(other)
         try:
-            said, is_shown = watch(machine, reference[0], max(MIN_S, TIMEOUT_FACTOR * untouched_s))
+            reason, is_shown = watch(machine, reference[0], max(MIN_S, TIMEOUT_FACTOR * untouched_s))
         finally:
             machine.power_off()
-        print(f"{name}: {said if said and not is_shown else 'NOT REFUSED'} ({machine.seconds():.0f} s)", flush=True)
+        print(f"{name}: {reason if reason and not is_shown else 'NOT REFUSED'} ({machine.seconds():.0f} s)", flush=True)
         shutil.rmtree(case)
-        return name, said, is_shown
+        return name, reason, is_shown
 
     with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
-        for name, said, is_shown in pool.map(look, cases):
-            refused = bool(said) and not is_shown
+        for name, reason, is_shown in pool.map(look, cases):
+            refused = bool(reason) and not is_shown
             figures["refused"] += refused
-            figures["said"][name] = said
+            figures["reasons"][name] = reason
             if not refused:
-                figures["failed"].append(f"{name}: {'the show started' if is_shown else 'no reason was reported'}; {said}")
+                figures["failed"].append(f"{name}: {'the show started' if is_shown else 'no reason was reported'}; {reason}")
     return figures

@@ -70,10 +70,10 @@ def wait_for_report(machine, word, seconds):
     """Waits until the updater's report contains `word` and returns it."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
-        if word in (said := machine.run(REPORT)[1]):
-            return said
+        if word in (report := machine.run(REPORT)[1]):
+            return report
         time.sleep(2)
-    return f"no '{word}' within {seconds} s, but {said!r}"
+    return f"no '{word}' within {seconds} s, but {report!r}"
 
 
 def after_cut(disk, folder):
@@ -102,12 +102,12 @@ def check_bad(machine, image, old, bad, figures):
     machine.restart(BACK_S)
     figures["boots"] += 1
     figures["tries_of_the_bad_one"] = machine.console().count("Kernel panic") - before
-    said = wait_for_report(machine, "rolled-back", GOOD_S)
-    print(said, flush=True)
-    if version(machine) == old and figures["tries_of_the_bad_one"] > 0 and bad in said and "rolled-back" in said:
+    report = wait_for_report(machine, "rolled-back", GOOD_S)
+    print(report, flush=True)
+    if version(machine) == old and figures["tries_of_the_bad_one"] > 0 and bad in report and "rolled-back" in report:
         figures["rollbacks"] += 1
     else:
-        figures["failed"].append(f"the bad update: {version(machine)} runs after {figures['tries_of_the_bad_one']} panics; {said}")
+        figures["failed"].append(f"the bad update: {version(machine)} runs after {figures['tries_of_the_bad_one']} panics; {report}")
 
 
 def check_good(machine, image, old, folder, options, figures, ret_states):

@@ -71,7 +71,7 @@ class OperatorPage:
     def process(self, name):
         return next((one for one in self._json("/status").get("processes", []) if one["name"] == name), {})
 
-    def says(self, name):
+    def state(self, name):
         """Returns a part's state, a sentence."""
         return self.process(name).get("state", "")
 

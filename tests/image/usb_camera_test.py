@@ -41,8 +41,8 @@ class Computer:
         """Returns (status, answer)."""
         endpoint = kind & 0x80
         (answer,) = self.ask(CONTROL, 7, struct.pack("<BBBBHHH", endpoint, request, kind, 0, value, index, len(data) or length) + data)
-        status, told = answer.body[3], struct.unpack_from("<H", answer.body, 8)[0]
-        assert answer.kind == CONTROL and answer.number == 7 and (not endpoint or told == len(answer.body) - 10)
+        status, length = answer.body[3], struct.unpack_from("<H", answer.body, 8)[0]
+        assert answer.kind == CONTROL and answer.number == 7 and (not endpoint or length == len(answer.body) - 10)
         return status, answer.body[10:]
 
     def bulk(self):

@@ -56,8 +56,8 @@ def check(authority):
     authority.refuses("has an authority already", "init")
     authority.refuses("needs --address", "head", "farm")
     authority.ok("head", "farm", "--address", "::1", "--address", "farm.example.org")
-    said = authority.ok("museum", "hall-3", "--scenes", "grotto,relic")
-    expect('scenes = ["grotto", "relic"]' in said, said)
+    output = authority.ok("museum", "hall-3", "--scenes", "grotto,relic")
+    expect('scenes = ["grotto", "relic"]' in output, output)
     authority.ok("node", "n1", "--days", "30")
 
     for secret in ("farm.tar", "hall-3.tar", "ca/private/ca.key"):

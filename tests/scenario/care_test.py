@@ -105,12 +105,12 @@ def check_calibrator(source, build, folder, state):
     process = subprocess.Popen([*map(str, calibrator), "--installation", str(state / "settings/installation.toml")], stdin=subprocess.DEVNULL)
     try:
         end = time.monotonic() + 60
-        said = ""
-        while "cameras/left.json" not in said and process.poll() is None and time.monotonic() < end:
+        status = ""
+        while "cameras/left.json" not in status and process.poll() is None and time.monotonic() < end:
             run(build / "bin/cyclorama", "status", "--json", folder / "status.json", "--watch", f"calibrator=unix:{folder}/calibrator.sock")
-            said = (folder / "status.json").read_text()
+            status = (folder / "status.json").read_text()
             time.sleep(0.2)
-        assert "cameras/left.json" in said, (process.poll(), said)
+        assert "cameras/left.json" in status, (process.poll(), status)
     finally:
         process.terminate()
     assert process.wait(30) == 0
@@ -135,8 +135,8 @@ def check_doctor(build, folder, state):
 def check_hours(build, state):
     """The command line sets, shows and removes an exception from the hours."""
     hours = [build / "bin/cyclorama", "hours", "--museum", state]
-    told = run(*hours)
-    assert told.returncode == 0 and told.stdout.startswith("Open now.") and "always open" in told.stdout, told
+    shown = run(*hours)
+    assert shown.returncode == 0 and shown.stdout.startswith("Open now.") and "always open" in shown.stdout, shown
     closed = run(*hours, "closed")
     assert closed.returncode == 0 and "Closed now until" in closed.stdout, closed
     assert (state / "hours/override").read_text().startswith("closed from "), closed
@@ -155,11 +155,11 @@ def check_projectors(source, build, folder):
     site = folder / "hours.toml"
     site.write_text('[farm]\nheads = ["[::1]:7401"]\n')
     projectors = [build / "bin/cyclorama-projectors", "--installation", source / "demo/installation.toml"]
-    keeper = subprocess.Popen([*map(str, projectors), "keep", "--config", site], stderr=subprocess.PIPE, text=True)
-    assert "none is switched" in keeper.stderr.readline()
-    assert keeper.poll() is None
-    keeper.terminate()
-    assert keeper.wait(30) == 0, keeper.returncode
+    service = subprocess.Popen([*map(str, projectors), "keep", "--config", site], stderr=subprocess.PIPE, text=True)
+    assert "none is switched" in service.stderr.readline()
+    assert service.poll() is None
+    service.terminate()
+    assert service.wait(30) == 0, service.returncode
     on = run(*projectors, "on")
     assert on.returncode != 0 and "no projector is named" in on.stderr, on.stderr
 
@@ -190,15 +190,15 @@ def check_lamps(source, build, folder):
         shutil.copy(mesh, folder)
     with socket.create_server(("::1", 0), family=socket.AF_INET6) as free:
         port = free.getsockname()[1]
-    keeper = subprocess.Popen([build / "bin/cyclorama-projectors", "keep", "--config", site, "--installation", room, "--listen",
+    service = subprocess.Popen([build / "bin/cyclorama-projectors", "keep", "--config", site, "--installation", room, "--listen",
                                f"[::1]:{port}"], stderr=subprocess.PIPE, text=True)
     try:
-        assert "lamp (error)" in keeper.stderr.readline()
+        assert "lamp (error)" in service.stderr.readline()
         doctor = run(build / "bin/cyclorama", "doctor", "--museum", folder / "nowhere", "--watch", f"projectors=[::1]:{port}")
         assert doctor.returncode == 1 and "It reports: lamp (error)" in doctor.stdout and "have it replaced" in doctor.stdout, doctor.stdout
     finally:
-        keeper.terminate()
-        ended = keeper.wait(30)
+        service.terminate()
+        ended = service.wait(30)
     assert ended == 0, ended
 
 

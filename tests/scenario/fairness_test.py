@@ -86,7 +86,7 @@ def is_fair(make, build, check):
             try:
                 print(json.dumps(check(farm)))
             except AssertionError as error:
-                print(farm.heads[0].process.said()[-1500:])
+                print(farm.heads[0].process.output()[-1500:])
                 print(error)
                 return False
         holes, breaches = farm.wrong()

@@ -70,9 +70,9 @@ def mixed_frames(farm, records, folder, rng):
     chosen = near | set(rng.sample(far, min(len(far), FAR)))
     alone = render(farm.build, folder, farm.scene, [frames[view] for view in chosen])
     assert alone.keys() == chosen
-    asked, at_rest = farm.pictures()
+    requested, at_rest = farm.pictures()
     return sum(len(digests) > 1 or alone.get(view, min(digests)) not in digests
-               for view, digests in (asked | at_rest).items()), len(chosen)
+               for view, digests in (requested | at_rest).items()), len(chosen)
 
 
 def table(records):

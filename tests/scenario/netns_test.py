@@ -44,7 +44,7 @@ class Site:
         wait_until(self.museum.whole_frames, 60, "the first picture")
 
     def wait_for_word(self, word, times):
-        wait_until(lambda: self.parts["head"].said().count(word) >= times, 60,
+        wait_until(lambda: self.parts["head"].output().count(word) >= times, 60,
                    f"{word!r} in the coordinator's log {times} times")
 
     def end(self):

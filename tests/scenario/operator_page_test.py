@@ -235,7 +235,7 @@ def check_work(browser, museum, pictures, name):
     browser.click("#calibrate")
     wait_until(lambda: "Turn the plate to 30.0 degrees" in browser.text("#calibration-question"), 30, "the question")
     browser.type("#calibration-answer", "30.5")
-    browser.picture(pictures / f"asked-{name}.png", whole=False)
+    browser.picture(pictures / f"question-{name}.png", whole=False)
     browser.press_enter("#calibration-answer")
     wait_until(lambda: "shows pattern 2" in browser.text("#calibration-state"), 30, "the calibration's progress")
     assert browser.run("return document.getElementById('calibration-question').offsetParent === null"), "the answered question stays"

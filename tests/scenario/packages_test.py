@@ -139,27 +139,27 @@ def check_service(component, root, missing, changes):
     bare = run(program, "--config", settings, timeout=20)
     expect(bare.returncode == 1 and missing in bare.stderr and bare.stderr.count("\n") == 1,
            f"{component}: without settings it ends with {bare.returncode}: {bare.stderr}")
-    with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as told:
-        told.bind(f"{folder}/notify")
-        told.settimeout(20)
+    with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as notified:
+        notified.bind(f"{folder}/notify")
+        notified.settimeout(20)
         process = subprocess.Popen([program, "--config", fill_in(settings, changes)], stderr=subprocess.PIPE, text=True,
                                    env={**os.environ, "NOTIFY_SOCKET": f"{folder}/notify", "WATCHDOG_USEC": "2000000"})
         seen = ""
         try:
             until = time.monotonic() + 20
             while not all(word in seen for word in ("READY=1", "WATCHDOG=1")) and time.monotonic() < until:
-                seen += told.recv(4096).decode() + "\n"
+                seen += notified.recv(4096).decode() + "\n"
             process.send_signal(signal.SIGTERM)
             process.wait(20)
-            told.setblocking(False)
+            notified.setblocking(False)
             while "STOPPING=1" not in seen:
-                seen += told.recv(4096).decode() + "\n"
+                seen += notified.recv(4096).decode() + "\n"
         except (OSError, subprocess.TimeoutExpired) as error:
             problems.append(f"{component}: {error!r}; it notified systemd of:\n{seen}")
         finally:
             process.kill()
-            said = process.communicate()[1]
-        expect(process.returncode == 0, f"{component}: ends with {process.returncode}: {said}")
+            errors = process.communicate()[1]
+        expect(process.returncode == 0, f"{component}: ends with {process.returncode}: {errors}")
 
 
 def main(root, build, *components):

@@ -115,7 +115,7 @@ def main(build):
             check(farm)
         except AssertionError as error:
             for process in farm.running:
-                print(f"{process.name}:\n{process.said()[-2000:]}")
+                print(f"{process.name}:\n{process.output()[-2000:]}")
             print(f"{farm.audit()}\n{error}")
             return 1
         finally:

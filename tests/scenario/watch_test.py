@@ -155,7 +155,7 @@ def main(_, build):
             try:
                 check(build, folder, Page(port), farm)
             except AssertionError as error:
-                print(farm.heads[0].process.said()[-2000:], error, sep="\n")
+                print(farm.heads[0].process.output()[-2000:], error, sep="\n")
                 return 1
         assert not (folder / "farm.prom").exists(), "the metrics of a stopped coordinator stay"
         if farm.stuck:

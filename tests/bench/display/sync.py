@@ -100,13 +100,13 @@ def run(build, seconds, folder):
         farm.stdin.flush()
         time.sleep(WARM_UP_S + 2 + seconds)
         farm.send_signal(signal.SIGTERM)
-        told = farm.communicate(timeout=30)[0].splitlines()
+        printed = farm.communicate(timeout=30)[0].splitlines()
         for child in displays:
             child.send_signal(signal.SIGTERM)
         for child in displays:
             if child.wait(timeout=30) != 0:
                 sys.exit("a display failed")
-    return [Log(path) for path in logs], told
+    return [Log(path) for path in logs], printed
 
 
 def main():
@@ -119,9 +119,9 @@ def main():
     with tempfile.TemporaryDirectory() as temporary:
         folder = args.keep or pathlib.Path(temporary)
         folder.mkdir(exist_ok=True)
-        logs, told = run(args.build.resolve(), args.seconds or (30 if args.quick else 120), folder)
+        logs, printed = run(args.build.resolve(), args.seconds or (30 if args.quick else 120), folder)
     figures = compare(logs)
-    gauges = dict(line.rsplit(" ", 1) for line in told[:-1])
+    gauges = dict(line.rsplit(" ", 1) for line in printed[:-1])
     print(f"{'display':<9}{'clock ahead':>13}{'faster':>10}{'rate':>10}{'measured ahead':>18}{'late frames':>13}"
           f"{'late headings':>15}{'in sync':>11}")
     worst_skew_ms = 0.0
@@ -131,7 +131,7 @@ def main():
               f"{log.gauges['clock_skew_ms']:>10.2f} ± {log.gauges['clock_error_ms']:.2f}"
               f"{sum(row[3] > 0 for row in log.rows):>13}{sum(row[4] > 0 for row in log.rows):>15}"
               f"{log.gauges['in_step_percent']:>10.3f} %")
-    print(f"the tour reports: {told[-1]}")
+    print(f"the tour reports: {printed[-1]}")
     for name, gauge in (("frame_lead_ms", "frame_lead_ms"), ("heading_lead_ms", "heading_lead_ms")):
         figures[name] = round(float(gauges[gauge]), 1)
     print(json.dumps({"benchmark": "display-sync", **figures, "displays": len(logs),

@@ -159,13 +159,13 @@ def latencies(turns, loop_s, camera_hz, poses, changes):
                 continue
             seen = next((at for at, _ in changes if at >= t), None)
             plain = next((at for at, much in changes if at >= t and much >= 3), None)
-            told = next((row for row in poses if row[1] >= t - 5e6 and abs(row[3]) > 0.02), None)
-            if seen is None or seen - t > LATEST_S * 1e9 or told is None:
+            pose = next((row for row in poses if row[1] >= t - 5e6 and abs(row[3]) > 0.02), None)
+            if seen is None or seen - t > LATEST_S * 1e9 or pose is None:
                 rows.append(None)  # A turn that was never seen is worse than any number.
                 continue
             rows.append({"all": (seen - t) / 1e6, "plain": (plain - t) / 1e6 if plain else LATEST_S * 1e3,
-                         "shutter": max(0.0, (told[1] - t) / 1e6), "tracker": (told[2] - max(told[1], t)) / 1e6,
-                         "wall": (seen - told[2]) / 1e6})
+                         "shutter": max(0.0, (pose[1] - t) / 1e6), "tracker": (pose[2] - max(pose[1], t)) / 1e6,
+                         "wall": (seen - pose[2]) / 1e6})
     return rows, unquiet
 
 

@@ -43,14 +43,14 @@ class Node:
         self.start()
 
     def start(self):
-        self.heard = [len(head.process.said()) for head in self.farm.heads]
+        self.heard = [len(head.process.output()) for head in self.farm.heads]
         heads = [argument for link in self.links for argument in ("--head", link.address)]
         self.process = Process(self.name, [self.farm.program("node"), "--threads", 1, "--name", self.name, *heads,
                                            *self.farm.node_options], self.farm.folder)
 
     def is_ready(self):
         """Returns whether a coordinator has logged since the node's start that it has the scene."""
-        return any(f"{self.name}' has scene" in head.process.said()[heard:]
+        return any(f"{self.name}' has scene" in head.process.output()[heard:]
                    for head, heard in zip(self.farm.heads, self.heard))
 
 
@@ -102,7 +102,7 @@ class Farm:
         links = [Link(self.network, head.museums) for head in self.heads]
         museum = Museum(name, self.build / "tests" / "test-museum", self.folder, [link.address for link in links], rate_hz,
                         [*size, "--poses", poses, *options])
-        museum.links, museum.asked = links, (options, {"rate_hz": rate_hz, "size": size, "poses": poses})
+        museum.links, museum.requested = links, (options, {"rate_hz": rate_hz, "size": size, "poses": poses})
         if name in self.museums:
             self.past.append(self.museums[name])
         self.museums[name] = museum
@@ -121,12 +121,12 @@ class Farm:
     def pictures(self):
         """Returns the digests of whole pictures by view; more than one digest for a view is an error. The first mapping
         is for requested views, the second for visitors at rest."""
-        asked, at_rest = {}, {}
+        requested, at_rest = {}, {}
         for museum in [*self.past, *self.museums.values()]:
             for frame in museum.events("frame"):
                 if frame["complete"]:
-                    (at_rest if frame["refined"] else asked).setdefault(frame["view_hex"], set()).add(frame["digest"])
-        return asked, at_rest
+                    (at_rest if frame["refined"] else requested).setdefault(frame["view_hex"], set()).add(frame["digest"])
+        return requested, at_rest
 
 
 def render(build, folder, scene, frames):

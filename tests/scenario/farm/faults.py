@@ -140,7 +140,7 @@ def pause_head(farm, rng):
 def restart_museum(farm, rng):
     museum = some_museum(farm, rng)
     museum.kill()
-    options, picture = museum.asked
+    options, picture = museum.requested
     return farm.add_museum(museum.name, *options, **picture)
 
 
@@ -178,7 +178,7 @@ ALL = [
     Fault("node cut off", cut_node, restore, to_node=True),
     Fault("node's connection reset", reset_node, to_node=True),
     Fault("node joins, then leaves", join_node, drop_node, to_node=True),
-    Fault("node asked to stop", drain_node, start_again, to_node=True, node_comes=True),
+    Fault("node stopped on request", drain_node, start_again, to_node=True, node_comes=True),
     Fault("coordinator restarted", restart_head, hurts="head"),
     Fault("coordinator stopped for 1 s", pause_head, hurts="head"),
     Fault("coordinator lost, the other takes over", lose_head, start_again, hurts="head", heads=2),

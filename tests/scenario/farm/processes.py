@@ -64,7 +64,7 @@ class Process:
             self.kill()
             return False
 
-    def said(self):
+    def output(self):
         return self.log.read_text(errors="replace")
 
     def cpu_seconds(self):

@@ -18,12 +18,14 @@ function showChecks(checks) {
   const rank = { fault: 0, warning: 1, ok: 2 };
   const wrong = checks.filter((check) => check.level !== "ok").sort((a, b) => rank[a.level] - rank[b.level]);
   byId("needs-section").hidden = wrong.length === 0;
-  byId("needs").replaceChildren(...wrong.map((check) => {
-    const item = make("li", undefined, check.level);
-    item.append(make("h3", check.title), make("p", check.sentence));
-    if (check.remedy) item.append(make("p", check.remedy, "remedy"));
-    return item;
-  }));
+  byId("needs").replaceChildren(
+    ...wrong.map((check) => {
+      const item = make("li", undefined, check.level);
+      item.append(make("h3", check.title), make("p", check.sentence));
+      if (check.remedy) item.append(make("p", check.remedy, "remedy"));
+      return item;
+    }),
+  );
   byId("checks-summary").textContent = `All checks: ${checks.length - wrong.length} of ${checks.length} are well`;
   byId("checks").replaceChildren(...checks.map(checkLine));
 }
@@ -37,11 +39,17 @@ function showCalibration(calibration) {
   const isRunning = calibration.state === "running";
   const isOfWall = calibration.what === "wall";
   const words = {
-    idle: "A camera measures the wall so that the projectors make one picture. Nobody should stand before the wall meanwhile.",
+    idle: "A camera measures the wall so that the projectors make one picture. Keep the space before it free.",
     running: isOfWall ? `${Math.round(100 * calibration.fraction)} %: ${calibration.step}` : `It ${calibration.step}.`,
-    done: !isOfWall ? "The positions of the fixed cameras:" : `Measured on ${calibration.date}.` + (isNumber(calibration.registration_p95_px)
-      ? ` Neighbouring pictures meet within ${calibration.registration_p95_px.toFixed(2)} px in 95 % of the overlap.` : ""),
-    cancelled: !isOfWall ? "Cancelled; the previous positions of the fixed cameras stay in use." : "Cancelled; the previous calibration stays in use. The photographs are kept, so that the next calibration can resume.",
+    done: !isOfWall
+      ? "The positions of the fixed cameras:"
+      : `Measured on ${calibration.date}.` +
+        (isNumber(calibration.registration_p95_px)
+          ? ` Neighbouring pictures meet within ${calibration.registration_p95_px.toFixed(2)} px in 95 % of places.`
+          : ""),
+    cancelled: !isOfWall
+      ? "Cancelled; the previous positions of the fixed cameras stay in use."
+      : "Cancelled; the previous calibration stays in use. The photographs are kept, so that the next one can resume.",
     failed: `It failed: ${calibration.error}`,
   };
   byId("calibration-state").textContent = words[calibration.state] || calibration.state;
@@ -74,7 +82,9 @@ function showPieces(isRunning) {
 
 press("calibrate", () => ask("/calibration", { do: "start" }));
 press("calibrate-resume", () => ask("/calibration", { do: "start", resume: true }));
-press("calibrate-quick", () => ask("/calibration", { do: "start", quick: true, projector: byId("quick-projector").value }));
+press("calibrate-quick", () =>
+  ask("/calibration", { do: "start", quick: true, projector: byId("quick-projector").value }),
+);
 press("place-cameras", () => ask("/calibration", { do: "place-cameras" }));
 press("calibration-done", async () => {
   await ask("/calibration", { do: "answer", text: byId("calibration-answer").value });
@@ -91,10 +101,17 @@ pressTwice("calibrate-restore", "Really restore it?", async () => {
 
 // ---- Settings, hours, software ----
 function showSettings(provisioning) {
-  const words = { installed: "The settings of the last USB stick are in use.", unchanged: "The last USB stick had the settings that were already in use.",
-                  restored: "The previous settings are in use again.", refused: "The last USB stick was refused." };
-  byId("settings-state").textContent = provisioning === null ? "No USB stick has been plugged in yet."
-    : `${words[provisioning.verdict]} ${provisioning.museum ? `Museum “${provisioning.museum}”, ` : ""}${provisioning.projectors} projectors.`;
+  const words = {
+    installed: "The settings of the last USB stick are in use.",
+    unchanged: "The last USB stick had the settings that were already in use.",
+    restored: "The previous settings are in use again.",
+    refused: "The last USB stick was refused.",
+  };
+  const museum = provisioning && provisioning.museum ? `Museum “${provisioning.museum}”, ` : "";
+  byId("settings-state").textContent =
+    provisioning === null
+      ? "No USB stick has been plugged in yet."
+      : `${words[provisioning.verdict]} ${museum}${provisioning.projectors} projectors.`;
   const sentences = provisioning === null ? [] : [...provisioning.problems, ...provisioning.remarks];
   byId("settings-remarks").replaceChildren(...sentences.map((sentence) => make("li", sentence)));
 }
@@ -104,9 +121,13 @@ function showHours(schedule) {
   if (schedule === null) state.textContent = "This computer has no museum's settings.";
   else if (schedule.problem) state.textContent = schedule.problem;
   else if (schedule.override) {
-    state.textContent = schedule.override.open ? `Open until ${schedule.override.until}, as an exception. Then the settings apply again.`
-      : `Closed until ${schedule.override.until}, as an exception: the projectors are off. Then the settings apply again.`;
-  } else state.textContent = (schedule.open ? "Open now." : "Closed now: the projectors are off.") + (schedule.lines.length ? "" : " Always open.");
+    state.textContent = schedule.override.open
+      ? `Open until ${schedule.override.until}, as an exception. Then the settings apply again.`
+      : `Closed until ${schedule.override.until}, as an exception: projectors are off. Then the settings apply again.`;
+  } else
+    state.textContent =
+      (schedule.open ? "Open now." : "Closed now: the projectors are off.") +
+      (schedule.lines.length ? "" : " Always open.");
   const problem = schedule ? schedule.override_problem : "";
   byId("hours-problem").hidden = !problem;
   byId("hours-problem").textContent = `The settings apply: ${problem}.`;
@@ -130,11 +151,18 @@ press("hours-settings", async () => {
 });
 
 function showSoftware(update, page) {
-  const words = { current: "It is the newest.", checking: "Checking for a newer one.", loading: "A newer one is being fetched.",
-                  ready: "A newer one starts with the next restart, at night.", failed: "The newer one could not be fetched.",
-                  "rolled-back": "The newer one did not start well, so this one is in use again." };
-  byId("software-state").textContent = update === null ? `Version ${page.version} of this page; the image's updater has not reported anything.`
-    : `Version ${update.version}. ${words[update.state]}${update.available ? ` (${update.available})` : ""}`;
+  const words = {
+    current: "It is the newest.",
+    checking: "Checking for a newer one.",
+    loading: "A newer one is being fetched.",
+    ready: "A newer one starts with the next restart, at night.",
+    failed: "The newer one could not be fetched.",
+    "rolled-back": "The newer one did not start well, so this one is in use again.",
+  };
+  byId("software-state").textContent =
+    update === null
+      ? `Version ${page.version} of this page; the image's updater has not reported anything.`
+      : `Version ${update.version}. ${words[update.state]}${update.available ? ` (${update.available})` : ""}`;
   byId("software-buttons").hidden = !page.wishes;
 }
 
@@ -162,8 +190,9 @@ press("network-test", async (button) => {
 function showPage(page) {
   byId("logout").hidden = !page.has_pin;
   const state = byId("page-state");
-  state.textContent = page.has_pin ? "The connection is encrypted. The SHA-256 fingerprint of its certificate, to compare with what the browser shows:"
-                                   : "It has no PIN and answers only on this computer.";
+  state.textContent = page.has_pin
+    ? "The connection is encrypted. The SHA-256 fingerprint of its certificate, to compare with what the browser shows:"
+    : "It has no PIN and answers only on this computer.";
   if (page.fingerprint) state.append(make("span", " " + page.fingerprint, "print"));
 }
 press("logout", async () => {
@@ -175,7 +204,7 @@ repeat(1000, async () => {
   try {
     const answer = await get("/museum");
     if (answer.status === 401) location.replace("/login.html");
-    if (answer.status === 404) return false;  // A demo has no museum.
+    if (answer.status === 404) return false; // A demo has no museum.
     const museum = await answer.json();
     byId("care").hidden = false;
     showChecks(museum.checks);

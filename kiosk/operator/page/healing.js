@@ -12,13 +12,18 @@ function ago(seconds) {
 
 // Plots the errors of the last ten minutes, the newest at the right, with a gap where nothing was measured.
 function healingPlot(names, history) {
-  const width = 600, height = 120, whole = 600;
+  const width = 600,
+    height = 120,
+    whole = 600;
   const largest = Math.max(1, ...history.flatMap((row) => row.slice(1).filter(isNumber)));
   // Errors are small and bumps are large, so the axis shows square roots.
   const x = (s) => width * (1 - Math.min(s, whole) / whole);
   const y = (px) => height - 4 - (height - 16) * Math.sqrt(Math.max(px, 0) / largest);
-  const svg = makeSvg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img",
-    "aria-label": `Each projector's error in the last ten minutes: at most ${largest.toFixed(1)} pixels` });
+  const svg = makeSvg("svg", {
+    viewBox: `0 0 ${width} ${height}`,
+    role: "img",
+    "aria-label": `Each projector's error in the last ten minutes: at most ${largest.toFixed(1)} pixels`,
+  });
   for (const px of [0.2, 1, 5, 25, 125].filter((mark) => mark <= largest)) {
     svg.append(makeSvg("line", { x1: 0, x2: width, y1: y(px), y2: y(px), class: "mark" }));
     const label = makeSvg("text", { x: 2, y: y(px) - 2 });
@@ -28,7 +33,8 @@ function healingPlot(names, history) {
   names.forEach((name, i) => {
     let points = [];
     const draw = () => {
-      if (points.length > 1) svg.append(makeSvg("polyline", { points: points.join(" "), stroke: kLine[i % kLine.length] }));
+      if (points.length > 1)
+        svg.append(makeSvg("polyline", { points: points.join(" "), stroke: kLine[i % kLine.length] }));
       points = [];
     };
     for (const row of history) {
@@ -49,7 +55,8 @@ function healingLine(projector, colour) {
   const figures = [];
   if (isNumber(projector.off_px) && projector.state === "good") figures.push(`error ${projector.off_px.toFixed(2)} px`);
   if (isNumber(projector.sigma_px)) figures.push(`uncertainty ${projector.sigma_px.toFixed(2)} px`);
-  if (isNumber(projector.last_px)) figures.push(`corrected by ${projector.last_px.toFixed(1)} px ${ago(projector.last_s)}`);
+  if (isNumber(projector.last_px))
+    figures.push(`corrected by ${projector.last_px.toFixed(1)} px ${ago(projector.last_s)}`);
   words.append(make("span", figures.join(", "), "figures-line"));
   if (projector.wants_scan) words.append(make("span", "Start a calibration when the museum is closed.", "remedy"));
   item.append(words);
@@ -59,9 +66,14 @@ function healingLine(projector, colour) {
 export function showHealing(watched) {
   byId("healing-card").hidden = watched === null;
   if (watched === null) return;
-  byId("healing-state").textContent = "Fixed cameras compare the wall with the picture that is shown. The picture of a projector that was bumped is corrected without patterns.";
-  byId("healing-projectors").replaceChildren(...watched.projectors.map((one, i) => healingLine(one, kLine[i % kLine.length])));
-  byId("healing-plot").replaceChildren(...(watched.history.length > 1 ? [healingPlot(watched.names, watched.history)] : []));
+  byId("healing-state").textContent =
+    "Fixed cameras compare the wall with the shown picture. A projector that was bumped is corrected without patterns.";
+  byId("healing-projectors").replaceChildren(
+    ...watched.projectors.map((one, i) => healingLine(one, kLine[i % kLine.length])),
+  );
+  byId("healing-plot").replaceChildren(
+    ...(watched.history.length > 1 ? [healingPlot(watched.names, watched.history)] : []),
+  );
 }
 
 press("realign", async () => {

@@ -19,7 +19,8 @@ byId("form").addEventListener("submit", async (event) => {
     note.textContent = why.charAt(0).toUpperCase() + why.slice(1) + (why.endsWith(".") ? "" : ".");
     watchTheDoor();
   } catch {
-    note.textContent = "The operator page does not answer. Check that this phone or computer is on the museum's network.";
+    note.textContent =
+      "The operator page does not answer. Check that this phone or computer is on the museum's network.";
   }
   button.disabled = false;
   pin.select();
@@ -37,12 +38,14 @@ async function watchTheDoor() {
       told = checks.length > 0;
       byId("door").hidden = !told;
       byId("form").hidden = told;
-      byId("told").replaceChildren(...checks.map((check) => {
-        const item = make("li", "", check.level);
-        item.append(make("h2", check.title), make("p", check.sentence));
-        if (check.remedy) item.append(make("p", check.remedy, "remedy"));
-        return item;
-      }));
+      byId("told").replaceChildren(
+        ...checks.map((check) => {
+          const item = make("li", "", check.level);
+          item.append(make("h2", check.title), make("p", check.sentence));
+          if (check.remedy) item.append(make("p", check.remedy, "remedy"));
+          return item;
+        }),
+      );
       if (!told) pin.focus();
     } catch {
       // Entering a PIN shows that the page does not answer.

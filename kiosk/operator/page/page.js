@@ -18,8 +18,12 @@ class LivePicture {
     this.missing = element.querySelector(".missing");
     this.address = null;
     this.visible = true;
-    new IntersectionObserver((entries) => { this.visible = entries[entries.length - 1].isIntersecting; }, { rootMargin: "200px" })
-      .observe(element);
+    new IntersectionObserver(
+      (entries) => {
+        this.visible = entries[entries.length - 1].isIntersecting;
+      },
+      { rootMargin: "200px" },
+    ).observe(element);
     this.run();
   }
   show(process, name) {
@@ -66,7 +70,11 @@ class LivePicture {
     this.frame.classList.add("live");
   }
 }
-const pictures = { wall: new LivePicture(byId("wall")), panorama: new LivePicture(byId("panorama")), camera: new LivePicture(byId("camera")) };
+const pictures = {
+  wall: new LivePicture(byId("wall")),
+  panorama: new LivePicture(byId("panorama")),
+  camera: new LivePicture(byId("camera")),
+};
 const projectors = new Map();
 
 function showProjector(process, name) {
@@ -89,9 +97,15 @@ function findPictures(processes) {
   // Only a simulated room has a picture of the wall; a museum's people see the wall itself.
   byId("wall").hidden = !processes.some((process) => process.name === "simulated-room");
   const order = ["left", "middle", "centre", "center", "right"];
-  const rank = (name) => { const at = order.indexOf(name.split("/").pop()); return at < 0 ? order.length : at; };
-  const found = { wall: "The simulated room is not watched or has no picture of the wall yet.",
-                  panorama: "The display has no picture yet.", camera: "The tracker has no picture yet." };
+  const rank = (name) => {
+    const at = order.indexOf(name.split("/").pop());
+    return at < 0 ? order.length : at;
+  };
+  const found = {
+    wall: "The simulated room is not watched or has no picture of the wall yet.",
+    panorama: "The display has no picture yet.",
+    camera: "The tracker has no picture yet.",
+  };
   for (const process of processes) {
     for (const name of process.pictures.slice().sort((a, b) => rank(a) - rank(b))) {
       if (name.startsWith("projector/")) showProjector(process.name, name);
@@ -106,12 +120,28 @@ function findPictures(processes) {
   }
 }
 
-export const projectorNames = () => [...projectors.keys()].map((key) => key.slice(key.indexOf("/projector/") + "/projector/".length));
+export const projectorNames = () =>
+  [...projectors.keys()].map((key) => key.slice(key.indexOf("/projector/") + "/projector/".length));
 
 // ---- Shutter to photon: one row per step, each beginning where the previous one ended ----
-const stageNames = { capture: "capture", detect: "detect the tag", pose: "pose", steer: "steer", farm_round_trip: "farm and network",
-  farm: "farm", queue: "wait for a turn", plan: "plan", fan_out: "fan out", render: "ray trace", encode: "encode", decode: "decode", wait: "wait for refresh", draw: "draw",
-  heading_to_photon: "heading to photon", shutter_to_photon: "shutter to photon" };
+const stageNames = {
+  capture: "capture",
+  detect: "detect the tag",
+  pose: "pose",
+  steer: "steer",
+  farm_round_trip: "farm and network",
+  farm: "farm",
+  queue: "wait for a turn",
+  plan: "plan",
+  fan_out: "fan out",
+  render: "ray trace",
+  encode: "encode",
+  decode: "decode",
+  wait: "wait for refresh",
+  draw: "draw",
+  heading_to_photon: "heading to photon",
+  shutter_to_photon: "shutter to photon",
+};
 
 function flowRows(flow) {
   const known = flow.filter((stage) => stage.where !== "other" && stage.count > 0);
@@ -139,13 +169,25 @@ function flowRows(flow) {
 }
 
 function bar(row, whole) {
-  const svg = makeSvg("svg", { viewBox: "0 0 1000 10", preserveAspectRatio: "none", role: "img",
-    "aria-label": `${milliseconds(row.stage.p50_ms)} ms, 95 of 100 within ${milliseconds(row.stage.p95_ms)} ms` });
+  const svg = makeSvg("svg", {
+    viewBox: "0 0 1000 10",
+    preserveAspectRatio: "none",
+    role: "img",
+    "aria-label": `${milliseconds(row.stage.p50_ms)} ms, 95 of 100 within ${milliseconds(row.stage.p95_ms)} ms`,
+  });
   const colour = `var(--${row.stage.where})`;
-  for (const [ms, opacity] of [[row.stage.p99_ms, 0.2], [row.stage.p95_ms, 0.45], [row.stage.p50_ms, 1]]) {
+  for (const [ms, opacity] of [
+    [row.stage.p99_ms, 0.2],
+    [row.stage.p95_ms, 0.45],
+    [row.stage.p50_ms, 1],
+  ]) {
     const isOuter = row.depth === 0;
-    const rect = makeSvg("rect", { x: (1000 * row.begin) / whole, y: isOuter ? 1 : 3, width: Math.max(1.5, (1000 * ms) / whole),
-                                   height: isOuter ? 8 : 4 });
+    const rect = makeSvg("rect", {
+      x: (1000 * row.begin) / whole,
+      y: isOuter ? 1 : 3,
+      width: Math.max(1.5, (1000 * ms) / whole),
+      height: isOuter ? 8 : 4,
+    });
     rect.style.fill = colour;
     rect.style.opacity = opacity;
     svg.append(rect);
@@ -171,8 +213,13 @@ function showFlow(flow) {
     name.title = `${row.stage.where}: ${row.stage.count} measured`;
     const barCell = make("td", undefined, "bar");
     barCell.append(bar(row, whole));
-    line.append(name, barCell, make("td", milliseconds(row.stage.p50_ms), "number"),
-      make("td", milliseconds(row.stage.p95_ms), "number p95-number"), make("td", milliseconds(row.stage.p99_ms), "number"));
+    line.append(
+      name,
+      barCell,
+      make("td", milliseconds(row.stage.p50_ms), "number"),
+      make("td", milliseconds(row.stage.p95_ms), "number p95-number"),
+      make("td", milliseconds(row.stage.p99_ms), "number"),
+    );
     body.append(line);
   }
   table.append(thead, body);
@@ -180,43 +227,66 @@ function showFlow(flow) {
 }
 
 // ---- Every part ----
-const partNames = { tour: "Tour", display: "Display", tracker: "Tracker", calibrator: "Calibrator", hand: "Hand controls",
-                    projectors: "Projectors' power", head: "Farm", "simulated-room": "Simulated room" };
+const partNames = {
+  tour: "Tour",
+  display: "Display",
+  tracker: "Tracker",
+  calibrator: "Calibrator",
+  hand: "Hand controls",
+  projectors: "Projectors' power",
+  head: "Farm",
+  "simulated-room": "Simulated room",
+};
 const openParts = new Set();
 
 function showParts(processes) {
-  byId("parts").replaceChildren(...processes.map((process) => {
-    const item = make("li", undefined, process.healthy ? "well" : process.asked ? "wrong" : "");
-    const heading = make("h3", partNames[process.name] || process.name);
-    heading.append(make("b", process.away ? (process.asked ? "no answer" : "connecting") : process.healthy ? "well" : "needs attention"));
-    item.append(heading, make("p", process.state));
-    const uptime = !process.away && isNumber(process.uptime_s) ? `, up ${duration(process.uptime_s)}` : "";
-    item.append(make("p", process.address + uptime, "where"));
-    const names = Object.keys(process.gauges).filter((name) => !name.startsWith("dropped: "));
-    if (names.length > 0) {
-      const details = make("details");
-      details.open = openParts.has(process.name);
-      details.addEventListener("toggle", () => { if (details.open) openParts.add(process.name); else openParts.delete(process.name); });
-      const list = make("dl");
-      for (const name of names) {
-        const value = process.gauges[name];
-        list.append(make("dt", name.replaceAll("_", " ")), make("dd", isNumber(value) ? String(Math.round(value * 1000) / 1000) : "–"));
+  byId("parts").replaceChildren(
+    ...processes.map((process) => {
+      const item = make("li", undefined, process.healthy ? "well" : process.asked ? "wrong" : "");
+      const heading = make("h3", partNames[process.name] || process.name);
+      heading.append(
+        make(
+          "b",
+          process.away ? (process.asked ? "no answer" : "connecting") : process.healthy ? "well" : "needs attention",
+        ),
+      );
+      item.append(heading, make("p", process.state));
+      const uptime = !process.away && isNumber(process.uptime_s) ? `, up ${duration(process.uptime_s)}` : "";
+      item.append(make("p", process.address + uptime, "where"));
+      const names = Object.keys(process.gauges).filter((name) => !name.startsWith("dropped: "));
+      if (names.length > 0) {
+        const details = make("details");
+        details.open = openParts.has(process.name);
+        details.addEventListener("toggle", () => {
+          if (details.open) openParts.add(process.name);
+          else openParts.delete(process.name);
+        });
+        const list = make("dl");
+        for (const name of names) {
+          const value = process.gauges[name];
+          list.append(
+            make("dt", name.replaceAll("_", " ")),
+            make("dd", isNumber(value) ? String(Math.round(value * 1000) / 1000) : "–"),
+          );
+        }
+        details.append(make("summary", `${names.length} numbers`), list);
+        item.append(details);
       }
-      details.append(make("summary", `${names.length} numbers`), list);
-      item.append(details);
-    }
-    return item;
-  }));
+      return item;
+    }),
+  );
 }
 
 function showDrops(gauges) {
   const drops = Object.entries(gauges).filter(([name, value]) => name.startsWith("dropped: ") && value > 0);
   byId("drops-section").hidden = drops.length === 0;
-  byId("drops").replaceChildren(...drops.map(([name, value]) => {
-    const item = make("li");
-    item.append(make("b", String(value)), name.slice("dropped: ".length));
-    return item;
-  }));
+  byId("drops").replaceChildren(
+    ...drops.map(([name, value]) => {
+      const item = make("li");
+      item.append(make("b", String(value)), name.slice("dropped: ".length));
+      return item;
+    }),
+  );
 }
 
 function showVisit(status) {
@@ -225,7 +295,11 @@ function showVisit(status) {
   const state = byId("state");
   state.classList.toggle("wrong", wrong.length > 0);
   const main = wrong.find((process) => process.name === "tour") || wrong[0];
-  state.textContent = main ? `${partNames[main.name] || main.name}: ${main.state}` : tour ? tour.state : "All watched parts are well.";
+  state.textContent = main
+    ? `${partNames[main.name] || main.name}: ${main.state}`
+    : tour
+      ? tour.state
+      : "All watched parts are well.";
   showFlow(status.flow);
   if (!tour) return;
   const gauges = tour.away ? {} : tour.gauges;
@@ -236,12 +310,20 @@ function showVisit(status) {
   figure("fps", fixed(gauges.frames_per_second, 1));
   figure("latency", tour.away || !photon ? "–" : milliseconds(photon.p50_ms), "ms");
   figure("bytes", bytes(gauges.bytes_per_frame));
-  figure("balance", isNumber(gauges.balance_efficiency) ? Math.round(100 * gauges.balance_efficiency).toString() : "–", "%");
+  figure(
+    "balance",
+    isNumber(gauges.balance_efficiency) ? Math.round(100 * gauges.balance_efficiency).toString() : "–",
+    "%",
+  );
   figure("triangles", large(Number(tour.facts.triangles || NaN)));
   byId("steered-by").textContent = tour.away ? "–" : tour.facts.steered_by || "–";
   byId("heading").textContent = isNumber(gauges.heading_deg) ? `${fixed(gauges.heading_deg, 0)}°` : "–";
-  byId("place").textContent = isNumber(gauges.eye_x_m) ? `${fixed(gauges.eye_x_m, 2)}, ${fixed(gauges.eye_z_m, 2)} m` : "–";
-  byId("speed").textContent = isNumber(gauges.forward_m_per_s) ? `${fixed(Math.hypot(gauges.forward_m_per_s, gauges.sideways_m_per_s), 2)} m/s` : "–";
+  byId("place").textContent = isNumber(gauges.eye_x_m)
+    ? `${fixed(gauges.eye_x_m, 2)}, ${fixed(gauges.eye_z_m, 2)} m`
+    : "–";
+  byId("speed").textContent = isNumber(gauges.forward_m_per_s)
+    ? `${fixed(Math.hypot(gauges.forward_m_per_s, gauges.sideways_m_per_s), 2)} m/s`
+    : "–";
   showDrops(tour.gauges);
 }
 
@@ -254,14 +336,25 @@ repeat(500, async () => {
   } catch {
     const state = byId("state");
     state.classList.add("wrong");
-    state.textContent = "The operator page does not answer. Check that cyclorama-operator runs; this page tries again by itself.";
+    state.textContent =
+      "The operator page does not answer. Check that cyclorama-operator runs; this page tries again by itself.";
   }
 });
 
 // ---- Steering: held keys and buttons are sent ten times a second; the tour forgets them after 300 ms ----
-const keyCommands = { ArrowUp: "forward+", KeyW: "forward+", ArrowDown: "forward-", KeyS: "forward-", KeyA: "right-", KeyD: "right+",
-  ArrowLeft: "turn-", KeyQ: "turn-", ArrowRight: "turn+", KeyE: "turn+" };
-const held = new Map();  // From the name of a held key or button to its steering command.
+const keyCommands = {
+  ArrowUp: "forward+",
+  KeyW: "forward+",
+  ArrowDown: "forward-",
+  KeyS: "forward-",
+  KeyA: "right-",
+  KeyD: "right+",
+  ArrowLeft: "turn-",
+  KeyQ: "turn-",
+  ArrowRight: "turn+",
+  KeyE: "turn+",
+};
+const held = new Map(); // From the name of a held key or button to its steering command.
 let steering = null;
 let isSending = false;
 let sendAgain = false;
@@ -273,7 +366,8 @@ const buttonCommand = (button) => {
 };
 function markHeld() {
   const commands = new Set(held.values());
-  for (const button of document.querySelectorAll(".pad button")) button.classList.toggle("held", commands.has(buttonCommand(button)));
+  for (const button of document.querySelectorAll(".pad button"))
+    button.classList.toggle("held", commands.has(buttonCommand(button)));
 }
 // Sends one request at a time, with what is held now: an old command never arrives after a newer one, and a tour that
 // hangs does not occupy the browser's connections, which the pictures need.
@@ -316,7 +410,9 @@ function release(name) {
   steering = null;
   sendCommand();
 }
-const releaseAll = () => { for (const name of [...held.keys()]) release(name); };
+const releaseAll = () => {
+  for (const name of [...held.keys()]) release(name);
+};
 
 addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.altKey || event.metaKey || !(event.code in keyCommands)) return;
@@ -325,7 +421,9 @@ addEventListener("keydown", (event) => {
 });
 addEventListener("keyup", (event) => release(event.code));
 addEventListener("blur", releaseAll);
-document.addEventListener("visibilitychange", () => { if (document.hidden) releaseAll(); });
+document.addEventListener("visibilitychange", () => {
+  if (document.hidden) releaseAll();
+});
 for (const button of document.querySelectorAll(".pad button")) {
   const name = "button " + buttonCommand(button);
   button.addEventListener("pointerdown", (event) => {
@@ -333,10 +431,16 @@ for (const button of document.querySelectorAll(".pad button")) {
     button.setPointerCapture(event.pointerId);
     hold(name, buttonCommand(button));
   });
-  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) button.addEventListener(end, () => release(name));
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture"])
+    button.addEventListener(end, () => release(name));
   button.addEventListener("contextmenu", (event) => event.preventDefault());
   // Space and Enter hold a focused button as a finger would.
-  button.addEventListener("keydown", (event) => { if ((event.code === "Space" || event.code === "Enter") && !event.repeat) { event.preventDefault(); hold(name, buttonCommand(button)); } });
+  button.addEventListener("keydown", (event) => {
+    if ((event.code === "Space" || event.code === "Enter") && !event.repeat) {
+      event.preventDefault();
+      hold(name, buttonCommand(button));
+    }
+  });
   button.addEventListener("keyup", () => release(name));
   button.addEventListener("blur", () => release(name));
 }

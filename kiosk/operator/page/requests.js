@@ -36,7 +36,10 @@ export function press(id, work) {
 export function pressTwice(id, question, work) {
   const words = byId(id).textContent;
   let sureUntil = 0;
-  const calm = (button) => { button.textContent = words; button.classList.remove("sure"); };
+  const calm = (button) => {
+    button.textContent = words;
+    button.classList.remove("sure");
+  };
   press(id, async (button) => {
     if (Date.now() > sureUntil) {
       sureUntil = Date.now() + 6000;

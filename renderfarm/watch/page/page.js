@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 import { byId, duration, fixed, get, large, make, makeSvg, repeat } from "./helpers.js";
 
-// ---- Tables: a column is [heading, function that shows a row, class of the cells, function for a cell's own class] ----
+// ---- Tables: a column is [heading, text of a row, class of all cells, class of a row's cell] ----
 const loadBar = (share) => {
-  const svg = makeSvg("svg", { class: "load", viewBox: "0 0 100 10", preserveAspectRatio: "none", role: "img",
-    "aria-label": `${Math.round(100 * share)} % of the largest load` });
+  const svg = makeSvg("svg", {
+    class: "load",
+    viewBox: "0 0 100 10",
+    preserveAspectRatio: "none",
+    role: "img",
+    "aria-label": `${Math.round(100 * share)} % of the largest load`,
+  });
   svg.append(makeSvg("rect", { width: Math.min(100, 100 * share), height: 10 }));
   return svg;
 };
 const visitColumns = [
-  ["museum", (v) => v.museum || "(unnamed)"], ["scene", (v) => v.scene],
+  ["museum", (v) => v.museum || "(unnamed)"],
+  ["scene", (v) => v.scene],
   ["frames/s", (v) => fixed(v.frames_per_second, 1), "number"],
   ["frame ms", (v) => fixed(v.frame_ms, 0), "number"],
   ["budget ms", (v) => (v.budget_ms > 0 ? fixed(v.budget_ms, 0) : "–"), "number"],
@@ -23,26 +29,44 @@ const visitColumns = [
 ];
 const stateClass = (n) => (n.state === "ready" ? "well" : n.state === "loading" ? "quiet" : "wrong");
 const nodeColumns = [
-  ["node", (n) => n.name], ["state", (n) => n.state, "", stateClass],
+  ["node", (n) => n.name],
+  ["state", (n) => n.state, "", stateClass],
   ["load", (n) => loadBar(n.load_share)],
-  ["threads", (n) => fixed(n.threads, 0), "number"], ["speed", (n) => fixed(n.speed, 2), "number"],
+  ["threads", (n) => fixed(n.threads, 0), "number"],
+  ["speed", (n) => fixed(n.speed, 2), "number"],
   ["blocks", (n) => fixed(n.blocks, 0), "number"],
   ["memory", (n) => (n.memory_bytes > 0 ? large(n.memory_bytes) + "B" : "–"), "number"],
   ["scenes", (n) => n.scenes, "", () => "quiet"],
 ];
 // The farm's goals, in milliseconds at the 99th percentile.
 const goals = { plan: 1, fan_out: 1, relay: 1, overhead: 5 };
-const stageNames = { queue: "wait for a turn", plan: "plan", fan_out: "fan out", render: "ray trace", encode: "encode", relay: "relay a tile",
-  overhead: "all but the rays", farm: "whole frame" };
+const stageNames = {
+  queue: "wait for a turn",
+  plan: "plan",
+  fan_out: "fan out",
+  render: "ray trace",
+  encode: "encode",
+  relay: "relay a tile",
+  overhead: "all but the rays",
+  farm: "whole frame",
+};
 const stageColumns = [
-  ["", (s) => stageNames[s.name] || s.name], ["p50 ms", (s) => fixed(s.p50_ms, 2), "number"], ["p95 ms", (s) => fixed(s.p95_ms, 2), "number"],
-  ["p99 ms", (s) => fixed(s.p99_ms, 2), "number", (s) => (s.name in goals ? (s.p99_ms <= goals[s.name] ? "well" : "wrong") : "")],
+  ["", (s) => stageNames[s.name] || s.name],
+  ["p50 ms", (s) => fixed(s.p50_ms, 2), "number"],
+  ["p95 ms", (s) => fixed(s.p95_ms, 2), "number"],
+  [
+    "p99 ms",
+    (s) => fixed(s.p99_ms, 2),
+    "number",
+    (s) => (s.name in goals ? (s.p99_ms <= goals[s.name] ? "well" : "wrong") : ""),
+  ],
   ["goal", (s) => (s.name in goals ? "≤ " + goals[s.name] : ""), "number", () => "quiet"],
 ];
 
 function showTable(id, columns, rows, none, decorate) {
   const table = byId(id);
-  const focused = document.activeElement && table.contains(document.activeElement) ? document.activeElement.dataset.id : undefined;
+  const focused =
+    document.activeElement && table.contains(document.activeElement) ? document.activeElement.dataset.id : undefined;
   const head = make("tr");
   for (const [heading, , kind] of columns) head.append(make("th", heading, kind || ""));
   const thead = make("thead");
@@ -52,8 +76,13 @@ function showTable(id, columns, rows, none, decorate) {
     const line = make("tr");
     for (const [, show, kind, look] of columns) {
       const value = show(row);
-      const cell = make("td", value instanceof Element ? undefined : value, [kind, look && look(row)].filter(Boolean).join(" "));
-      if (value instanceof Element) cell.append(value); else cell.title = value;
+      const cell = make(
+        "td",
+        value instanceof Element ? undefined : value,
+        [kind, look && look(row)].filter(Boolean).join(" "),
+      );
+      if (value instanceof Element) cell.append(value);
+      else cell.title = value;
       line.append(cell);
     }
     if (decorate) decorate(line, row);
@@ -79,7 +108,8 @@ function watchVisit(id, half) {
   if (id === shown) return;
   shown = id;
   picture.hidden = id === null;
-  if (id === null) picture.removeAttribute("src"); else picture.src = `/visits/${id}.mjpeg${half ? "?half" : ""}`;
+  if (id === null) picture.removeAttribute("src");
+  else picture.src = `/visits/${id}.mjpeg${half ? "?half" : ""}`;
   byId("missing").textContent = id === null ? "No session is open." : "";
 }
 picture.addEventListener("error", () => {
@@ -87,7 +117,9 @@ picture.addEventListener("error", () => {
   byId("missing").textContent = "Its picture cannot be shown: too many clients watch it, or it has none yet.";
   picture.hidden = true;
   const lost = shown;
-  setTimeout(() => { if (shown === lost) shown = undefined; }, 2000);  // The next status tries again.
+  setTimeout(() => {
+    if (shown === lost) shown = undefined;
+  }, 2000); // The next status tries again.
 });
 
 function showVisits(visits) {
@@ -96,13 +128,22 @@ function showVisits(visits) {
     line.tabIndex = 0;
     line.dataset.id = visit.id;
     if (visit.id === chosen) line.className = "chosen";
-    const choose = () => { chosen = visit.id; watchVisit(document.hidden ? null : chosen, isLarge(visit)); };
+    const choose = () => {
+      chosen = visit.id;
+      watchVisit(document.hidden ? null : chosen, isLarge(visit));
+    };
     line.addEventListener("click", choose);
-    line.addEventListener("keydown", (event) => { if (event.code === "Enter" || event.code === "Space") { event.preventDefault(); choose(); } });
+    line.addEventListener("keydown", (event) => {
+      if (event.code === "Enter" || event.code === "Space") {
+        event.preventDefault();
+        choose();
+      }
+    });
   });
   const visit = visits.find((candidate) => candidate.id === chosen);
   watchVisit(document.hidden || !visit ? null : chosen, visit && isLarge(visit));
-  byId("caption").textContent = visit ? `${visit.museum || "(unnamed)"} in “${visit.scene}”, ${visit.width_px} × ${visit.height_px}${isLarge(visit) ? ", shown at half size" : ""}` : "";
+  const size = visit ? `${visit.width_px} × ${visit.height_px}${isLarge(visit) ? ", shown at half size" : ""}` : "";
+  byId("caption").textContent = visit ? `${visit.museum || "(unnamed)"} in “${visit.scene}”, ${size}` : "";
 }
 
 const order = Object.keys(stageNames);
@@ -120,19 +161,26 @@ function show(status) {
   byId("late").classList.toggle("wrong", late > 0);
   showVisits(visits);
   showTable("nodes", nodeColumns, nodes, "No node is connected.");
-  const stages = Object.entries(status.stages).map(([name, stage]) => ({ name, ...stage })).filter((stage) => stage.count > 0);
-  stages.sort((a, b) => (order.indexOf(a.name) + 99) % 99 - (order.indexOf(b.name) + 99) % 99);
+  const stages = Object.entries(status.stages)
+    .map(([name, stage]) => ({ name, ...stage }))
+    .filter((stage) => stage.count > 0);
+  stages.sort((a, b) => ((order.indexOf(a.name) + 99) % 99) - ((order.indexOf(b.name) + 99) % 99));
   showTable("stages", stageColumns, stages, "No frame has been measured yet.");
   byId("foot").textContent = `${status.process} ${status.version}, up ${duration(status.uptime_s)}`;
 }
 
-repeat(1000, async () => {
-  try {
-    const answer = await get("/status");
-    if (!answer.ok) throw new Error(`it answers ${answer.status}`);
-    show(await answer.json());
-  } catch (problem) {
-    byId("state").textContent = `The farm's coordinator does not answer (${problem.message}). This page tries again by itself.`;
-    byId("state").classList.add("wrong");
-  }
-}, () => watchVisit(null));
+repeat(
+  1000,
+  async () => {
+    try {
+      const answer = await get("/status");
+      if (!answer.ok) throw new Error(`it answers ${answer.status}`);
+      show(await answer.json());
+    } catch (problem) {
+      byId("state").textContent =
+        `The farm's coordinator does not answer (${problem.message}). This page tries again by itself.`;
+      byId("state").classList.add("wrong");
+    }
+  },
+  () => watchVisit(null),
+);

@@ -12,6 +12,7 @@ def scene(kind, triangles, programs="build/release/bin"):
     folder = pathlib.Path("build") / FOLDERS[kind] / f"{triangles}-1"
     if not (folder / "scene.toml").is_file():
         folder.parent.mkdir(parents=True, exist_ok=True)
-        subprocess.run([f"{programs}/cyclorama-grotto", "--kind", kind, "--triangles", str(triangles), "--seed", "1", "--out", folder],
+        subprocess.run([f"{programs}/cyclorama-grotto", "--kind", kind, "--triangles", str(triangles), "--seed", "1",
+                        "--out", folder],
                        check=True, stdout=sys.stderr)
     return folder

@@ -62,4 +62,5 @@ def write_panels(file, panels):
     size = (LEFT + len(panels) * (WIDTH + GAP), TOP + HEIGHT + 50)
     pathlib.Path(file).write_text(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size[0]} {size[1]}" font-family="sans-serif" font-size="12">\n'
-        f'<rect width="{size[0]}" height="{size[1]}" fill="white"/>\n' + "\n".join(shapes) + "\n</svg>\n", encoding="utf-8")
+        f'<rect width="{size[0]}" height="{size[1]}" fill="white"/>\n' + "\n".join(shapes) + "\n</svg>\n",
+        encoding="utf-8")

@@ -100,7 +100,8 @@ def prepare(entry):
         # A demo on a machine without the packages for tests leaves them switched off.
         tests = ["-DCYCLORAMA_TESTS=ON"] if "test" in kinds else []
         subprocess.run(["cmake", "--preset", "release", *tests], check=True, stdout=subprocess.DEVNULL)
-        subprocess.run(["cmake", "--build", "--preset", "release", "--target", *entry["targets"]], check=True, stdout=sys.stderr)
+        subprocess.run(["cmake", "--build", "--preset", "release", "--target", *entry["targets"]], check=True,
+                       stdout=sys.stderr)
 
 
 def run_command(words):

@@ -46,7 +46,8 @@ class Processes:
             child.wait()
 
     def start(self, program, *words, **options):
-        self.children.append(subprocess.Popen([str(word) for word in (self.build / program, *words)], text=True, **options))
+        self.children.append(subprocess.Popen([str(word) for word in (self.build / program, *words)], text=True,
+                                              **options))
         return self.children[-1]
 
     def start_tour(self, *farm_words):

@@ -27,8 +27,8 @@ class Disk:
         self.folder = pathlib.Path(folder)
         self.folder.mkdir(parents=True, exist_ok=True)
         self.file = self.folder / "disk.qcow2"
-        subprocess.run(["qemu-img", "create", "-q", "-f", "qcow2", "-b", str(pathlib.Path(image).resolve()), "-F", "raw", str(self.file),
-                        f"{size_gb}G"], check=True)
+        subprocess.run(["qemu-img", "create", "-q", "-f", "qcow2", "-b", str(pathlib.Path(image).resolve()), "-F",
+                        "raw", str(self.file), f"{size_gb}G"], check=True)
         shutil.copy(OVMF / "OVMF_VARS_4M.fd", self.folder / "vars.fd")
         (self.folder / "tpm").mkdir()
 
@@ -46,7 +46,8 @@ class Disk:
         """Returns another computer in the same state."""
         other = object.__new__(Disk)
         other.folder = pathlib.Path(folder)
-        shutil.copytree(self.folder, other.folder, ignore=shutil.ignore_patterns("*.log", "qmp", "vnc*", "serial", "tpm.sock", "*.ppm"))
+        shutil.copytree(self.folder, other.folder,
+                        ignore=shutil.ignore_patterns("*.log", "qmp", "vnc*", "serial", "tpm.sock", "*.ppm"))
         other.file = other.folder / "disk.qcow2"
         return other
 
@@ -54,7 +55,8 @@ class Disk:
 class Appliance(Machine):
     """A running computer."""
 
-    def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, network="restrict=on", extra=(), processors=2):
+    def __init__(self, disk, tpm=True, secure=True, heads=HEADS, memory_mb=2048, network="restrict=on", extra=(),
+                 processors=2):
         self.folder = disk.folder
         self.disk = disk
         self.log = self.folder / "serial.log"
@@ -68,18 +70,23 @@ class Appliance(Machine):
         if tpm:
             # Started for each run of the computer, since it ends with QEMU.
             self.tpm = subprocess.Popen(["swtpm", "socket", "--tpm2", "--tpmstate", f"dir={self.folder}/tpm", "--ctrl",
-                                         f"type=unixio,path={self.folder}/tpm.sock", "--terminate"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            tpm_options = ["-chardev", f"socket,id=tpm,path={self.folder}/tpm.sock", "-tpmdev", "emulator,id=tpm0,chardev=tpm", "-device", "tpm-crb,tpmdev=tpm0"]
+                                         f"type=unixio,path={self.folder}/tpm.sock", "--terminate"],
+                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            tpm_options = ["-chardev", f"socket,id=tpm,path={self.folder}/tpm.sock", "-tpmdev",
+                           "emulator,id=tpm0,chardev=tpm", "-device", "tpm-crb,tpmdev=tpm0"]
             wait_until(lambda: (self.folder / "tpm.sock").exists(), 20, "swtpm")
         code = "OVMF_CODE_4M.secboot.fd" if secure else "OVMF_CODE_4M.fd"
-        command = ["qemu-system-x86_64", "-machine", "q35,smm=on", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", str(processors), "-m", str(memory_mb),
-                   "-nodefaults", "-global", "driver=cfi.pflash01,property=secure,value=on", "-global", "ICH9-LPC.disable_s3=1",
-                   "-drive", f"if=pflash,unit=0,format=raw,readonly=on,file={OVMF / code}",
+        command = ["qemu-system-x86_64", "-machine", "q35,smm=on", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp",
+                   str(processors), "-m", str(memory_mb),
+                   "-nodefaults", "-global", "driver=cfi.pflash01,property=secure,value=on", "-global",
+                   "ICH9-LPC.disable_s3=1", "-drive", f"if=pflash,unit=0,format=raw,readonly=on,file={OVMF / code}",
                    "-drive", f"if=pflash,unit=1,format=raw,file={self.folder}/vars.fd",
-                   "-drive", f"if=none,id=disk,format=qcow2,file={disk.file},cache=writeback", "-device", "virtio-blk-pci,drive=disk,bootindex=1",
+                   "-drive", f"if=none,id=disk,format=qcow2,file={disk.file},cache=writeback", "-device",
+                   "virtio-blk-pci,drive=disk,bootindex=1",
                    "-netdev", f"user,id=net,{network}", "-device", "virtio-net-pci,netdev=net,romfile=",
                    "-device", "qemu-xhci,id=usb",
-                   "-chardev", f"socket,id=serial,path={self.folder}/serial,server=on,wait=off,logfile={self.log}", "-serial", "chardev:serial",
+                   "-chardev", f"socket,id=serial,path={self.folder}/serial,server=on,wait=off,logfile={self.log}",
+                   "-serial", "chardev:serial",
                    "-qmp", f"unix:{self.folder}/qmp,server=on,wait=off", *tpm_options, *extra]
         if heads:
             command += ["-device", f"virtio-gpu-pci,id=card,max_outputs={heads},xres={WIDTH},yres={HEIGHT}"]
@@ -103,7 +110,8 @@ class Appliance(Machine):
         self.resize(head, width, height)
 
     def attach_stick(self, image, name):
-        self.ask("blockdev-add", driver="raw", **{"node-name": name, "read-only": True}, file={"driver": "file", "filename": str(image)})
+        self.ask("blockdev-add", driver="raw", **{"node-name": name, "read-only": True},
+                 file={"driver": "file", "filename": str(image)})
         self.ask("device_add", driver="usb-storage", id=name, bus="usb.0", drive=name, removable=True)
 
     def plug_stick(self, image, name, seconds=180):
@@ -235,7 +243,8 @@ def reference_pictures(programs, installation, folder, names=("left", "middle", 
     """Returns the pictures of the same settings without a farm, drawn by this machine's EGL."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    display = subprocess.Popen([str(pathlib.Path(programs) / "cyclorama-display"), "--output", "headless", "--installation", str(installation),
+    display = subprocess.Popen([str(pathlib.Path(programs) / "cyclorama-display"), "--output", "headless",
+                                "--installation", str(installation),
                                 "--tour", "[::1]:1", "--listen", "[::1]:0", "--run-dir", str(folder)],
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:

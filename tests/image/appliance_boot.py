@@ -127,7 +127,8 @@ def run(options, folder):
             machine.power_off()
     last = figures["starts"][-1]
     figures["heads"] = len(last["first_picture_s"])
-    figures["stages"] = last.get("stages", {}) | {f"picture on head {head}": seconds for head, seconds in last["first_picture_s"].items()}
+    figures["stages"] = last.get("stages", {}) | {f"picture on head {head}": seconds
+                                                  for head, seconds in last["first_picture_s"].items()}
     bare = options.out / "bare/bare.raw"
     if bare.exists() and not options.quick:
         figures["bare_start_s"] = bare_start(bare, folder / "bare")

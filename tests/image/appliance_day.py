@@ -53,7 +53,8 @@ def reset(machine, reference, figures):
 def run(options, folder):
     figures = {"failed": []}
     reference = attract_pictures(options, folder)
-    machine = Appliance(computer(options, folder), network="ipv4=on,ipv6=on", extra=appliance_farm.wand_disk(options.programs, folder))
+    machine = Appliance(computer(options, folder), network="ipv4=on,ipv6=on",
+                        extra=appliance_farm.wand_disk(options.programs, folder))
     try:
         look("start", figures, start, machine, reference)
         look("security", figures, appliance_security.look_at_running, machine)

@@ -50,7 +50,8 @@ def wand_disk(programs, folder):
     file = folder / "wand.img"
     pictures = wand_pictures(programs, folder)
     file.write_bytes(b"".join(pictures.values()))
-    return ["-drive", f"if=none,id=wand,format=raw,readonly=on,file={file}", "-device", "virtio-blk-pci,drive=wand,serial=wand"]
+    return ["-drive", f"if=none,id=wand,format=raw,readonly=on,file={file}", "-device",
+            "virtio-blk-pci,drive=wand,serial=wand"]
 
 
 def plug_camera(machine):
@@ -76,7 +77,8 @@ def plug_camera(machine):
 def show_wand(machine, name):
     """Makes the camera show this wand from now on."""
     machine.run("systemctl stop wand 2>/dev/null; systemd-run -q --collect --unit=wand -p StandardOutput=null -p StandardError=null "
-                f"v4l2-ctl -d $(cat /run/wand-node) --stream-out-mmap=3 --stream-from=/run/{name}.grey --stream-loop", 60)
+                f"v4l2-ctl -d $(cat /run/wand-node) --stream-out-mmap=3 --stream-from=/run/{name}.grey --stream-loop",
+                60)
 
 
 def moved_px(one, other, most=100):
@@ -157,7 +159,8 @@ def look_how_it_turns(machine, show, wand, folder):
             seen.append(now)
             if folder:
                 save_png(now, folder / f"turn-{wand}-{len(seen):03}.png")
-        if deadline is None and (changed_at is not None if wand != "rest" else time.monotonic() - (changed_at or began) > SETTLES_S):
+        if deadline is None and (changed_at is not None if wand != "rest"
+                                 else time.monotonic() - (changed_at or began) > SETTLES_S):
             deadline = time.monotonic() + TURNS_S
             if wand == "rest":
                 seen = seen[-1:]

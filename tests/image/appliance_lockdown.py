@@ -71,27 +71,33 @@ def check_modules(machine, options, folder, figures):
     """The kernel loads a module that Debian signed, but not the same one without its signature."""
     _, where = machine.run(f"modinfo -n {MODULE}")
     root = folder / "root"
-    subprocess.run(["fsck.erofs", f"--extract={root}", str(next(image_of(options, True).parent.glob("update/*.root.raw")))], check=True, capture_output=True)
+    subprocess.run(["fsck.erofs", f"--extract={root}",
+                    str(next(image_of(options, True).parent.glob("update/*.root.raw")))], check=True,
+                   capture_output=True)
     signed = subprocess.run(["xz", "-dc", str(root / where.lstrip("/"))], check=True, capture_output=True).stdout
     (folder / "signed.ko").write_bytes(signed)
     (folder / "unsigned.ko").write_bytes(without_signature(signed))
     stick(folder / "modules.img", 40, {name: folder / name for name in ("signed.ko", "unsigned.ko")})
     machine.attach_stick(folder / "modules.img", "modules")
     machine.run("for i in $(seq 60); do [ -e /dev/disk/by-label/CYCLORAMA ] && break; sleep 1; done; mkdir -p /run/modules; mount -o ro /dev/disk/by-label/CYCLORAMA /run/modules", 120)
-    figures["module"] = {name: machine.run(f"insmod /run/modules/{name}.ko; s=$?; rmmod {MODULE} 2>/dev/null; exit $s") for name in ("unsigned", "signed")}
+    figures["module"] = {name: machine.run(f"insmod /run/modules/{name}.ko; s=$?; rmmod {MODULE} 2>/dev/null; exit $s")
+                         for name in ("unsigned", "signed")}
     machine.run("umount /run/modules")
     machine.ask("device_del", id="modules")
     figures["lockdown"] = machine.run("cat /sys/kernel/security/lockdown")[1]
     status, output = figures["module"]["unsigned"]
-    if status == 0 or not re.search("rejected|not permitted", output) or figures["module"]["signed"][0] != 0 or "[integrity]" not in figures["lockdown"]:
+    if status == 0 or not re.search("rejected|not permitted",
+                                    output) or figures["module"]["signed"][0] != 0 or "[integrity]" not in figures["lockdown"]:
         figures["failed"].append(f"modules: {figures['module']}; lockdown: {figures['lockdown']}")
 
 
 def check_out(machine, figures):
     """Returns which users the packet filter refuses at once and which it lets through to a closed port of the host,
     which gives another error."""
-    tries = {"root, a web server": ("root", 80), "root, a farm": ("root", 7401), "the display, a farm": ("cyclorama-display", 7401), "the tour, a farm": ("cyclorama-tour", 17401),
-             "the tour, a mail server": ("cyclorama-tour", 25), "cyclorama-projectors, a projector": ("cyclorama-projectors", 4352)}
+    tries = {"root, a web server": ("root", 80), "root, a farm": ("root", 7401),
+             "the display, a farm": ("cyclorama-display", 7401), "the tour, a farm": ("cyclorama-tour", 17401),
+             "the tour, a mail server": ("cyclorama-tour", 25),
+             "cyclorama-projectors, a projector": ("cyclorama-projectors", 4352)}
     figures["out"] = {}
     for what, (user, port) in tries.items():
         command = f"timeout 20 setpriv --reuid={user} --clear-groups bash -c 'exec 3<>/dev/tcp/10.0.2.2/{port}' 2>&1 | head -n 1"
@@ -126,7 +132,8 @@ def check_read_only(machine, reference, figures):
     time.sleep(20)
     report = machine.run("touch /var/lib/x; cyclorama doctor 2>&1", 120)[1]
     failed = machine.run("systemctl --failed --no-legend --plain | cut -d' ' -f1")[1].split()
-    figures["read_only"] = {"reported": [line for line in report.splitlines() if "written" in line], "failed_units": failed, "picture": is_as(machine.picture(0), reference[0])}
+    figures["read_only"] = {"reported": [line for line in report.splitlines() if "written" in line],
+                            "failed_units": failed, "picture": is_as(machine.picture(0), reference[0])}
     if "cannot touch" not in report or not figures["read_only"]["reported"] or not figures["read_only"]["picture"]:
         figures["failed"].append(f"a failing disk: {figures['read_only']}; {report[:600]}")
 

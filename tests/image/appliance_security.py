@@ -18,13 +18,16 @@ from installed_units import exposure, install_units  # noqa: E402
 MAX_EXPOSURE = 2.0
 # Services of root, which end as soon as they have mounted or divided disks, written partitions or restarted the
 # computer.
-ROOTS = {"cyclorama-var": 9.6, "cyclorama-keyboard": 9.6, "cyclorama-update@": 4.5, "cyclorama-update-from-farm@": 4.5, "cyclorama-health": 2.5}
+ROOTS = {"cyclorama-var": 9.6, "cyclorama-keyboard": 9.6, "cyclorama-update@": 4.5, "cyclorama-update-from-farm@": 4.5,
+         "cyclorama-health": 2.5}
 OPERATOR_PORT = 8443
-SCANNED = [*range(1, 1025), 2049, 3306, 3389, 4352, 5355, 5432, 5900, 6000, *range(7380, 7430), 8000, 8080, OPERATOR_PORT, 9090, 19531, 50051]
+SCANNED = [*range(1, 1025), 2049, 3306, 3389, 4352, 5355, 5432, 5900, 6000, *range(7380, 7430), 8000, 8080,
+           OPERATOR_PORT, 9090, 19531, 50051]
 FIRST_SCAN_PORT = 20000
 ANSWERS_WITHIN_S = 6
 # Connection states of ports that answered, within seconds.
-ANSWERED = {f"TCP[{state}]" for state in ("ESTABLISHED", "CLOSE_WAIT", "FIN_WAIT_1", "FIN_WAIT_2", "CLOSING", "LAST_ACK", "TIME_WAIT")}
+ANSWERED = {f"TCP[{state}]" for state in ("ESTABLISHED", "CLOSE_WAIT", "FIN_WAIT_1", "FIN_WAIT_2", "CLOSING",
+                                          "LAST_ACK", "TIME_WAIT")}
 # Lists user, program and capabilities of all processes but the debug shell's and the kernel's threads.
 PROCESSES = """for p in /proc/[0-9]*; do
   if grep -q cyclorama-debug-shell $p/cgroup || ! readlink -e $p/exe >/dev/null; then continue; fi
@@ -44,8 +47,10 @@ def compare(name, found, failed):
 
 def compare_journal(lines, failed):
     """Returns the number of lines that no pattern in expected/journal allows."""
-    known = [re.compile(line) for line in (HERE / "expected/journal").read_text().splitlines() if line and not line.startswith("#")]
-    strange = [line for line in lines if not any(pattern.fullmatch(re.sub(r"^\[ *[\d.]+\] ", "", line)) for pattern in known)]
+    known = [re.compile(line) for line in (HERE / "expected/journal").read_text().splitlines() if line
+             and not line.startswith("#")]
+    strange = [line for line in lines if not any(pattern.fullmatch(re.sub(r"^\[ *[\d.]+\] ", "", line))
+                                                 for pattern in known)]
     failed.extend(f"journal above notice: {line}" for line in strange)
     return len(strange)
 

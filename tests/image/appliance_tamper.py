@@ -62,7 +62,8 @@ def replaced_root_hash(kernel):
 
 CASES = {
     "a bit of root's first block": lambda image, folder: flip_bit(image, place_of(image, root_of(image))[0] + 1024 + 5),
-    "a bit of root's hashes": lambda image, folder: flip_bit(image, place_of(image, root_of(image).replace("root_", "verity_"))[0] + 4096 + 7),
+    "a bit of root's hashes": lambda image,
+    folder: flip_bit(image, place_of(image, root_of(image).replace("root_", "verity_"))[0] + 4096 + 7),
     "a kernel image without its signature": lambda image, folder: change_kernel(image, folder, without_signature),
     "another command line": lambda image, folder: change_kernel(image, folder, other_command_line),
     "another root hash": lambda image, folder: change_kernel(image, folder, replaced_root_hash),

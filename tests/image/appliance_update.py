@@ -29,7 +29,8 @@ def signed(folder, keys):
     names = sorted(path.name for path in folder.iterdir() if not path.name.startswith("SHA256SUMS"))
     sums = subprocess.run(["sha256sum", *names], cwd=folder, check=True, capture_output=True).stdout
     (folder / "SHA256SUMS").write_bytes(sums)
-    subprocess.run(["openssl", "dgst", "-sha256", "-sign", str((keys / "update.key").resolve()), "-out", "SHA256SUMS.sig", "SHA256SUMS"], cwd=folder, check=True)
+    subprocess.run(["openssl", "dgst", "-sha256", "-sign", str((keys / "update.key").resolve()), "-out",
+                    "SHA256SUMS.sig", "SHA256SUMS"], cwd=folder, check=True)
 
 
 def stick_of(update, file):
@@ -113,7 +114,8 @@ def check_bad(machine, image, old, bad, figures):
 def check_good(machine, image, old, folder, options, figures, ret_states):
     """Installs the good update. `ret_states` receives the states after power cuts."""
     machine.attach_stick(image, "good")
-    ret_states += cut_while(lambda: "ready" not in machine.run(REPORT)[1], machine, folder, options.cuts, random.Random(8))
+    ret_states += cut_while(lambda: "ready" not in machine.run(REPORT)[1], machine, folder, options.cuts,
+                            random.Random(8))
     print(machine.run(REPORT)[1], f"{len(ret_states)} cuts", flush=True)
     machine.ask("device_del", id="good")
     machine.restart(START_S)
@@ -142,7 +144,8 @@ def check_cuts(states, updates, old, folder, options, figures):
     count = len(states) if options.starts is None else min(len(states), options.starts)
     chosen = [int((number + 0.5) * len(states) / count) for number in range(count)]
     with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
-        for number, account in zip(chosen, pool.map(lambda at: after_cut(states[at][1], folder / f"start-{at}"), chosen)):
+        for number, account in zip(chosen, pool.map(lambda at: after_cut(states[at][1], folder / f"start-{at}"),
+                                                    chosen)):
             figures["cuts"][number] |= account
             figures["boots"] += account.get("version") in updates
             figures["started_after_cut"] += account.get("version") in updates

@@ -69,7 +69,8 @@ def libcamera_files(program):
     """Returns the files of the machine with libcamera's virtual camera, or None where libcamera has none (before
     0.4)."""
     libraries = needed_libraries(program)
-    found = next((re.search(r"libcamera\.so\.(\d+)\.(\d+)$", path) for path in libraries if "libcamera.so" in path), None)
+    found = next((re.search(r"libcamera\.so\.(\d+)\.(\d+)$", path) for path in libraries if "libcamera.so" in path),
+                 None)
     if not found or (int(found[1]), int(found[2])) < (0, 4):
         return None
     files = {"init": program.read_bytes()}
@@ -83,9 +84,10 @@ def libcamera_files(program):
 def run_machine(kernel, initrd, log):
     """Returns the guest's output."""
     machine = subprocess.Popen(
-        ["qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", "2048", "-nodefaults",
-         "-no-reboot", "-display", "none", "-kernel", kernel, "-initrd", initrd,
-         "-append", "console=ttyS0 panic=-1 loglevel=4 no_timer_check", "-serial", f"file:{log}"], stdin=subprocess.DEVNULL)
+        ["qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m",
+         "2048", "-nodefaults", "-no-reboot", "-display", "none", "-kernel", kernel, "-initrd", initrd,
+         "-append", "console=ttyS0 panic=-1 loglevel=4 no_timer_check", "-serial", f"file:{log}"],
+         stdin=subprocess.DEVNULL)
     deadline = time.monotonic() + ENDS_WITHIN_S
     try:
         while machine.poll() is None and time.monotonic() < deadline:
@@ -143,7 +145,8 @@ def main(source, build, kept=None):
     if not shutil.which("qemu-system-x86_64"):
         print("camera: skipped, needs QEMU; scripts/install-packages image installs it")
         return 77
-    subprocess.run(["cmake", "--build", build, "--target", "test-camera", "test-libcamera", "cyclorama-tracker"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", build, "--target", "test-camera", "test-libcamera", "cyclorama-tracker"],
+                   check=True, stdout=subprocess.DEVNULL)
     with tempfile.TemporaryDirectory(dir="/var/tmp") as name:
         folder = pathlib.Path(name)
         kernel_folder = pathlib.Path(kept or folder / "kernel")
@@ -155,7 +158,8 @@ def main(source, build, kept=None):
         bad = check_libcamera(kernel, pathlib.Path(build) / "tests/test-libcamera", folder)
         if kept:
             (kernel_folder / "serial.log").write_text(text)
-    print("\n".join(line for line in text.splitlines() if "camera: " in line or "Follows" in line or "No pictures" in line))
+    print("\n".join(line for line in text.splitlines() if "camera: " in line or "Follows" in line
+                    or "No pictures" in line))
     bad += check(text)
     if "camera: ok" not in text:
         print(text[-6000:])

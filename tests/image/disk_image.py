@@ -23,8 +23,8 @@ def partitions(image):
             if entry[:16] == bytes(16):
                 continue
             first, last = struct.unpack_from("<QQ", entry, 32)
-            found.append((uuid.UUID(bytes_le=entry[:16]), entry[56:128].decode("utf-16-le").rstrip("\0"), first * SECTOR,
-                          (last - first + 1) * SECTOR))
+            found.append((uuid.UUID(bytes_le=entry[:16]), entry[56:128].decode("utf-16-le").rstrip("\0"),
+                          first * SECTOR, (last - first + 1) * SECTOR))
     return found
 
 
@@ -40,7 +40,8 @@ class BootPartition:
         self.drive = f"{image}@@{first}"
 
     def _run(self, program, *arguments):
-        return subprocess.run([program, "-i", self.drive, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+        return subprocess.run([program, "-i", self.drive, *map(str, arguments)], check=True, capture_output=True,
+                              text=True).stdout
 
     def names(self, folder):
         return [line.rsplit("/", 1)[-1] for line in self._run("mdir", "-b", f"::{folder}").splitlines() if line]
@@ -64,7 +65,8 @@ def stick(file, megabytes, contents):
         # mformat writes a partition entry too, with which the stick would appear twice.
         image.seek(446)
         image.write(bytes(64))
-    folders = sorted({parent for path in contents for parent in pathlib.PurePosixPath(path).parents if str(parent) != "."}, key=str)
+    folders = sorted({parent for path in contents for parent in pathlib.PurePosixPath(path).parents
+                      if str(parent) != "."}, key=str)
     for folder in folders:
         subprocess.run(["mmd", "-i", str(file), f"::{folder}"], check=True)
     for path, source in contents.items():

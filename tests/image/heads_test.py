@@ -20,8 +20,8 @@ import tempfile
 import time
 
 WIDTH, HEIGHT, HEADS = 640, 480, 3
-MODULES = ["virtio_ring", "virtio", "virtio_pci_legacy_dev", "virtio_pci_modern_dev", "virtio_pci", "virtio_dma_buf", "drm",
-           "drm_kms_helper", "drm_shmem_helper", "drm_client_lib", "virtio-gpu"]
+MODULES = ["virtio_ring", "virtio", "virtio_pci_legacy_dev", "virtio_pci_modern_dev", "virtio_pci", "virtio_dma_buf",
+           "drm", "drm_kms_helper", "drm_shmem_helper", "drm_client_lib", "virtio-gpu"]
 LIBRARIES = pathlib.Path("/usr/lib/x86_64-linux-gnu")
 STARTS_WITHIN_S = 300
 
@@ -29,7 +29,8 @@ STARTS_WITHIN_S = 300
 def fetch_kernel(folder):
     """Returns (image, folder of modules) of Debian's newest kernel."""
     if not list(folder.glob("boot/vmlinuz-*")):
-        depends = subprocess.run(["apt-cache", "depends", "linux-image-amd64"], check=True, capture_output=True, text=True).stdout
+        depends = subprocess.run(["apt-cache", "depends", "linux-image-amd64"], check=True, capture_output=True,
+                                 text=True).stdout
         package = re.search(r"Depends: (linux-image-\S+)", depends)[1]
         subprocess.run(["apt-get", "download", "-q", package], check=True, cwd=folder, stdout=subprocess.DEVNULL)
         (deb,) = folder.glob(f"{package}_*.deb")
@@ -57,7 +58,8 @@ def guest_files(build, modules):
         if data is not None:
             files[f"modules/{number:02}-{name}.ko"] = data
     mesa = [LIBRARIES / "libEGL_mesa.so.0", LIBRARIES / "libGLESv2.so.2", LIBRARIES / "libgbm.so.1"]
-    mesa += [path for path in (LIBRARIES / "dri").glob("*") if re.match(r"(kms_swrast|swrast|virtio_gpu|libdril)_dri", path.name)]
+    mesa += [path for path in (LIBRARIES / "dri").glob("*")
+             if re.match(r"(kms_swrast|swrast|virtio_gpu|libdril)_dri", path.name)]
     mesa += list((LIBRARIES / "gbm").glob("*.so"))
     wanted = {str(path) for path in mesa}
     for program in [build / "tests/test-wall", *mesa]:
@@ -72,7 +74,8 @@ def guest_files(build, modules):
 def cpio(files):
     """Returns a newc archive (Documentation/driver-api/early-userspace/buffer-format.rst)."""
     folders = {str(parent) for path in files for parent in pathlib.PurePath(path).parents if str(parent) != "."}
-    entries = [(name, 0o040755, b"") for name in sorted(folders)] + [(name, 0o100755, data) for name, data in files.items()]
+    entries = [(name, 0o040755, b"") for name in sorted(folders)] + [(name, 0o100755, data)
+                                                                     for name, data in files.items()]
     out = bytearray()
     for number, (name, mode, data) in enumerate(entries + [("TRAILER!!!", 0, b"")]):
         fields = [number + 1, mode, 0, 0, 1, 0, len(data), 0, 0, 0, 0, len(name) + 1, 0]
@@ -88,11 +91,13 @@ class Machine:
     def __init__(self, kernel, initrd, folder):
         self.folder = folder
         self.log = folder / "serial.log"
-        vnc = [f"-vnc=unix:{folder}/vnc{head},display=card,head={head}".replace("-vnc=", "-vnc ", 1).split(" ", 1) for head in range(HEADS)]
+        vnc = [f"-vnc=unix:{folder}/vnc{head},display=card,head={head}".replace("-vnc=", "-vnc ", 1).split(" ", 1)
+               for head in range(HEADS)]
         self.process = subprocess.Popen(
-            ["qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", "2048", "-nodefaults", "-no-reboot",
-             "-kernel", kernel, "-initrd", initrd, "-append", "console=ttyS0 panic=-1 quiet no_timer_check", "-serial", f"file:{self.log}",
-             "-device", f"virtio-gpu-pci,id=card,max_outputs={HEADS},xres={WIDTH},yres={HEIGHT}",
+            ["qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m",
+             "2048", "-nodefaults", "-no-reboot",
+             "-kernel", kernel, "-initrd", initrd, "-append", "console=ttyS0 panic=-1 quiet no_timer_check", "-serial",
+             f"file:{self.log}", "-device", f"virtio-gpu-pci,id=card,max_outputs={HEADS},xres={WIDTH},yres={HEIGHT}",
              "-qmp", f"unix:{folder}/qmp,server=on,wait=off", *[word for pair in vnc for word in pair]],
             stdin=subprocess.DEVNULL, stderr=open(folder / "qemu.log", "w"))
         self.clients = []
@@ -129,7 +134,8 @@ class Machine:
         client.recv(1024)
         client.sendall(b"\x02\x00\x00\x01" + (-308).to_bytes(4, "big", signed=True))
         client.sendall(bytes([251, 0]) + width.to_bytes(2, "big") + height.to_bytes(2, "big") + bytes([1, 0]) +
-                       (0).to_bytes(4, "big") + bytes(4) + width.to_bytes(2, "big") + height.to_bytes(2, "big") + bytes(4))
+                       (0).to_bytes(4, "big") + bytes(4) + width.to_bytes(2, "big") + height.to_bytes(2, "big")
+                       + bytes(4))
         self.clients.append(client)
 
     def wait_for(self, pattern, seconds):
@@ -160,7 +166,8 @@ class Machine:
 def expected(head):
     """Returns the picture that test-wall draws."""
     bars = b"".join(bytes(255 * (bar >> bit & 1) for bit in range(3)) for bar in (8 * x // WIDTH for x in range(WIDTH)))
-    squares = b"".join(b"\xff\xff\xff" if x // 32 % 2 == 0 and x // 32 < 2 * (head + 1) else bytes(3) for x in range(WIDTH))
+    squares = b"".join(b"\xff\xff\xff" if x // 32 % 2 == 0 and x // 32 < 2 * (head + 1) else bytes(3)
+                       for x in range(WIDTH))
     return bars * (HEIGHT - 32) + squares * 32
 
 

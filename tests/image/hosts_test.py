@@ -38,7 +38,8 @@ def make_root(source, build, folder, root):
     """Makes a bare Debian with the packages' dependencies, without the packages."""
     debs = folder / "debs"
     for component in ("farm", "node"):
-        run("cpack", "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", debs, "-D", f"CPACK_COMPONENTS_ALL={component}",
+        run("cpack", "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", debs, "-D",
+            f"CPACK_COMPONENTS_ALL={component}",
             "-D", "CPACK_DEBIAN_DEBUGINFO_PACKAGE=OFF", cwd=folder, stdout=subprocess.DEVNULL)
     environment = {**os.environ, "KEEP": str(root)}
     run(source / "scripts/in-debian", "bookworm", "true", env=environment)

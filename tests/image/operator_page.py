@@ -28,7 +28,8 @@ class OperatorPage:
             if body is not None:
                 headers["Content-Type"] = "application/json"
             connection.request(method, path, body, headers)
-            self.certificate = ":".join(f"{byte:02X}" for byte in hashlib.sha256(connection.sock.getpeercert(binary_form=True)).digest())
+            self.certificate = ":".join(f"{byte:02X}"
+                                        for byte in hashlib.sha256(connection.sock.getpeercert(binary_form=True)).digest())
             answer = connection.getresponse()
             return answer.status, answer.getheader("Set-Cookie"), answer.read()
         except (OSError, http.client.HTTPException):

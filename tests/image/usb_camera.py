@@ -83,7 +83,8 @@ class VideoDevice:
         self._identity = 0
         self._payloads = []
         # Manual or automatic exposure; units of 0.1 ms.
-        self._settings = {(CAMERA, EXPOSURE_MODE): Setting(1, 1, 9, 9, 8), (CAMERA, EXPOSURE_TIME): Setting(4, 1, 1000, 1, 100),
+        self._settings = {(CAMERA, EXPOSURE_MODE): Setting(1, 1, 9, 9, 8),
+                          (CAMERA, EXPOSURE_TIME): Setting(4, 1, 1000, 1, 100),
                           (PROCESSING, GAIN): Setting(2, 0, 255, 1, 64)}
         self.configuration = self._configuration()
         self._negotiated = {PROBE: self.offer(), COMMIT: self.offer()}
@@ -91,19 +92,24 @@ class VideoDevice:
     def _configuration(self):
         rate = self.bytes * 8 * (TICKS // self.interval)
         units = (descriptor(0x24, 2, CAMERA, w16(0x0201), 0, 0, w16(0, 0, 0), 3, 0b1010, 0, 0) +
-                 descriptor(0x24, 5, PROCESSING, CAMERA, w16(0), 2, w16(1 << 9), 0, 0) + descriptor(0x24, 3, OUTPUT, w16(0x0101), 0, PROCESSING, 0))
+                 descriptor(0x24, 5, PROCESSING, CAMERA, w16(0), 2, w16(1 << 9), 0, 0)
+                 + descriptor(0x24, 3, OUTPUT, w16(0x0101), 0, PROCESSING, 0))
         head = descriptor(0x24, 1, w16(0x0110, 13 + len(units)), w32(48_000_000), 1, STREAM_INTERFACE)
         formats = (descriptor(0x24, 4, 1, 1, YUY2, 16, 1, 0, 0, 0, 0) +
-                   descriptor(0x24, 5, 1, 0, w16(self.width, self.height), w32(rate, rate, self.bytes, self.interval), 1, w32(self.interval)) +
+                   descriptor(0x24, 5, 1, 0, w16(self.width, self.height), w32(rate, rate, self.bytes, self.interval),
+                              1, w32(self.interval)) +
                    descriptor(0x24, 0x0d, 1, 1, 4))
         stream = descriptor(0x24, 1, 1, w16(14 + len(formats)), ENDPOINT, 0, OUTPUT, 0, 0, 0, 1, 0)
-        parts = (descriptor(0x0b, CONTROL_INTERFACE, 2, 0x0e, 3, 0, 2) + descriptor(4, CONTROL_INTERFACE, 0, 0, 0x0e, 1, 0, 0) + head + units +
-                 descriptor(4, STREAM_INTERFACE, 0, 1, 0x0e, 2, 0, 0) + stream + formats + descriptor(5, ENDPOINT, BULK_ENDPOINT, w16(PACKET_BYTES), 0))
+        parts = (descriptor(0x0b, CONTROL_INTERFACE, 2, 0x0e, 3, 0, 2)
+                 + descriptor(4, CONTROL_INTERFACE, 0, 0, 0x0e, 1, 0, 0) + head + units +
+                 descriptor(4, STREAM_INTERFACE, 0, 1, 0x0e, 2, 0, 0) + stream + formats
+                 + descriptor(5, ENDPOINT, BULK_ENDPOINT, w16(PACKET_BYTES), 0))
         return descriptor(2, w16(9 + len(parts)), 2, 1, 0, 0x80, 250) + parts
 
     def offer(self):
         """Returns probe and commit (4.3.1.1): the only format, size and rate."""
-        return (w16(0) + bytes([1, 1]) + w32(self.interval) + w16(0, 0, 0, 0, 0) + w32(self.bytes, PAYLOAD_BYTES, 48_000_000) + bytes([3, 0, 0, 0]))
+        return (w16(0) + bytes([1, 1]) + w32(self.interval) + w16(0, 0, 0, 0, 0)
+                + w32(self.bytes, PAYLOAD_BYTES, 48_000_000) + bytes([3, 0, 0, 0]))
 
     def show(self, grey):
         """Sets the picture, from the next one on."""
@@ -190,7 +196,8 @@ class UsbCamera:
 
     def options(self, bus="usb.0"):
         """Returns QEMU's options for the port. The computer sees the camera after plug()."""
-        return ["-chardev", f"socket,id=camera,path={self._path},server=on,wait=off", "-device", f"usb-redir,id=camera,chardev=camera,bus={bus}"]
+        return ["-chardev", f"socket,id=camera,path={self._path},server=on,wait=off", "-device",
+                f"usb-redir,id=camera,chardev=camera,bus={bus}"]
 
     def show(self, grey):
         self._grey = grey

@@ -43,9 +43,12 @@ class Guest:
         self._log = folder / "serial.log"
         self._seen = 0
         self.process = subprocess.Popen(
-            ["qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", "1024", "-nodefaults",
-             "-no-reboot", "-display", "none", "-kernel", kernel, "-initrd", initrd, "-device", "qemu-xhci,id=usb", *camera.options(),
-             "-append", "console=ttyS0 panic=-1 loglevel=4 no_timer_check", "-serial", f"file:{self._log}"], stdin=subprocess.DEVNULL)
+            ["qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m",
+             "1024", "-nodefaults",
+             "-no-reboot", "-display", "none", "-kernel", kernel, "-initrd", initrd, "-device", "qemu-xhci,id=usb",
+             *camera.options(),
+             "-append", "console=ttyS0 panic=-1 loglevel=4 no_timer_check", "-serial", f"file:{self._log}"],
+             stdin=subprocess.DEVNULL)
         self._until = time.monotonic() + ENDS_WITHIN_S
 
     def text(self):
@@ -74,7 +77,8 @@ def check(guest, camera, pictures):
     for name in ("rest", "right"):
         camera.show(pictures[name])
         camera.plug()
-        guest.wait_for(r"usb: listed v4l2:usb-\S+ \(Test camera.*\), sends 640x480 YUYV at 10.*\n" if name == "rest" else "usb: listed.*\n")
+        guest.wait_for(r"usb: listed v4l2:usb-\S+ \(Test camera.*\), sends 640x480 YUYV at 10.*\n" if name == "rest"
+                       else "usb: listed.*\n")
         guest.wait_for(rf"usb: picture {fingerprint(pictures[name])} {WIDTH}x{HEIGHT}, 10 the same.*exposure 5.0 ms\s")
         other = "right" if name == "rest" else "rest"
         camera.show(pictures[other])
@@ -98,7 +102,8 @@ def main(source, build, kept=None):
         print("usb: skipped, needs QEMU; scripts/install-packages image installs it")
         return 77
     build = pathlib.Path(build)
-    subprocess.run(["cmake", "--build", build, "--target", "test-usb-camera", "test-wand", "cyclorama-tracker"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", build, "--target", "test-usb-camera", "test-wand", "cyclorama-tracker"],
+                   check=True, stdout=subprocess.DEVNULL)
     with tempfile.TemporaryDirectory(dir="/var/tmp") as name:
         folder = pathlib.Path(name)
         kernel_folder = pathlib.Path(kept or folder / "kernel")

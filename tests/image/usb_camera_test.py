@@ -40,7 +40,8 @@ class Computer:
     def control(self, kind, request, value=0, index=0, length=0, data=b""):
         """Returns (status, answer)."""
         endpoint = kind & 0x80
-        (answer,) = self.ask(CONTROL, 7, struct.pack("<BBBBHHH", endpoint, request, kind, 0, value, index, len(data) or length) + data)
+        (answer,) = self.ask(CONTROL, 7, struct.pack("<BBBBHHH", endpoint, request, kind, 0, value, index,
+                                                     len(data) or length) + data)
         status, length = answer.body[3], struct.unpack_from("<H", answer.body, 8)[0]
         assert answer.kind == CONTROL and answer.number == 7 and (not endpoint or length == len(answer.body) - 10)
         return status, answer.body[10:]
@@ -66,7 +67,8 @@ class Packets(unittest.TestCase):
         there = Wire()
         stream = there.hello("there")
         there.take(Wire().hello("here"))
-        wanted = [(kind, source.getrandbits(64), source.randbytes(source.randrange(60))) for kind in (CONTROL, BULK, CANCEL) * 10]
+        wanted = [(kind, source.getrandbits(64), source.randbytes(source.randrange(60)))
+                  for kind in (CONTROL, BULK, CANCEL) * 10]
         stream += b"".join(there.pack(*packet) for packet in wanted)
         for _ in range(20):
             here, rest, found = Wire(), stream, []
@@ -79,7 +81,8 @@ class Packets(unittest.TestCase):
     def test_what_is_no_usbredir_is_refused(self):
         hello = Wire().hello("a")
         bad = {"no hello first": struct.pack("<III", CONTROL, 0, 0), "too long": struct.pack("<III", HELLO, 1 << 30, 0),
-               "a second hello": hello + struct.pack("<IIQ", HELLO, 68, 0) + hello[12:], "no capabilities": struct.pack("<III64s", HELLO, 64, 0, b"old"),
+               "a second hello": hello + struct.pack("<IIQ", HELLO, 68, 0) + hello[12:],
+               "no capabilities": struct.pack("<III64s", HELLO, 64, 0, b"old"),
                "no long numbers": struct.pack("<III64sI", HELLO, 68, 0, b"old", 0x50)}
         for name, data in bad.items():
             with self.subTest(name), self.assertRaises(redirection.ProtocolError):
@@ -96,7 +99,8 @@ class Packets(unittest.TestCase):
 
     def test_configuration_and_alternatives(self):
         computer = Computer(VideoDevice(*SIZE))
-        self.assertEqual(computer.ask(redirection.SET_CONFIGURATION, 5, b"\x01")[-1], (redirection.CONFIGURATION_STATUS, 5, b"\x00\x01"))
+        self.assertEqual(computer.ask(redirection.SET_CONFIGURATION, 5, b"\x01")[-1],
+                         (redirection.CONFIGURATION_STATUS, 5, b"\x00\x01"))
         self.assertEqual(computer.ask(redirection.GET_CONFIGURATION, 6, b"")[-1].body, b"\x00\x01")
         self.assertEqual(computer.ask(redirection.SET_ALTERNATIVE, 7, b"\x01\x00")[-1].body, b"\x00\x01\x00")
         self.assertNotEqual(computer.ask(redirection.SET_ALTERNATIVE, 8, b"\x01\x01")[-1].body[0], 0)
@@ -111,9 +115,12 @@ class Descriptors(unittest.TestCase):
         self.assertEqual((len(self.device.descriptor), self.device.descriptor[0]), (18, 18))
         self.assertEqual(struct.unpack_from("<H", self.parts[0], 2)[0], len(self.device.configuration))
         self.assertEqual([part[0] for part in self.parts], [9, 8, 9, 13, 18, 12, 9, 9, 14, 27, 30, 6, 7])
-        control, stream = (next(i for i, part in enumerate(self.parts) if part[0] == size and part[1:3] == b"\x24\x01") for size in (13, 14))
-        self.assertEqual(struct.unpack_from("<H", self.parts[control], 5)[0], sum(map(len, self.parts[control:control + 4])))
-        self.assertEqual(struct.unpack_from("<H", self.parts[stream], 4)[0], sum(map(len, self.parts[stream:stream + 4])))
+        control, stream = (next(i for i, part in enumerate(self.parts) if part[0] == size and part[1:3] == b"\x24\x01")
+                           for size in (13, 14))
+        self.assertEqual(struct.unpack_from("<H", self.parts[control], 5)[0],
+                         sum(map(len, self.parts[control:control + 4])))
+        self.assertEqual(struct.unpack_from("<H", self.parts[stream], 4)[0],
+                         sum(map(len, self.parts[stream:stream + 4])))
 
     def test_links(self):
         camera, processing, output = self.parts[4:7]
@@ -129,7 +136,8 @@ class Descriptors(unittest.TestCase):
         computer = Computer(self.device)
         self.assertEqual(computer.control(0x80, GET_DESCRIPTOR, 0x0100, 0, 64), (0, self.device.descriptor))
         self.assertEqual(computer.control(0x80, GET_DESCRIPTOR, 0x0200, 0, 9), (0, self.device.configuration[:9]))
-        self.assertEqual(computer.control(0x80, GET_DESCRIPTOR, 0x0302, 0x0409, 255)[1][2:].decode("utf-16-le"), "Test camera")
+        self.assertEqual(computer.control(0x80, GET_DESCRIPTOR, 0x0302, 0x0409, 255)[1][2:].decode("utf-16-le"),
+                         "Test camera")
         for value in (0x0303, 0x0600, 0x0f00, 0x0201):
             self.assertEqual(computer.control(0x80, GET_DESCRIPTOR, value, 0, 64), (redirection.STALL, b""))
 
@@ -141,7 +149,8 @@ class Requests(unittest.TestCase):
 
     def test_probe_and_commit(self):
         for selector in (1, 2):
-            offers = {self.computer.control(FROM_INTERFACE, request, selector << 8, 1, 34) for request in (GET_CUR, GET_DEF, GET_MIN, GET_MAX)}
+            offers = {self.computer.control(FROM_INTERFACE, request, selector << 8, 1, 34)
+                      for request in (GET_CUR, GET_DEF, GET_MIN, GET_MAX)}
             ((status, offer),) = offers
             self.assertEqual((status, len(offer)), (0, 34))
             self.assertEqual((offer[2], offer[3], *struct.unpack_from("<I", offer, 4)), (1, 1, 1_000_000))
@@ -155,8 +164,10 @@ class Requests(unittest.TestCase):
         for unit, selector, size, value in ((1, 2, 1, 1), (1, 4, 4, 50), (2, 4, 2, 200)):
             at = {"value": selector << 8, "index": unit << 8}
             self.assertEqual(self.computer.control(FROM_INTERFACE, GET_LEN, **at, length=2)[1], struct.pack("<H", size))
-            self.assertEqual(self.computer.control(TO_INTERFACE, SET_CUR, **at, data=value.to_bytes(size, "little")), (0, b""))
-            self.assertEqual(self.computer.control(FROM_INTERFACE, GET_CUR, **at, length=size), (0, value.to_bytes(size, "little")))
+            self.assertEqual(self.computer.control(TO_INTERFACE, SET_CUR, **at, data=value.to_bytes(size, "little")),
+                             (0, b""))
+            self.assertEqual(self.computer.control(FROM_INTERFACE, GET_CUR, **at, length=size),
+                             (0, value.to_bytes(size, "little")))
         self.assertEqual(self.computer.control(FROM_INTERFACE, GET_CUR, 9 << 8, 1 << 8, 1)[0], redirection.STALL)
         self.assertIsNone(self.device.control(Setup(0xc0, 1, 0, 0, 4), b""))
 
@@ -171,7 +182,8 @@ class Pictures(unittest.TestCase):
 
     def want(self, count, length=100):
         for number in range(count):
-            self.assertEqual(self.computer.ask(BULK, 1 << 40 | number, struct.pack("<BBHIH", 0x81, 0, length, 0, 0)), [])
+            self.assertEqual(self.computer.ask(BULK, 1 << 40 | number, struct.pack("<BBHIH", 0x81, 0, length, 0, 0)),
+                             [])
 
     def test_cut_and_put_together(self):
         for size in (1, 97, 98, 99, 196, 1000):

@@ -127,7 +127,8 @@ class Redirected:
         return bool(self._wanted)
 
     def _what_it_is(self):
-        return self.wire.pack(INTERFACES, 0, interfaces(self.device.interfaces)) + self.wire.pack(ENDPOINTS, 0, self.device.endpoints)
+        return self.wire.pack(INTERFACES, 0,
+                              interfaces(self.device.interfaces)) + self.wire.pack(ENDPOINTS, 0, self.device.endpoints)
 
     def _bulk(self, number, endpoint, status, data=b""):
         return self.wire.pack(BULK, number, _BULK.pack(endpoint, status, len(data) & 0xffff, 0, len(data) >> 16) + data)
@@ -136,10 +137,12 @@ class Redirected:
         kind, number, body = packet
         if kind == HELLO:
             # USB 2.0, table 9-8: class, subclass, protocol at offset 4, then vendor, product, version at 8.
-            return self._what_it_is() + self.wire.pack(CONNECT, 0, bytes([HIGH_SPEED]) + self.device.descriptor[4:7] + self.device.descriptor[8:14])
+            return self._what_it_is() + self.wire.pack(CONNECT, 0, bytes([HIGH_SPEED]) + self.device.descriptor[4:7]
+                                                       + self.device.descriptor[8:14])
         if kind == SET_CONFIGURATION:
             self._configuration = body[0]
-            return self._what_it_is() + self.wire.pack(CONFIGURATION_STATUS, number, bytes([SUCCESS, self._configuration]))
+            return self._what_it_is() + self.wire.pack(CONFIGURATION_STATUS, number,
+                                                       bytes([SUCCESS, self._configuration]))
         if kind == GET_CONFIGURATION:
             return self.wire.pack(CONFIGURATION_STATUS, number, bytes([SUCCESS, self._configuration]))
         if kind in (SET_ALTERNATIVE, GET_ALTERNATIVE):
@@ -165,4 +168,5 @@ class Redirected:
         status = STALL if data is None else SUCCESS
         data = (data or b"")[:length]
         done = len(data) if request_kind & IN else length if status == SUCCESS else 0
-        return self.wire.pack(CONTROL, number, _CONTROL.pack(endpoint, request, request_kind, status, value, index, done) + data)
+        return self.wire.pack(CONTROL, number,
+                              _CONTROL.pack(endpoint, request, request_kind, status, value, index, done) + data)

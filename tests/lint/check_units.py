@@ -17,7 +17,8 @@ def main():
         print("units: skipped, systemd-analyze is not installed; scripts/install-packages test installs it")
         return 77
     bad = []
-    shared = {line.split("=")[0] for line in (ROOT / "systemd/hardening.conf").read_text().splitlines() if "=" in line and line[0] != "#"}
+    shared = {line.split("=")[0] for line in (ROOT / "systemd/hardening.conf").read_text().splitlines() if "=" in line
+              and line[0] != "#"}
     with tempfile.TemporaryDirectory() as root:
         for service in install_units(root):
             if (rated := exposure(root, service)) > MAX_EXPOSURE:

@@ -21,7 +21,8 @@ BY_HEADERS = {"open", "close"}
 
 
 def code_of(root, folder):
-    return [re.sub(r"//.*", "", file.read_text(encoding="utf-8")) for file in (root / folder).glob("*.*") if file.suffix in (".h", ".cpp")]
+    return [re.sub(r"//.*", "", file.read_text(encoding="utf-8")) for file in (root / folder).glob("*.*")
+            if file.suffix in (".h", ".cpp")]
 
 
 def wrapped_by(root, double):

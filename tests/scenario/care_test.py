@@ -97,17 +97,21 @@ def check_calibrator(source, build, folder, state):
     shutil.copytree(state / "settings", bad_lens)
     (bad_lens / "cameras").mkdir()
     (bad_lens / "cameras/left.json").write_text("{}")
-    calibrator = [build / "bin/cyclorama-calibrator", "--folder", folder / "calibration", "--listen", f"unix:{folder}/calibrator.sock"]
+    calibrator = [build / "bin/cyclorama-calibrator", "--folder", folder / "calibration",
+                  "--listen", f"unix:{folder}/calibrator.sock"]
     refused = run(*calibrator, "--check", "--installation", bad_lens / "installation.toml")
     assert refused.returncode == 1 and "left.json" in refused.stderr and "camera 'left'" in refused.stderr, refused.stderr
-    elsewhere = run(*calibrator, "--check", "--installation", state / "settings/installation.toml", "--display", "none-such=[::1]:7404")
+    elsewhere = run(*calibrator, "--check", "--installation", state / "settings/installation.toml",
+                    "--display", "none-such=[::1]:7404")
     assert elsewhere.returncode == 1 and "belongs to 0 displays" in elsewhere.stderr, elsewhere.stderr
-    process = subprocess.Popen([*map(str, calibrator), "--installation", str(state / "settings/installation.toml")], stdin=subprocess.DEVNULL)
+    process = subprocess.Popen([*map(str, calibrator), "--installation", str(state / "settings/installation.toml")],
+                               stdin=subprocess.DEVNULL)
     try:
         end = time.monotonic() + 60
         status = ""
         while "cameras/left.json" not in status and process.poll() is None and time.monotonic() < end:
-            run(build / "bin/cyclorama", "status", "--json", folder / "status.json", "--watch", f"calibrator=unix:{folder}/calibrator.sock")
+            run(build / "bin/cyclorama", "status", "--json", folder / "status.json",
+                "--watch", f"calibrator=unix:{folder}/calibrator.sock")
             status = (folder / "status.json").read_text()
             time.sleep(0.2)
         assert "cameras/left.json" in status, (process.poll(), status)
@@ -123,7 +127,8 @@ def check_doctor(build, folder, state):
         checks = {check["id"]: check for check in json.loads((folder / "doctor.json").read_text())}
         assert checks["part-tour"]["level"] == checks["heads"]["level"] == checks["settings"]["level"] == "ok", well.stdout
         worst = {check["level"] for check in checks.values()}
-        assert well.returncode == (1 if "fault" in worst else 3 if "warning" in worst else 0), (well.returncode, well.stdout)
+        assert well.returncode == (1 if "fault" in worst else 3 if "warning" in worst
+                                   else 0), (well.returncode, well.stdout)
     with Parts(build, "--unwell") as parts:
         unwell = run(*doctor, *parts.watches)
         assert unwell.returncode == 1 and "No picture goes to 'right'" in unwell.stdout, unwell.stdout
@@ -141,7 +146,8 @@ def check_hours(build, state):
     assert closed.returncode == 0 and "Closed now until" in closed.stdout, closed
     assert (state / "hours/override").read_text().startswith("closed from "), closed
     assert "Closed now until" in run(*hours).stdout, "another process does not see it"
-    for wrong, words in ((("open",), "say until when"), (("open", "25:00"), "such as 22:00"), (("closed", "22:00"), "with 'open' alone")):
+    for wrong, words in ((("open",), "say until when"), (("open", "25:00"), "such as 22:00"),
+                         (("closed", "22:00"), "with 'open' alone")):
         refused = run(*hours, *wrong)
         assert refused.returncode == 1 and words in refused.stderr, refused
     assert run(*hours, "settings").stdout.startswith("Open now.")
@@ -190,11 +196,13 @@ def check_lamps(source, build, folder):
         shutil.copy(mesh, folder)
     with socket.create_server(("::1", 0), family=socket.AF_INET6) as free:
         port = free.getsockname()[1]
-    service = subprocess.Popen([build / "bin/cyclorama-projectors", "keep", "--config", site, "--installation", room, "--listen",
+    service = subprocess.Popen([build / "bin/cyclorama-projectors", "keep", "--config", site, "--installation", room,
+                                "--listen",
                                f"[::1]:{port}"], stderr=subprocess.PIPE, text=True)
     try:
         assert "lamp (error)" in service.stderr.readline()
-        doctor = run(build / "bin/cyclorama", "doctor", "--museum", folder / "nowhere", "--watch", f"projectors=[::1]:{port}")
+        doctor = run(build / "bin/cyclorama", "doctor", "--museum", folder / "nowhere",
+                     "--watch", f"projectors=[::1]:{port}")
         assert doctor.returncode == 1 and "It reports: lamp (error)" in doctor.stdout and "have it replaced" in doctor.stdout, doctor.stdout
     finally:
         service.terminate()

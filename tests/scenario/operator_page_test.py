@@ -37,7 +37,8 @@ class Browser:
                             f"--window-size={size[0]},{size[1]}", f"--user-data-dir={folder}/profile-{port}"],
                    "prefs": {"download.default_directory": str(folder)}}
         if is_phone:
-            options["mobileEmulation"] = {"deviceMetrics": {"width": size[0], "height": size[1], "pixelRatio": 2, "touch": True}}
+            options["mobileEmulation"] = {"deviceMetrics": {"width": size[0], "height": size[1], "pixelRatio": 2,
+                                                            "touch": True}}
         capabilities = {"browserName": "chrome", "acceptInsecureCerts": True, "goog:chromeOptions": options,
                         "goog:loggingPrefs": {"browser": "ALL"}}
         self.session = self.ask("POST", "/session", {"capabilities": {"alwaysMatch": capabilities}})["sessionId"]
@@ -124,8 +125,10 @@ class Museum:
         assert subprocess.run(self.provision, capture_output=True, timeout=60).returncode == 1
         (self.state / "update.json").write_text('{"state": "current", "version": "0.1.0", "at": "2026-11-22T03:10:00Z"}')
         self.port = free_port()
-        self.page = subprocess.Popen([build / "bin/cyclorama-operator", "--listen", f"[::1]:{self.port}", "--museum", self.state,
-                                      "--keep", keep, "--wishes", keep, "--calibrator", calibrator, "--watch", f"tour={tour}",
+        self.page = subprocess.Popen([build / "bin/cyclorama-operator", "--listen", f"[::1]:{self.port}",
+                                      "--museum", self.state,
+                                      "--keep", keep, "--wishes", keep, "--calibrator", calibrator,
+                                      "--watch", f"tour={tour}",
                                       "--watch", f"display={display}", "--watch", f"tracker={tracker}",
                                       "--watch", f"projectors={projectors}"],
                                      stderr=subprocess.PIPE, text=True)
@@ -202,7 +205,8 @@ def check_page(browser, museum, pictures, name, size):
 
 def check_lamps(browser, is_unwell):
     """Checks that every lamp is listed, and that one that is off while the museum is open needs attention."""
-    wait_until(lambda: browser.run("return document.getElementById('checks').textContent").count("Its lamp is") == 3, 30, "the lamps")
+    wait_until(lambda: browser.run("return document.getElementById('checks').textContent").count("Its lamp is") == 3,
+               30, "the lamps")
     needs = browser.text("#needs") if is_unwell else ""
     assert ("Projector 'right'" in needs and "remote control" in needs) == is_unwell, needs
 
@@ -239,7 +243,8 @@ def check_work(browser, museum, pictures, name):
     browser.press_enter("#calibration-answer")
     wait_until(lambda: "shows pattern 2" in browser.text("#calibration-state"), 30, "the calibration's progress")
     assert browser.run("return document.getElementById('calibration-question').offsetParent === null"), "the answered question stays"
-    wait_until(lambda: browser.run("return document.getElementById('calibration-picture').naturalWidth") == 640, 30, "its picture")
+    wait_until(lambda: browser.run("return document.getElementById('calibration-picture').naturalWidth") == 640, 30,
+               "its picture")
     browser.click("#network-test")
     wait_until(lambda: "its program does not run" in browser.text("#network"), 60, "the network test")
     browser.run("document.getElementById('care').scrollIntoView()")
@@ -251,14 +256,16 @@ def check_work(browser, museum, pictures, name):
     wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the resumed calibration")
     browser.click("#calibrate-cancel")
     wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the cancellation")
-    wait_until(lambda: browser.run("return document.getElementById('place-cameras').offsetParent !== null"), 30, "the button place-cameras")
+    wait_until(lambda: browser.run("return document.getElementById('place-cameras').offsetParent !== null"), 30,
+               "the button place-cameras")
     browser.click("#place-cameras")
     wait_until(lambda: "saw 2814 places" in browser.text("#calibration-remarks"), 30, "the fixed cameras' positions")
     quick = browser.run("return [...document.getElementById('quick-projector').options].map((option) => option.value)")
     assert quick == ["left", "middle", "right"], quick
     browser.run("document.getElementById('calibration-card').scrollIntoView({block: 'center'})")
     browser.picture(pictures / f"placed-{name}.png", whole=False)
-    wait_until(lambda: browser.run("return document.getElementById('calibrate-quick').offsetParent !== null"), 30, "the button calibrate-quick")
+    wait_until(lambda: browser.run("return document.getElementById('calibrate-quick').offsetParent !== null"), 30,
+               "the button calibrate-quick")
     browser.click("#calibrate-quick")
     wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the quick calibration")
     browser.click("#calibrate-cancel")

@@ -11,15 +11,16 @@ import subprocess
 import sys
 import tempfile
 
-STAGES = ["capture", "detect", "pose", "steer", "farm_round_trip", "farm", "plan", "render", "encode", "decode", "wait", "draw",
-          "heading_to_photon", "shutter_to_photon"]  # All stages of docs/reference/frame-timing.md.
+STAGES = ["capture", "detect", "pose", "steer", "farm_round_trip", "farm", "plan", "render", "encode", "decode", "wait",
+          "draw", "heading_to_photon", "shutter_to_photon"]  # All stages of docs/reference/frame-timing.md.
 
 
 def main(root, build):
     problems = []
     with tempfile.TemporaryDirectory() as out:
         run = subprocess.run(
-            [f"{root}/demo.sh", "--headless", "--seconds", "8", "--triangles", "60000", "--size", "480x240", "--out", out],
+            [f"{root}/demo.sh", "--headless", "--seconds", "8", "--triangles", "60000", "--size", "480x240",
+             "--out", out],
             env={**os.environ, "CYCLORAMA_BUILD": build}, timeout=150, capture_output=True, text=True)
         if run.returncode != 0:
             problems.append(f"demo.sh ended with {run.returncode}:\n{run.stdout}\n{run.stderr}")

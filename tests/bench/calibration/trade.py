@@ -23,7 +23,8 @@ def place_in(points):
         ends.append((low - margin, high + margin))
 
     def place(point):
-        across, up = ((math.log10(max(point[key], 1e-4)) - low) / (high - low) for key, (low, high) in zip(("museum_s", "p95_px"), ends))
+        across, up = ((math.log10(max(point[key], 1e-4)) - low) / (high - low)
+                      for key, (low, high) in zip(("museum_s", "p95_px"), ends))
         return LEFT + WIDTH * across, TOP + HEIGHT * (1 - up)
 
     return place, ends

@@ -18,12 +18,14 @@ class Renderers:
         self.build, self.scene, self.folder = build, scene, folder
 
     def ours(self, name, *options):
-        subprocess.run([f"{self.build}/bin/cyclorama-render", "picture", self.scene, "--camera", "perspective", "--field-deg", "75",
+        subprocess.run([f"{self.build}/bin/cyclorama-render", "picture", self.scene, "--camera", "perspective",
+                        "--field-deg", "75",
                         "--bounces", "2", "--threads", "2", *map(str, options), "--out", self.folder / f"{name}.pfm"],
                        check=True, stdout=sys.stderr)
 
     def cycles(self, name, *options):
-        done = subprocess.run(["blender", "-b", "--python-exit-code", "1", "--python", HERE / "render.py", "--", self.scene,
+        done = subprocess.run(["blender", "-b", "--python-exit-code", "1", "--python", HERE / "render.py",
+                               "--", self.scene,
                                self.folder / f"{name}.pfm", *map(str, options), "--path-length", "4", "--threads", "2",
                                "--json", self.folder / f"{name}.json"],
                               check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)

@@ -17,7 +17,8 @@ def panels(figures):
     for point in figures["warp"]:
         if point["error_px"] > 0:
             warp.setdefault(point["kind"], []).append((point["cpu_ms"], point["error_px"]))
-    response = {name: [(point["steps"], point[name]) for point in figures["response"]] for name in ("srgb", "gamma_2.2", "gamma_2.6")}
+    response = {name: [(point["steps"], point[name]) for point in figures["response"]]
+                for name in ("srgb", "gamma_2.2", "gamma_2.6")}
     decode = {}
     for point in figures["decode"]:
         decode.setdefault("4:2:0" if point["half_chroma"] else "4:4:4", []).append((point["threads"], point["wall_ms"]))

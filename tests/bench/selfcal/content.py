@@ -13,8 +13,8 @@ def main(build):
     folder.mkdir(parents=True, exist_ok=True)
     subprocess.run([f"{build}/bin/cyclorama-grotto", "--triangles", "400000", "--force", "--out", folder / "scene"],
                    check=True, stdout=sys.stderr)
-    subprocess.run([f"{build}/bin/cyclorama-render", "picture", folder / "scene", "--size", "6144x704", "--samples", "8", "--denoise",
-                    "--out", part], check=True, stdout=sys.stderr)
+    subprocess.run([f"{build}/bin/cyclorama-render", "picture", folder / "scene", "--size", "6144x704",
+                    "--samples", "8", "--denoise", "--out", part], check=True, stdout=sys.stderr)
     part.rename(picture)
 
 

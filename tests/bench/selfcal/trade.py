@@ -26,7 +26,8 @@ def panels(points):
         # A value of zero has no place on a logarithmic axis.
         line = sorted((p for p in points if p["knob"] == knob and across(p) > 0), key=across)
         if len(line) > 1:  # One point makes no curve.
-            yield Panel(title, label, "px, s, cores", {name: [(across(p), max(p[key], 1e-3)) for p in line] for name, key in UP.items()})
+            yield Panel(title, label, "px, s, cores",
+                        {name: [(across(p), max(p[key], 1e-3)) for p in line] for name, key in UP.items()})
 
 
 def main(source, folder):

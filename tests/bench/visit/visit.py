@@ -13,8 +13,8 @@ def main(*options):
     with tempfile.TemporaryDirectory() as folder:
         for triangles in sizes:
             out = pathlib.Path(folder) / str(triangles)
-            subprocess.run(["./demo.sh", "--headless", "--samples", "1", "--seconds", str(seconds), "--triangles", str(triangles),
-                            "--out", out], check=True, stdout=sys.stderr)
+            subprocess.run(["./demo.sh", "--headless", "--samples", "1", "--seconds", str(seconds),
+                            "--triangles", str(triangles), "--out", out], check=True, stdout=sys.stderr)
             runs[str(triangles)] = json.loads((out / "summary.json").read_text())
     for run in runs.values():
         print(f"{run['triangles']} triangles, {run['nodes']} nodes: {run['fps']:.1f} frames/s, "

@@ -12,7 +12,8 @@ def main(build, *options):
         file = pathlib.Path(folder) / "tracker.json"
         subprocess.run([f"{build}/tests/tracker_bench", "extremes", "--json", file, *options], check=True)
         tracker = json.loads(file.read_text())
-    walk_text = subprocess.run([f"{build}/bin/walk_extremes", *options], check=True, text=True, stdout=subprocess.PIPE).stdout
+    walk_text = subprocess.run([f"{build}/bin/walk_extremes", *options], check=True, text=True,
+                               stdout=subprocess.PIPE).stdout
     *table, last = walk_text.splitlines()
     print("\n".join(table))
     walk = json.loads(last)

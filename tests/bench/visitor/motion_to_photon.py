@@ -110,7 +110,8 @@ class Head(threading.Thread):
             if picture != before:
                 # One row is enough to see vertical stripes move.
                 row = len(picture) // 2 - len(picture) // 2 % (3 * width)
-                much = sum(abs(a - b) > 8 for a, b in zip(picture[row:row + 3 * width:3], before[row:row + 3 * width:3]))
+                much = sum(abs(a - b) > 8
+                           for a, b in zip(picture[row:row + 3 * width:3], before[row:row + 3 * width:3]))
                 self.changes.append((presented, much))
                 before = picture
 
@@ -129,10 +130,11 @@ def measure(build, camera_hz, refresh_hz, seconds, folder):
     picture = folder / "head-head.picture"
     with Processes(build) as processes:
         _, address = processes.start_tour("--striped")
-        processes.start("bin/cyclorama-display", "--installation", folder / "room.toml", "--tour", address, "--width", 768,
-                        "--run-dir", folder, "--refresh-hz", refresh_hz, stderr=subprocess.DEVNULL)
+        processes.start("bin/cyclorama-display", "--installation", folder / "room.toml", "--tour", address,
+                        "--width", 768, "--run-dir", folder, "--refresh-hz", refresh_hz, stderr=subprocess.DEVNULL)
         processes.start("bin/cyclorama-tracker", "--camera", f"simulated:{folder}/hand.toml", "--tour", address,
-                        "--listen", "[::1]:0", "--osc", f"[::1]:{poses.socket.getsockname()[1]}", stderr=subprocess.DEVNULL)
+                        "--listen", "[::1]:0", "--osc", f"[::1]:{poses.socket.getsockname()[1]}",
+                        stderr=subprocess.DEVNULL)
         while not picture.exists():
             time.sleep(0.05)
         head = Head(picture)
@@ -183,7 +185,8 @@ def main():
           "   of p50: until the shutter, tracker, tour and display;  clearly seen p95")
     for camera_hz in args.camera_hz or [30, 60]:
         with tempfile.TemporaryDirectory() as folder:
-            turns, loop_s, poses, changes = measure(args.build.resolve(), camera_hz, args.refresh_hz, seconds, pathlib.Path(folder))
+            turns, loop_s, poses, changes = measure(args.build.resolve(), camera_hz, args.refresh_hz, seconds,
+                                                    pathlib.Path(folder))
         rows, unquiet = latencies(turns, loop_s, camera_hz, poses, changes)
         seen = [row for row in rows if row]
         if not seen:
@@ -191,14 +194,17 @@ def main():
         missed = len(rows) - len(seen)
         every = [row["all"] for row in seen] + [LATEST_S * 1e3] * missed
         part = {name: quantile([row[name] for row in seen], 0.5) for name in ("shutter", "tracker", "wall")}
-        figures = {"p50_ms": quantile(every, 0.5), "p95_ms": quantile(every, 0.95), "max_ms": max(every), "turns": len(rows),
-                   "not_seen": missed, "not_at_rest": unquiet, "plain_p95_ms": quantile([row["plain"] for row in seen], 0.95),
+        figures = {"p50_ms": quantile(every, 0.5), "p95_ms": quantile(every, 0.95), "max_ms": max(every),
+                   "turns": len(rows),
+                   "not_seen": missed, "not_at_rest": unquiet,
+                   "plain_p95_ms": quantile([row["plain"] for row in seen], 0.95),
                    **{f"{name}_p50_ms": value for name, value in part.items()}}
         result[f"{camera_hz:.0f}"] = {name: round(value, 1) for name, value in figures.items()}
         print(f"{camera_hz:>3.0f} /s   {len(rows):>6}{missed:>10}{figures['p50_ms']:>6.1f} ms{figures['p95_ms']:>6.1f} ms{figures['max_ms']:>6.1f} ms"
               f"   {part['shutter']:>22.1f} {part['tracker']:>11.1f} {part['wall']:>13.1f}        {figures['plain_p95_ms']:>18.1f}")
     first = next(iter(result.values()))
-    print(json.dumps({"benchmark": "motion-to-photon", "p50_ms": first["p50_ms"], "p95_ms": first["p95_ms"], "by_camera_hz": result}))
+    print(json.dumps({"benchmark": "motion-to-photon", "p50_ms": first["p50_ms"], "p95_ms": first["p95_ms"],
+                      "by_camera_hz": result}))
 
 
 main()

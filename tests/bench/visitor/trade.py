@@ -36,9 +36,12 @@ def panels(points):
         Panel("Filter, by cut-off at rest", "lag of the yaw, ms", "jitter at 2 m, degrees",
               by(filters, lambda point: f"{point['cutoff_hz']:g} Hz", "yaw_lag_ms", "yaw_jitter_2m_deg")),
         Panel("Decimation", "ms a picture, one core", "yaw sd at 2 m, degrees",
-              by(searches, lambda point: "with tiles" if "tiles" in point["knob"] else "the whole picture", "median_ms", "yaw_sd_deg")),
-        Panel("Size of a tag", "mm", "yaw sd, degrees", by(of("tag size, mm"), distance, "value", "yaw_sd_deg"), is_linear_across=True),
-        Panel("Fold of the card", "degrees", "yaw sd, degrees", by(of("fold, deg"), distance, "value", "yaw_sd_deg"), is_linear_across=True),
+              by(searches, lambda point: "with tiles" if "tiles" in point["knob"] else "the whole picture", "median_ms",
+                 "yaw_sd_deg")),
+        Panel("Size of a tag", "mm", "yaw sd, degrees", by(of("tag size, mm"), distance, "value", "yaw_sd_deg"),
+              is_linear_across=True),
+        Panel("Fold of the card", "degrees", "yaw sd, degrees", by(of("fold, deg"), distance, "value", "yaw_sd_deg"),
+              is_linear_across=True),
     ]
     return [panel for panel in drawn if panel.series]
 
@@ -52,7 +55,8 @@ def main(folder, *sources):
         writer = csv.DictWriter(file, columns, lineterminator="\n")
         writer.writeheader()
         for point in points:
-            writer.writerow({key: f"{value:.4g}" if isinstance(value, float) else value for key, value in point.items()})
+            writer.writerow({key: f"{value:.4g}" if isinstance(value, float) else value
+                             for key, value in point.items()})
     write_panels(out / "visitor.svg", panels(points))
     print(f"{out}/visitor.csv, {out}/visitor.svg")
     print(json.dumps({"benchmark": "visitor-trade", "points": points}))

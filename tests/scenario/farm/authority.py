@@ -15,7 +15,8 @@ class Authority:
         self.do("init")
 
     def do(self, *words):
-        subprocess.run([self.program, "--folder", "ca", *words], cwd=self.folder, check=True, capture_output=True, timeout=60)
+        subprocess.run([self.program, "--folder", "ca", *words], cwd=self.folder, check=True, capture_output=True,
+                       timeout=60)
 
     def bundle(self, role, name, *words):
         """Makes a certificate and unpacks it over the previous one of that name."""

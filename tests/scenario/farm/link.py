@@ -91,7 +91,8 @@ class Link:
                 writer.write(data[:len(data) // 2])
                 await writer.drain()
                 for end in list(self.writers):
-                    end.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+                    end.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER,
+                                                            struct.pack("ii", 1, 0))
                     end.transport.abort()
                 return
             writer.write(data)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Man pages from --help (one text, not two), then one .deb per component: cmake --build --target man, cpack --preset release.
+# Makes man pages from --help, then one .deb per component: cmake --build --target man, cpack --preset release.
 find_program(HELP2MAN help2man)
 get_property(programs GLOBAL PROPERTY CYCLORAMA_PROGRAMS)
 if(HELP2MAN AND programs)
@@ -15,7 +15,7 @@ if(HELP2MAN AND programs)
   add_custom_target(man DEPENDS ${pages})
 endif()
 
-set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # Packages need the programs, not the tests.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # Packages need the programs but not the tests.
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
@@ -24,23 +24,23 @@ set(CPACK_PACKAGE_CONTACT "Cyclorama developers <nobody@example.org>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_DEBUGINFO_PACKAGE ON)  # Programs are stripped; their symbols go into packages of their own.
+set(CPACK_DEBIAN_DEBUGINFO_PACKAGE ON)  # Programs are stripped; their symbols are in packages of their own.
 set(CPACK_DEBIAN_PACKAGE_SECTION misc)
-set(CPACK_DEBIAN_COMMAND_DESCRIPTION "how a museum or a render host is: the command line
-What the operator page tells and does: status, doctor, calibrate, update.")
-set(CPACK_DEBIAN_FARM_DESCRIPTION "render farm for projected panoramas: the head
-Museums and nodes dial it. It splits each picture among the nodes so that all of them
-end at the same moment, and passes on what they render.")
+set(CPACK_DEBIAN_COMMAND_DESCRIPTION "command line of a museum or a render host
+Shows and does what the operator page does: status, doctor, calibrate, update.")
+set(CPACK_DEBIAN_FARM_DESCRIPTION "render farm for projected panoramas: the coordinator
+Museums and nodes connect to it. It divides each picture among the nodes so that all of
+them finish at the same time, and relays what they render.")
 set(CPACK_DEBIAN_NODE_DESCRIPTION "render farm for projected panoramas: a node
-Ray traces for a head: dials it, gets the scenes it is told to, renders parts of
-pictures. It never listens.")
+Ray traces for a coordinator: connects to it, fetches its scenes and renders parts of
+pictures. It opens no port.")
 set(CPACK_DEBIAN_MUSEUM_DESCRIPTION "visits of scenes on a projected panorama: the museum's side
 Tracker, tour, display and operator page.")
-set(CPACK_DEBIAN_PROVISION_DESCRIPTION "settings of a museum's computer or a render host, from a stick
-Checks all of them, and takes them into use whole or not at all.")
+set(CPACK_DEBIAN_PROVISION_DESCRIPTION "settings of a museum's computer or a render host, from a USB stick
+Checks all settings and takes them into use as a whole or not at all.")
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "tools for the scenes of a render farm
-Render a scene, measure it, make a grotto to try with.")
-# dh_installsystemd's duties, in the words of the units that a package brings.
+Render and inspect scenes, and generate a grotto for tests.")
+# The maintainer scripts do what dh_installsystemd would, for the units of each package.
 set(units_of_farm cyclorama-farm.service)
 set(units_of_node cyclorama-node.service)
 set(units_of_museum cyclorama-tour.service cyclorama-tracker.service cyclorama-display.service cyclorama-operator.service
@@ -77,5 +77,5 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
 endforeach()
 set(CPACK_DEBIAN_FARM_PACKAGE_DEPENDS "systemd, openssl, cyclorama-command")  # openssl: for cyclorama-authority.
 set(CPACK_DEBIAN_NODE_PACKAGE_DEPENDS "systemd, cyclorama-command")
-set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, cyclorama-command, cyclorama-provision, libgl1-mesa-dri, tzdata")  # Opened at run time: EGL's drivers, time zones.
+set(CPACK_DEBIAN_MUSEUM_PACKAGE_DEPENDS "systemd, cyclorama-command, cyclorama-provision, libgl1-mesa-dri, tzdata")  # libgl1-mesa-dri and tzdata are opened at run time.
 include(CPack)

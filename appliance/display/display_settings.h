@@ -2,6 +2,7 @@
 /// The display's part of site.toml; the tour reads the rest of the same file. Without a file everything has its
 /// default.
 ///
+///   # site.toml
 ///   [display]
 ///   attract_picture = "attract.jpg"   # PNG or JPEG, sought in site.toml's folder; absent: an evening sky.
 ///   attract_after_s = 20              # A picture may be wrong for so long before it fades to the attract picture,

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// When a museum is open. Of site.toml, which several programs read:
+/// When a museum is open: [hours] of site.toml, which several programs read.
 ///
+///   # site.toml
 ///   [hours]
-///   open = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00", "Fri,Sat 22:00-02:00", "2026-12-24 10:00-14:00", "2026-12-25
-///   closed"] time_zone = "Europe/Zurich"   # Absent: this computer's.
+///   open = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00", "Fri,Sat 22:00-02:00",
+///           "2026-12-24 10:00-14:00", "2026-12-25 closed"]
+///   time_zone = "Europe/Zurich"   # Absent: this computer's.
 ///
 /// Lines about the same days add up. A line about a date takes the place of all that is said of its weekday. Hours that
 /// end before they begin end on the next day. Without [hours] a museum is always open.

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Any camera from one line of text, as it stands in a config file or behind --camera:
 ///
-///   v4l2:PLACE[?OPTIONS]                        a camera of the kernel's, by its port, "usb-0000:00:14.0-2", by its
-///   path,
-///                                               "/dev/v4l/by-path/...", or, with no PLACE, the first that is there
-///   libcamera:ID[?OPTIONS]                      one that only libcamera drives, by its id, or the first that is there
-///   file:PATH[?frames_per_second=N][&loop=no]   a photo, a folder of photos, or a video
-///   simulated[:SIMULATION.toml]                 a hand with a tag; without a file, the demo's
+///   # camera
+///   v4l2                                               # The first camera of the kernel's (Video4Linux).
+///   v4l2:usb-0000:00:14.0-2?exposure_ms=5              # By its port.
+///   v4l2:/dev/v4l/by-path/pci-0000:00:14.0-usb-0:2:1.0-video-index0?width_px=1280&height_px=720
+///   libcamera                                          # The first camera that only libcamera drives; or by its id.
+///   file:/srv/recordings/visit.mp4?loop=no             # A photo, a folder of photos, or a video.
+///   file:/srv/photos?frames_per_second=10
+///   simulated                                          # A hand with a tag: the demo's,
+///   simulated:hand.toml                                # or as a file describes it (docs/reference/settings.md).
 ///
-/// OPTIONS of the first two: width_px=N height_px=N frames_per_second=N exposure_ms=N (0: the camera's own), joined by
-/// '&'; colour=yes (colours beside the brightness, where it has them); of v4l2 also gain=held (pictures are to be
-/// compared: gain, white balance and focus stay as they are) and memory=dma_buf.
+/// Options of v4l2 and libcamera, joined by '&':
+///
+///   width_px=N height_px=N frames_per_second=N   the nearest mode is taken
+///   exposure_ms=N                                0: the camera's own
+///   colour=yes                                   colours beside the brightness, where the camera has them
+///   gain=held                                    v4l2: gain, white balance and focus stay as they are, so that
+///                                                pictures can be compared
+///   memory=dma_buf                               v4l2: buffers that other devices can read; the default is mapped
 #pragma once
 
 #include <memory>

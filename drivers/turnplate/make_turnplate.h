@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A turn-plate from one line of text, as it stands in a config file or behind --turnplate:
 ///
-///   serial:DEVICE[?baud=N][&axis=X][&units_per_turn=N][&degrees_per_second=N][&least_deg=N][&most_deg=N]
-///   manual        asks somebody to turn it
+///   # turntable
+///   manual                                         # Somebody is asked to turn it.
+///   serial:/dev/serial/by-id/usb-Arduino-if00      # A motor behind a controller that speaks G-code.
+///   serial:/dev/ttyACM0?baud=115200&axis=X&units_per_turn=360&degrees_per_second=30&least_deg=-90&most_deg=90
 #pragma once
 
 #include <memory>

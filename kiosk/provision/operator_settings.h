@@ -11,6 +11,7 @@ namespace cyclorama {
 
 /// operator.toml as it comes on a USB stick. It is never stored: the settings in use have the PIN's hash instead.
 ///
+///   # operator.toml
 ///   pin = "40 17 73"      # Spaces are ignored. Absent: the page answers on this computer only.
 struct OperatorSettings {
   std::optional<std::string> pin;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// When a museum's computer looks for updates and restarts for them. From site.toml:
 ///
+///   # site.toml
 ///   [update]
 ///   from_farm = true              # false: from USB sticks only.
 ///   hours = "02:00-05:00"         # Each night, in the time zone of [hours]; never while the museum is open.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A Pareto front in a file, as measured by `cyclorama-render trade`:
 ///
+///   # front.toml
 ///   [[point]]
 ///   cpu_us_per_px = 1.9   # Processor time per displayed pixel.
 ///   error = 0.041         # The same measure for the whole file.

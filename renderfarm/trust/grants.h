@@ -27,6 +27,7 @@ struct Grant {
 
 /// The farm's museums.toml:
 ///
+///   # museums.toml
 ///   [[museum]]
 ///   name = "hall-3"                  # As in its certificate.
 ///   scenes = ["grotto", "relic"]     # Or ["*"].

@@ -12,6 +12,7 @@ namespace cyclorama {
 
 /// A visitor's position in a file, so that a restarted tour continues there. A few lines of TOML:
 ///
+///   # place.toml
 ///   scene = "grotto"
 ///   x_m = 1.25
 ///   z_m = -3.5

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A museum's settings, site.toml, read strictly. Without a file every setting has its default.
 ///
+///   # site.toml
 ///   [farm]
 ///   heads = ["[2001:db8::1]:7401"]
 ///   scene = "grotto"                     # Empty: the first one.
@@ -21,6 +22,7 @@
 ///
 /// or, for a constant quality instead of the budget:
 ///
+///   # site.toml
 ///   [picture]
 ///   samples = 1
 ///   jpeg_quality = 85

@@ -49,6 +49,7 @@ set(CYCLORAMA_MAY_USE_drivers     common drivers)
 set(CYCLORAMA_MAY_USE_renderfarm  common renderfarm)
 set(CYCLORAMA_MAY_USE_appliance   common drivers appliance)
 set(CYCLORAMA_MAY_USE_kiosk       common kiosk renderfarm/client)
+set(CYCLORAMA_MAY_USE_tests       common drivers renderfarm appliance kiosk tests)
 
 function(_cyclorama_check_layer name deps)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE here)
@@ -95,6 +96,15 @@ function(project_program)
   install(TARGETS ${arg_NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${arg_COMPONENT})
   set_property(GLOBAL APPEND PROPERTY CYCLORAMA_PROGRAMS ${arg_NAME})
   set_property(GLOBAL PROPERTY CYCLORAMA_COMPONENT_${arg_NAME} ${arg_COMPONENT})
+endfunction()
+
+# project_bench(NAME cyclorama-bench-render MAIN bench_render_main.cpp LINK ...): a program that only measures, in tests/bench.
+# It is built on demand, into tests/ of the build folder, and not installed.
+function(project_bench)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;MAIN" "LINK")
+  add_executable(${arg_NAME} EXCLUDE_FROM_ALL ${arg_MAIN})
+  set_target_properties(${arg_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/tests")
+  target_link_libraries(${arg_NAME} PRIVATE cyclorama_options ${arg_LINK})
 endfunction()
 
 # project_test_group(LABEL TARGET...): `tests-LABEL` builds no more than the tests of that label need.

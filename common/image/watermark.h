@@ -22,7 +22,7 @@ inline constexpr int kWatermarkPeriodCells = 64;
 /// JPEG codes in no bytes, stays void.
 inline constexpr int kWatermarkMarginCodes = 8;
 
-/// The standard is what the farm uses; `cyclorama-render watermark --curve` measures what others cost and give.
+/// The standard is what the farm uses; `cyclorama-bench-render watermark` measures what others cost and give.
 struct WatermarkStrength {
   int amplitude = 1;   ///< Code values, 1 to kWatermarkMarginCodes.
   int sparseness = 3;  ///< One cell in two to the power of it is marked, 0 to 4.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Cost maps of a session, frame by frame in a file, which cyclorama-balance replays.
+/// Cost maps of a session, frame by frame in a file, which cyclorama-bench-balance replays.
 ///
 ///     "CYCOST1\n" { frame }                                              little-endian
 ///     frame   u32 bytes that follow   u32 width_px   u32 height_px

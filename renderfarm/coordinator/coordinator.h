@@ -35,7 +35,7 @@ struct HeadOptions {
   HeadLimits limits{};
   TrustOptions trust{};
   WatchOptions watch{};
-  std::string record{};  ///< Folder for what frames cost, for cyclorama-balance; empty: not kept.
+  std::string record{};  ///< Folder for what frames cost, for cyclorama-bench-balance; empty: not kept.
   DistributionOptions distribution{};
   std::filesystem::path updates{};  ///< Of appliances' images, as UpdateShelf; empty: none.
 };

@@ -18,8 +18,8 @@
 
 namespace cyclorama {
 
-/// Writes what frames cost, one record per visit, for cyclorama-balance. A slow disk costs frames of the record, never
-/// time of the head. Thread-safe; one thread of its own.
+/// Writes what frames cost, one record per visit, for cyclorama-bench-balance. A slow disk costs frames of
+/// the record, never time of the head. Thread-safe; one thread of its own.
 class CostLog {
  public:
   /// Makes the folder. `notice` gets a sentence when a record cannot go on, on the log's thread.

@@ -130,7 +130,8 @@ int main(int argc, char** argv) {
   app.add_option("--inspect", arguments.inspect, "Where `cyclorama-farm top` and the operator look (default: nowhere)");
   app.add_option("--balance", arguments.balance, "How pictures are split; the others are there for comparison")
       ->check(CLI::IsMember({"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}));
-  app.add_option("--record", arguments.record, "Write what each frame costs into this folder, for cyclorama-balance");
+  app.add_option("--record", arguments.record,
+                 "Write what each frame costs into this folder, for cyclorama-bench-balance");
   app.add_flag("--insecure", arguments.insecure, "Let others than this machine dial without TLS");
   app.add_flag("--check", arguments.is_check, "Read the settings and end: 0 if they are good");
   TopArguments top;

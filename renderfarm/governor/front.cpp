@@ -28,8 +28,8 @@ Result<Front> Front::make(std::vector<FrontPoint> points) {
 }
 
 Front Front::standard() {
-  // Measured with cyclorama-render trade GROTTO --size 320x120 --reference-samples 512, for the generated grotto of 1 M
-  // triangles; the quicker of two runs. Points are kept if both their relMSE and their FLIP are smaller than those of
+  // Measured with cyclorama-bench-render trade GROTTO --size 320x120 --reference-samples 512, for the generated grotto of
+  // 1 M triangles; the quicker of two runs. Points are kept if both their relMSE and their FLIP are smaller than those of
   // all cheaper points. Denoising is beneficial up to 16 samples.
   struct Row {
     double scale;

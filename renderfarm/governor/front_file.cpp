@@ -39,7 +39,7 @@ Result<Front> front_of(Config config, const std::string& name) {
   TRY(config.finish());
   if (points.empty()) {
     return Error(ErrorCode::kBadData,
-                 fmt::format("{}: no [[point]]; 'cyclorama-render trade SCENE' measures a front", name));
+                 fmt::format("{}: no [[point]]; 'cyclorama-bench-render trade SCENE' measures a front", name));
   }
   return Front::make(std::move(points));
 }

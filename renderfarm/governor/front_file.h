@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A Pareto front in a file, as measured by `cyclorama-render trade`:
+/// A Pareto front in a file, as measured by `cyclorama-bench-render trade`:
 ///
 ///   # front.toml
 ///   [[point]]

@@ -11,8 +11,7 @@
 #include "renderfarm/render/lights/light_set.h"
 #include "renderfarm/render/memory.h"
 #include "renderfarm/render/requirements.h"
-#include "renderfarm/tools/features/feature_saving.h"
-#include "renderfarm/tools/features/scene_need.h"
+#include "renderfarm/tools/scene_need.h"
 
 namespace cyclorama {
 namespace {

@@ -4,15 +4,9 @@
 
 #include "common/process/program.h"
 #include "renderfarm/tools/compare_command.h"
-#include "renderfarm/tools/denoise_command.h"
-#include "renderfarm/tools/extremes_command.h"
-#include "renderfarm/tools/features_command.h"
-#include "renderfarm/tools/governed_command.h"
 #include "renderfarm/tools/inspect_command.h"
-#include "renderfarm/tools/jpeg_command.h"
 #include "renderfarm/tools/load_command.h"
 #include "renderfarm/tools/picture_command.h"
-#include "renderfarm/tools/trade_command.h"
 #include "renderfarm/tools/watermark_command.h"
 
 int main(int argc, char** argv) {
@@ -20,11 +14,8 @@ int main(int argc, char** argv) {
   Program program("cyclorama-render", "Pictures and facts of a scene, without a farm.");
   CLI::App* const options = &program.options();
   options->require_subcommand(1);
-  const std::array commands{
-      add_picture_command(options),   add_inspect_command(options),  add_load_command(options),
-      add_compare_command(options),   add_denoise_command(options),  add_trade_command(options),
-      add_governed_command(options),  add_features_command(options), add_extremes_command(options),
-      add_watermark_command(options), add_jpeg_command(options)};
+  const std::array commands{add_picture_command(options), add_inspect_command(options), add_load_command(options),
+                            add_compare_command(options), add_watermark_command(options)};
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
     for (const RenderCommand& command : commands) {
       if (command.parser->parsed()) return command.run(stop);

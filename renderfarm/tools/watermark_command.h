@@ -20,8 +20,7 @@ struct WatermarkVerdict {
 /// Reentrant.
 std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const Grants& grants);
 
-/// `cyclorama-render watermark PICTURE --museums FILE`: for which museum a picture was made. `--curve`: what the mark
-/// costs and gives, strength by strength.
+/// `cyclorama-render watermark PICTURE --museums FILE`: for which museum a picture was made.
 [[nodiscard]] RenderCommand add_watermark_command(CLI::App* program);
 
 }  // namespace cyclorama

@@ -17,7 +17,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import run  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TARGET = re.compile(r"(?:add_executable\(|project_program\(\s*NAME\s+)([\w.-]+)")
+TARGET = re.compile(r"(?:add_executable\(|project_(?:program|bench)\(\s*NAME\s+)([\w.-]+)")
 PROGRAM = re.compile(r"\{(?:bin|tests)\}/([\w.-]+)")
 
 

@@ -25,7 +25,7 @@ PROGRAMS = {"farm": ["cyclorama-authority", "cyclorama-farm"], "node": ["cyclora
             "command": ["cyclorama"],
             "museum": ["cyclorama-calibrate-camera", "cyclorama-calibrator", "cyclorama-display", "cyclorama-fetch-update", "cyclorama-hand", "cyclorama-health", "cyclorama-operator", "cyclorama-projectors", "cyclorama-tour", "cyclorama-tracker"],
             "provision": ["cyclorama-provision"],
-            "tools": ["cyclorama-balance", "cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
+            "tools": ["cyclorama-grotto", "cyclorama-render", "cyclorama-simulated-room", "cyclorama-visit", "cyclorama-walkable", "cyclorama-warp"]}
 problems = []
 
 

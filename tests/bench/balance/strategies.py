@@ -22,17 +22,17 @@ FIGURE_FRAMES = 4
 
 
 class Balance:
-    """cyclorama-balance and the scenes that it records."""
+    """cyclorama-bench-balance and the scenes that it records."""
 
     def __init__(self, build):
-        self.programs = f"{build}/bin"
+        self.build = build
 
     def run(self, *words, to=None):
         sys.stdout.flush()
-        subprocess.run([f"{self.programs}/cyclorama-balance", *map(str, words)], check=True, stdout=to)
+        subprocess.run([f"{self.build}/tests/cyclorama-bench-balance", *map(str, words)], check=True, stdout=to)
 
     def scene(self, kind, triangles):
-        return generated.scene(kind, triangles, self.programs)
+        return generated.scene(kind, triangles, f"{self.build}/bin")
 
     def record(self, scene, name, *options):
         """Returns the file of costs that it wrote."""

@@ -50,9 +50,9 @@ def walk(build, folder, scene, nodes, frames, options=()):
 
 
 def simulated(build, record, nodes, strategy):
-    """Returns cyclorama-balance's mean efficiency for the recorded frames."""
+    """Returns cyclorama-bench-balance's mean efficiency for the recorded frames."""
     out = record.parent / "replay.json"
-    subprocess.run([f"{build}/bin/cyclorama-balance", "replay", *sorted(record.iterdir()), "--nodes", str(nodes), "--strategy",
+    subprocess.run([f"{build}/tests/cyclorama-bench-balance", "replay", *sorted(record.iterdir()), "--nodes", str(nodes), "--strategy",
                     strategy, "--json", out], check=True, capture_output=True)
     return json.loads(out.read_text())[0]["mean"]
 

@@ -5,8 +5,8 @@ Run: measure.py BUILD_FOLDER SIZE REPETITIONS INTERIOR GROTTO [--quick]
 
 Every scene is measured as it is; the two generated ones also under a sky alone, because a feature is measured on
 scenes without it, and every scene has lights. Without --quick the real scenes follow where their data are there. Time
-is that of `cyclorama-render features`. The processor counts instructions where it can; elsewhere valgrind does, on a
-small picture: exact, but it emulates a processor with AVX2 at most. There the kernels differ by their shading stage
+is that of `cyclorama-bench-render features`. The processor counts instructions where it can; elsewhere valgrind does, on
+a small picture: exact, but it emulates a processor with AVX2 at most. There the kernels differ by their shading stage
 alone; the rest is shared out evenly.
 """
 import json
@@ -20,7 +20,7 @@ import tempfile
 
 build, size, repetitions = sys.argv[1], sys.argv[2], int(sys.argv[3])
 scenes = dict(zip(("interior", "grotto"), sys.argv[4:6]))
-RENDER = f"{build}/bin/cyclorama-render"
+RENDER = f"{build}/tests/cyclorama-bench-render"
 REAL = ("scenes/grotto_thousand_buddhas.glb", "scenes/hotel_room.glb", "relics/buddha_head_100k.glb", "relics/Hermes.glb")
 COUNTED_SIZE = "48x18"
 NEEDS = ["textures", "normal_maps", "surface", "lights", "environment"]  # In the order of SceneNeeds.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures a picture of a grotto with noise (1 sample per pixel) and one without by a command of cyclorama-render.
+"""Measures a picture of a grotto with noise (1 sample per pixel) and one without by a command of cyclorama-bench-render.
 
 Run: noisy_and_smooth.py BENCHMARK BUILD_FOLDER SCENE SIZE COMMAND...; COMMAND gets --json FILE and the picture.
 """
@@ -22,7 +22,7 @@ def main(benchmark, build, scene, size, *command):
                            check=True, stdout=sys.stderr)
         for picture in PICTURES:
             print(picture, flush=True)
-            subprocess.run([render, *command, "--json", folder / f"{picture}.json", folder / f"{picture}.png"], check=True)
+            subprocess.run([f"{build}/tests/cyclorama-bench-render", *command, "--json", folder / f"{picture}.json", folder / f"{picture}.png"], check=True)
             figures[picture] = json.loads((folder / f"{picture}.json").read_text())
     print(json.dumps({"benchmark": benchmark, **figures}))
 

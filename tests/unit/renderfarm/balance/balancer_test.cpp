@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Guarantees of every strategy. For their individual strengths see tests/unit/renderfarm/tools/balance/replay_test.cpp.
+// Guarantees of every strategy. For their individual strengths see tests/unit/bench/balance/replay_test.cpp.
 #include "renderfarm/balance/balancer.h"
 
 #include <gtest/gtest.h>

@@ -77,7 +77,7 @@ TEST(FrontFile, a_mistake_is_told_with_its_line_and_what_would_be_right) {
 }
 
 TEST(FrontFile, without_a_point_it_says_how_to_make_one) {
-  EXPECT_THAT(refusal_of(""), HasSubstr("cyclorama-render trade"));
+  EXPECT_THAT(refusal_of(""), HasSubstr("cyclorama-bench-render trade"));
 }
 
 TEST(FrontFile, that_is_not_there_is_not_found) {

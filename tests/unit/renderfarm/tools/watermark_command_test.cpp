@@ -5,8 +5,6 @@
 
 #include <cmath>
 
-#include "renderfarm/tools/watermark_curve.h"
-
 namespace cyclorama {
 namespace {
 
@@ -37,31 +35,6 @@ TEST(FindMuseum, tells_which_one_of_several) {
   EXPECT_EQ(verdicts[0].museum, "b");
   EXPECT_GT(verdicts[0].find.score, kWatermarkCertain);
   EXPECT_LT(verdicts[1].find.score, kWatermarkCertain);
-}
-
-TEST(WatermarkCurve, costs_and_gives_more_with_every_step_of_strength) {
-  EXPECT_EQ(measure_watermark(waves(63, 400)).error().code(), ErrorCode::kInvalidArgument);
-  const auto points = measure_watermark(waves(512, 384));
-  ASSERT_TRUE(points) << points.error().message();
-  const WatermarkPoint* before = nullptr;
-  bool has_standard = false;
-  for (const WatermarkPoint& point : *points) {
-    if (before != nullptr && before->strength.amplitude == point.strength.amplitude) {
-      EXPECT_LT(point.grey_psnr_db, before->grey_psnr_db);
-      EXPECT_GT(point.grey_flip, before->grey_flip);
-      EXPECT_GT(point.scores[0], before->scores[0]);
-    }
-    before = &point;
-    if (point.strength.amplitude != WatermarkStrength{}.amplitude ||
-        point.strength.sparseness != WatermarkStrength{}.sparseness) {
-      continue;
-    }
-    has_standard = true;
-    EXPECT_GE(point.grey_psnr_db, 42.0);
-    EXPECT_LE(point.grey_flip, 0.01);
-    EXPECT_GE(point.scores[2], kWatermarkCertain);  // JPEG of quality 75.
-  }
-  EXPECT_TRUE(has_standard);
 }
 
 }  // namespace

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/tools/render_command.h"
+
+namespace cyclorama {
+
+/// `cyclorama-bench-render denoise SCENE`: what the denoiser wins and how far it is off, for several numbers of samples.
+[[nodiscard]] RenderCommand add_denoise_command(CLI::App* program);
+
+}  // namespace cyclorama

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/render/governed_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/base/clock.h"
+#include "common/base/percentiles.h"
+#include "common/process/progress.h"
+#include "renderfarm/denoise/denoising_renderer.h"
+#include "renderfarm/governor/front_file.h"
+#include "renderfarm/governor/governor.h"
+#include "renderfarm/quality/light_error.h"
+#include "renderfarm/tools/view_options.h"
+#include "tests/bench/render/trade/trade_meter.h"
+
+namespace cyclorama {
+namespace {
+
+/// The reference's own noise is a part of every error: with this many times the samples, at most an eighth.
+constexpr int kReferencePerStill = 8;
+
+struct GovernedOptions {
+  SceneOptions scene;
+  ViewOptions view;
+  std::vector<double> budgets_ms{10, 20, 33, 50, 100, 1000};
+  std::string front;
+  std::string json;
+  int frames = 60;
+  int reference_samples = 2048;
+  std::optional<int> reference_bounces;
+};
+
+/// What became of one budget, once the governor had settled: in the second half of the frames.
+struct BudgetResult {
+  double budget_ms = 0.0;
+  Percentiles frame_ms;
+  std::map<std::size_t, int> frames_at;          ///< Point of the front: how often it was chosen.
+  double relmse = 0.0, flip = 0.0, bytes = 0.0;  ///< Means over those frames.
+
+  [[nodiscard]] std::size_t point() const {
+    return std::ranges::max_element(frames_at, {}, [](const auto& entry) { return entry.second; })->first;
+  }
+};
+
+struct Still {
+  std::vector<int> samples;
+  std::vector<double> mse;
+  /// Of log(mse) over log(samples), by least squares.
+  [[nodiscard]] double slope() const {
+    double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+    for (std::size_t i = 0; i < mse.size(); ++i) {
+      const double x = std::log(samples[i]);
+      const double y = std::log(mse[i]);
+      sx += x, sy += y, sxx += x * x, sxy += x * y;
+    }
+    const auto n = static_cast<double>(mse.size());
+    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  }
+};
+
+PixelRect whole(const Panorama& panorama) { return {0, 0, panorama.width_px, panorama.height_px}; }
+
+/// The farm's way of a frame on one machine: choose, render, take noise out, encode, learn. No network.
+class GovernedLoop {
+ public:
+  GovernedLoop(const Renderer& renderer, const GovernedOptions& options, PanoramaView view, const StopSignal& stop)
+      : renderer_(renderer), denoising_(renderer, options.scene.threads), view_(std::move(view)), stop_(stop) {}
+
+  Result<BudgetResult> hold(double budget_ms, const Front& front, int frames) {
+    BudgetResult result;
+    result.budget_ms = budget_ms;
+    Governor governor(front, budget_ms);
+    const double megapixels = 1e-6 * static_cast<double>(whole(view_.panorama).area());
+    for (int i = 0; i < frames; ++i) {
+      const std::size_t point = governor.choose(megapixels);
+      const TimePoint start = SteadyClock().now();
+      TRY(make_frame(front[point].quality, static_cast<std::uint64_t>(i)));
+      const double ms = 1e3 * to_seconds(SteadyClock().now() - start);
+      governor.measured(point, megapixels, ms);
+      if (2 * i < frames) continue;
+      result.frame_ms.add(ms);
+      ++result.frames_at[point];
+    }
+    return result;
+  }
+
+ private:
+  Status make_frame(const PictureQuality& quality, std::uint64_t seed) {
+    PanoramaView view = view_;
+    view.panorama = scaled(view.panorama, quality.scale);
+    view.quality = quality.render;
+    view.seed = seed;
+    const auto cancelled = [this] { return stop_.requested(); };
+    if (quality.denoise) {
+      denoising_.render(view, whole(view.panorama), &picture_, cancelled);
+    } else {
+      renderer_.render(view, whole(view.panorama), &picture_, cancelled);
+    }
+    if (stop_.requested()) return stopped();
+    TRY_ASSIGN([[maybe_unused]] const auto jpeg,
+               encoder_.encode(picture_, {quality.jpeg_quality, quality.subsample_chroma}));
+    return Done{};
+  }
+
+  const Renderer& renderer_;
+  DenoisingRenderer denoising_;
+  const PanoramaView view_;
+  const StopSignal& stop_;
+  JpegEncoder encoder_;
+  RgbImage picture_;
+};
+
+Result<Front> front_of(const GovernedOptions& options) {
+  if (!options.front.empty()) return read_front(options.front);
+  const std::filesystem::path own = std::filesystem::path(options.scene.scene) / "front.toml";
+  if (std::filesystem::exists(own)) return read_front(own);
+  return Front::standard();
+}
+
+/// A front's points are few and each is wrong by so much whatever the budget: each is measured once.
+class PointErrors {
+ public:
+  PointErrors(TradeMeter* meter, const Front& front, const StopSignal& stop)
+      : meter_(*meter), front_(front), stop_(stop) {}
+
+  Status add_to(BudgetResult* result) {
+    int frames = 0;
+    for (const auto& [point, count] : result->frames_at) {
+      if (!known_.contains(point)) {
+        TRY_ASSIGN(TradePoint measured,
+                   meter_.measure({"governed", front_[point].quality}, [this] { return stop_.requested(); }));
+        known_.emplace(point, std::move(measured));
+      }
+      const TradePoint& error = known_.at(point);
+      result->relmse += count * error.relmse;
+      result->flip += count * error.shown.flip;
+      result->bytes += count * static_cast<double>(error.bytes);
+      frames += count;
+    }
+    result->relmse /= frames;
+    result->flip /= frames;
+    result->bytes /= frames;
+    return Done{};
+  }
+
+ private:
+  TradeMeter& meter_;
+  const Front& front_;
+  const StopSignal& stop_;
+  std::map<std::size_t, TradePoint> known_;
+};
+
+/// Powers of two, as a picture at rest is shown.
+Result<Still> rest(const Renderer& renderer, PanoramaView view, int most_samples, const RadianceImage& reference,
+                   const StopSignal& stop) {
+  Still still;
+  Film film(reference.width(), reference.height(), false);
+  view.quality.sequence = most_samples;
+  int have = 0;
+  for (int samples = 1; samples <= most_samples; samples *= 2) {
+    view.quality.first_sample = have;
+    view.quality.samples = samples - have;
+    Film more;
+    renderer.render_film(view, whole(view.panorama), false, &more, [&] { return stop.requested(); });
+    if (stop.requested()) return stopped();
+    film.add(more);
+    have = samples;
+    still.samples.push_back(samples);
+    TRY_ASSIGN(const double mse, mean_squared_error(film.mean(), reference));
+    still.mse.push_back(mse);
+  }
+  return still;
+}
+
+nlohmann::json json_of(const BudgetResult& result, const Front& front) {
+  const PictureQuality& quality = front[result.point()].quality;
+  return {
+      {"budget_ms", result.budget_ms},      {"relmse", result.relmse},           {"flip", result.flip},
+      {"bytes", std::lround(result.bytes)}, {"ms_p50", result.frame_ms.at(0.5)}, {"ms_p95", result.frame_ms.at(0.95)},
+      {"samples", quality.render.samples},  {"bounces", quality.render.bounces}, {"scale", quality.scale},
+      {"denoise", quality.denoise}};
+}
+
+void print(const BudgetResult& result, const Front& front) {
+  const PictureQuality& quality = front[result.point()].quality;
+  fmt::print("{:9.0f} {:7} {:7} {:5} {:>8} {:8.1f} {:8.1f} {:8.4f} {:7.4f} {:8.0f}\n", result.budget_ms,
+             quality.render.samples, quality.render.bounces, quality.scale, quality.denoise ? "yes" : "no",
+             result.frame_ms.at(0.5), result.frame_ms.at(0.95), result.relmse, result.flip, result.bytes);
+}
+
+Status governed(const GovernedOptions& options, const StopSignal& stop) {
+  TRY_ASSIGN(const Front front, front_of(options));
+  TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
+  TRY_ASSIGN(PanoramaView view, panorama_view_of(options.view, loaded.scene.info));
+  if (stop.requested()) return stopped();
+  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
+  PanoramaView reference_view = view;
+  reference_view.quality = front.best().quality.render;
+  reference_view.quality.samples = options.reference_samples;
+  reference_view.quality.bounces = options.reference_bounces.value_or(renderer->scene().bounces);
+  reference_view.quality.firefly_limit = reference_view.quality.adaptive_error = 0.0f;
+  reference_view.seed = view.seed + 1;  // Shared noise would flatter.
+  std::optional<Progress> progress(std::in_place, "rendering the reference");
+  TRY_ASSIGN(const Film reference, converged_film(
+                                       *renderer, reference_view, [&](double done) { progress->update(done); },
+                                       [&] { return stop.requested(); }));
+  progress.reset();
+  TradeMeter meter(*renderer, view, reference.mean());
+  PointErrors errors(&meter, front, stop);
+  GovernedLoop loop(*renderer, options, view, stop);
+  nlohmann::json points = nlohmann::json::array();
+  fmt::print("budget ms samples bounces scale denoised   ms p50   ms p95   relMSE    FLIP    bytes\n");
+  for (const double budget_ms : options.budgets_ms) {
+    TRY_ASSIGN(BudgetResult result, loop.hold(budget_ms, front, options.frames));
+    TRY(errors.add_to(&result));
+    print(result, front);
+    points.push_back(json_of(result, front));
+  }
+  reference_view.seed = view.seed;
+  TRY_ASSIGN(const Still still,
+             rest(*renderer, reference_view, options.reference_samples / kReferencePerStill, reference.mean(), stop));
+  for (std::size_t i = 0; i < still.mse.size(); ++i) {
+    fmt::print("still, {:5} samples: mean squared error {:.3g}\n", still.samples[i], still.mse[i]);
+  }
+  fmt::print("slope {:.2f}\n", still.slope());
+  if (options.json.empty()) return Done{};
+  return write_json(options.json,
+                    {{"size", options.view.size},
+                     {"points", points},
+                     {"still", {{"samples", still.samples}, {"mse", still.mse}, {"slope", still.slope()}}}});
+}
+
+}  // namespace
+
+RenderCommand add_governed_command(CLI::App* program) {
+  CLI::App* const parser =
+      program->add_subcommand("governed", "Hold frame budgets on this machine, and measure the pictures' errors");
+  const auto options = std::make_shared<GovernedOptions>();
+  options->view.size = "320x120";
+  add_scene_options(parser, &options->scene);
+  add_view_options(parser, &options->view);
+  parser->add_option("--budgets", options->budgets_ms, "Milliseconds per frame, separated by commas")
+      ->delimiter(',')
+      ->check(CLI::Range(1.0, 1e5))
+      ->capture_default_str();
+  parser->add_option("--front", options->front, "front.toml; if left out the scene's, or the standard one");
+  parser->add_option("--frames", options->frames, "For each budget; the first half is for settling")
+      ->check(CLI::Range(2, 10000))
+      ->capture_default_str();
+  parser->add_option("--reference-samples", options->reference_samples, "Of a pixel; at rest an eighth is reached")
+      ->check(CLI::Range(2 * kReferencePerStill, kMostSamples))
+      ->capture_default_str();
+  parser->add_option("--reference-bounces", options->reference_bounces, "The scene's if left out")
+      ->check(CLI::Range(0, kMostBounces));
+  parser->add_option("--json", options->json, "Also write the figures, as JSON");
+  return {parser, [options](const StopSignal& stop) { return governed(*options, stop); }};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/render/features/feature_saving.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/doubles/simple_scenes.h"
+
+namespace cyclorama {
+namespace {
+
+Result<FeatureReport> measured(Scene scene, int repetitions = 1, const std::function<bool()>& cancelled = nullptr) {
+  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, Renderer::build(std::move(scene), 1, nullptr));
+  return measure_features(renderer.get(), view_from({0, 1, 0}, 32, 16, 0.5, -1.0), repetitions, cancelled);
+}
+
+TEST(Features, are_measured_one_by_one_and_all_together) {
+  for (const int repetitions : {1, 2}) {
+    Scene scene = scene_of(square_mesh(4.0f));
+    scene.model.lights.push_back(point_light({0, 2, 0}, 1.0f));
+    const auto report = measured(std::move(scene), repetitions);
+    ASSERT_TRUE(report.has_value());
+    EXPECT_GT(report->rays, 32u * 16u);
+    EXPECT_GT(report->cost.ns_per_ray, 0.0);
+    ASSERT_EQ(report->savings.size(), 5u);
+    EXPECT_EQ(describe(report->savings.front().feature), "textures");
+    EXPECT_EQ(describe(report->savings.back().feature), "environment");
+    for (const FeatureSaving& saved : report->savings) {
+      EXPECT_EQ(saved.kernel | saved.feature, saved.kernel);
+      EXPECT_TRUE(saved.kernel.lights);
+      EXPECT_LT(saved.time_saving, 1.0);
+    }
+    ASSERT_TRUE(report->everything.has_value());
+    EXPECT_EQ(report->everything->kernel, kEverything);
+  }
+}
+
+TEST(Features, of_a_scene_that_needs_everything_save_nothing) {
+  Scene scene = scene_of(square_mesh(4.0f));
+  scene.model.textures.emplace_back();
+  scene.model.textures[0].pixels = RgbaImage(1, 1, 255);
+  scene.model.materials[0].normal_texture.texture = 0;
+  scene.model.materials[0].clearcoat = 1.0f;
+  const auto report = measured(std::move(scene));
+  ASSERT_TRUE(report.has_value());
+  EXPECT_TRUE(report->savings.empty());
+  EXPECT_FALSE(report->everything.has_value());
+}
+
+TEST(Features, stop_when_they_are_told_to) {
+  const auto report = measured(scene_of(square_mesh(4.0f)), 1, [] { return true; });
+  ASSERT_FALSE(report.has_value());
+  EXPECT_EQ(report.error().code(), ErrorCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace cyclorama

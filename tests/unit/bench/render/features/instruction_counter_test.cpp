@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/render/features/instruction_counter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+TEST(InstructionCounter, counts_on_or_says_that_this_machine_does_not_count) {
+  const auto counter = InstructionCounter::open();
+  if (!counter) {
+    EXPECT_TRUE(counter.error().message().starts_with("counting instructions: "));
+    return;
+  }
+  const auto before = counter->count();
+  volatile int sum = 0;
+  constexpr int kLeastInstructions = 10000;
+  for (int i = 0; i < kLeastInstructions; ++i) sum = sum + i;
+  const auto after = counter->count();
+  ASSERT_TRUE(before.has_value() && after.has_value());
+  EXPECT_GE(*after - *before, static_cast<std::uint64_t>(kLeastInstructions));
+}
+
+}  // namespace
+}  // namespace cyclorama

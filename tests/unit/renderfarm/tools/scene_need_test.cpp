@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/tools/scene_need.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/doubles/simple_scenes.h"
+
+namespace cyclorama {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::string what(const Scene& scene, const std::string& name) {
+  for (const NamedNeed& need : named_needs(scene)) {
+    if (need.name == name) return need.what;
+  }
+  ADD_FAILURE() << "nothing is named " << name;
+  return "";
+}
+
+std::vector<std::string> found(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const NamedNeed& need : named_needs(scene)) {
+    if (!need.what.empty()) names.push_back(need.name);
+  }
+  return names;
+}
+
+TEST(NamedNeeds, are_indirect_light_alone_for_matte_triangles_in_the_dark) {
+  Scene scene = scene_of(square_mesh(1.0f));
+  EXPECT_THAT(found(scene), ElementsAre("indirect light"));
+  EXPECT_EQ(what(scene, "indirect light"), "4 bounces");
+  scene.bounces = 0;
+  EXPECT_THAT(found(scene), IsEmpty());
+}
+
+TEST(NamedNeeds, name_the_material_and_why) {
+  Scene scene = scene_of(square_mesh(1.0f));
+  Material& material = scene.model.materials[0];
+  material.name = "lacquer";
+  material.roughness = 0.5f;
+  EXPECT_EQ(what(scene, "glossy surfaces"), "1 material: 'lacquer' (dielectric's gloss)");
+  material.clearcoat = 1.0f;
+  EXPECT_EQ(what(scene, "glossy surfaces"), "");
+  EXPECT_EQ(what(scene, "layered surfaces"), "1 material: 'lacquer' (clear coat)");
+  material.transmission = 1.0f;
+  material.thickness = 0.1f;
+  EXPECT_EQ(what(scene, "layered surfaces"), "1 material: 'lacquer' (clear coat, transmission)");
+  EXPECT_EQ(what(scene, "volumes"), "1 material: 'lacquer' (clear)");
+}
+
+TEST(NamedNeeds, of_many_materials_name_three) {
+  Scene scene = scene_of(square_mesh(1.0f));
+  for (int i = 1; i < 5; ++i) {
+    scene.model.materials.push_back(scene.model.materials[0]);
+    add_mesh(scene, square_mesh(1.0f, i));
+  }
+  for (Material& material : scene.model.materials) material.alpha_mode = AlphaMode::kMask;
+  EXPECT_THAT(what(scene, "alpha cut-outs"), HasSubstr("5 materials: '', '', '', ..."));
+}
+
+TEST(NamedNeeds, leave_out_what_no_triangle_has) {
+  Scene scene = scene_of(square_mesh(1.0f));
+  scene.model.materials.emplace_back();
+  scene.model.materials[1].emissive.setOnes();
+  EXPECT_EQ(what(scene, "emitters"), "");
+  add_mesh(scene, square_mesh(1.0f, 1));
+  EXPECT_EQ(what(scene, "emitters"), "1 material: ''");
+}
+
+TEST(NamedNeeds, tell_lamps_apart) {
+  Scene scene = scene_of(square_mesh(1.0f));
+  const auto add = [&](LightKind kind, double radius) {
+    Light light = point_light({0, 1, 0}, 1.0f);
+    light.kind = kind;
+    light.radius_m = radius;
+    scene.model.lights.push_back(light);
+  };
+  add(LightKind::kPoint, 0.0);
+  add(LightKind::kSpot, 0.1);
+  add(LightKind::kDisk, 0.1);
+  add(LightKind::kDirectional, 0.1);
+  EXPECT_EQ(what(scene, "lamps without size"), "1");
+  EXPECT_EQ(what(scene, "lamps with a size"), "2");
+  EXPECT_EQ(what(scene, "suns"), "1");
+}
+
+TEST(NamedNeeds, instancing_is_a_mesh_that_stands_more_than_once) {
+  Scene scene = scene_of(square_mesh(1.0f));
+  EXPECT_EQ(what(scene, "instancing"), "");
+  scene.model.instances.push_back(scene.model.instances[0]);
+  EXPECT_EQ(what(scene, "instancing"), "1 meshes stand 2 times");
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -28,7 +28,7 @@ using RgbPhotograph = Image<std::uint16_t, 3>;
 
 /// To 8 bits, the darkest code 0 and the brightest 255.
 [[nodiscard]] GreyImage to_8_bits(const GreyPhotograph& photograph, int bits);
-[[nodiscard]] RgbImage to_8_bits(const RgbPhotograph& photograph, int bits);
+[[nodiscard]] RgbImage to_8_bits(const Image<std::uint16_t, 3>& photograph, int bits);
 
 /// Thread-bound.
 class SimulatedMuseum {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Models of several files into one, in metres and y up.
+/// Merges the models of several files into one, in metres with y up.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,18 +9,19 @@
 
 namespace cyclorama {
 
-/// From a file's own axes and unit to metres and y up.
+/// Transform from a file's own axes and unit to metres with y up.
 [[nodiscard]] Eigen::Affine3d T_part_file(double unit_m, bool z_up);
 
-/// Moves `part` into `whole`, once for each placement: meshes are stored once, instances, lights and views are repeated.
-/// The candelas of a file are taken as what its author saw in the file's own unit, so they shrink with its square.
+/// Moves `part` into `whole`, once for each placement: meshes are stored once; instances, lights and views are
+/// repeated.
+/// Intensities in candela are taken to hold in the file's own unit, so they are multiplied by the square of `unit_m`.
 void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_whole_file, Model* whole);
 
-/// A lamp that stands inside of something that glows, as a bulb in its globe, shines from around it: else the globe would
-/// keep all its light. `model` is in metres.
+/// Enlarges each lamp that lies inside a small emissive mesh, such as a bulb in its globe, until it encloses that mesh;
+/// otherwise the globe would block its light. `model` is in metres.
 void free_lamps(Model* model);
 
-/// Of the corners of all triangles, in the model's frame; empty when there are none.
+/// Bounds of the corners of all triangles, in the model's frame; empty if there are none.
 [[nodiscard]] Eigen::AlignedBox3d bounds_of(const Model& model);
 
 }  // namespace cyclorama

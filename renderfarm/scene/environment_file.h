@@ -11,18 +11,18 @@
 
 namespace cyclorama {
 
-/// Wider maps show nothing more to a visitor and only take memory: 4096 texels are 0.09 degrees each.
+/// Maximum width. A wider map shows no more to a visitor and only takes memory: 4096 texels are 0.09 degrees each.
 inline constexpr int kWidestEnvironmentPx = 4096;
 
-/// Half the size, rounded up; each texel is the mean over the solid angle of those that it stands for, so that the map
-/// gives as much light as before. Reentrant.
+/// Returns the map at half its size, rounded up. Each texel is the mean of the texels that it replaces, weighted by
+/// solid angle, so that the total light is unchanged. Reentrant.
 [[nodiscard]] RadianceImage halved_environment(const RadianceImage& pixels);
 
-/// Radiance averaged over all directions, strength included.
+/// Mean radiance over all directions, including the strength.
 [[nodiscard]] Eigen::Vector3f mean_radiance(const EnvironmentMap& environment);
 
-/// Reads an equirectangular picture, halved until it is not wider than kWidestEnvironmentPx, which is then noted.
-/// Errors as read_radiance()'s; kBadData also when it is not twice as wide as high. Reentrant.
+/// Reads an equirectangular picture and halves it until it is no wider than kWidestEnvironmentPx; a note reports this.
+/// Errors as read_radiance(), and kBadData if the picture is not twice as wide as high. Reentrant.
 Result<RadianceImage> read_environment(const std::filesystem::path& file, const ImportLimits& limits,
                                        std::vector<std::string>* ret_notes);
 

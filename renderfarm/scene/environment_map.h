@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Light from all around, as a picture: what no triangle hides.
+/// Light from all directions as a picture, visible where no triangle hides it.
 #pragma once
 
 #include "common/image/image.h"
@@ -14,8 +14,8 @@ namespace cyclorama {
 ///     heading = 2 pi (u - 1/2) + rotation_rad     elevation = pi (1/2 - v)
 ///     direction = (sin heading cos elevation, sin elevation, -cos heading cos elevation)
 ///
-/// with u, v in [0, 1], the first texel's centre at (1/2 / width, 1/2 / height). Between texel centres radiance is
-/// bilinear: u goes around, v ends at the outer rows. Texels are finite and not negative.
+/// with u, v in [0, 1] and the centre of the first texel at (1/2 / width, 1/2 / height). Radiance is bilinear between
+/// texel centres: u wraps around, v is clamped to the outer rows. Texels are finite and not negative.
 struct EnvironmentMap {
   RadianceImage pixels;       ///< Not empty.
   float rotation_rad = 0.0f;  ///< Turns the light to the right, as a heading does.

@@ -15,12 +15,12 @@
 
 namespace cyclorama {
 
-/// The values are glTF's.
+/// The values are glTF's componentType.
 enum class GltfComponent : std::uint16_t { kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kF32 = 5126 };
 
 [[nodiscard]] std::size_t component_bytes(GltfComponent component);
 
-/// Checked: every element lies inside `data`, at any alignment. Valid as long as the document, and a value.
+/// Checked accessor: every element lies inside `data`, at any alignment. A value; valid as long as the document.
 struct GltfAccessor {
   const std::byte* data = nullptr;
   std::size_t count = 0;
@@ -29,14 +29,14 @@ struct GltfAccessor {
   int width = 1;  ///< Components per element, 1 to 4.
   bool normalized = false;
   std::string place;
-  std::shared_ptr<const std::vector<std::byte>> owned;  ///< Holds `data` where no buffer does.
+  std::shared_ptr<const std::vector<std::byte>> owned;  ///< Owns `data` if no buffer does; otherwise null.
 
   [[nodiscard]] bool is_packed_float() const {
     return component == GltfComponent::kF32 && stride == static_cast<std::size_t>(width) * sizeof(float);
   }
 };
 
-/// What an accessor says of itself, without its data: Draco keeps the data elsewhere.
+/// Declared properties of an accessor without its data; Draco keeps the data elsewhere.
 struct GltfAccessorShape {
   std::uint64_t count = 0;
   GltfComponent component = GltfComponent::kF32;
@@ -45,14 +45,14 @@ struct GltfAccessorShape {
   std::string place;
 };
 
-/// Precondition of all: `index` came from GltfDocument::index(). Sparse values are put in place. kBadData  a wrong
-/// type, values outside the buffer view, or more than the budget allows.
+/// Both resolve `index`, which must come from GltfDocument::index(). read_accessor() applies sparse values.
+/// Errors: kBadData if a type is wrong, values lie outside the buffer view, or the budget is exceeded.
 Result<GltfAccessorShape> read_accessor_shape(const GltfDocument& document, std::size_t index);
 Result<GltfAccessor> read_accessor(GltfDocument* document, std::size_t index, GltfBudget* budget);
-/// Whether the file holds what the accessor counts, without taking memory for it.
+/// Checks that the file holds as many elements as the accessor declares, without taking memory for them.
 Status check_accessor(GltfDocument* document, std::size_t index);
 
-/// Which elements are wanted: all of them, or some in increasing order.
+/// Selected elements: all of them, or some in increasing order.
 class GltfSelection {
  public:
   static GltfSelection all(std::size_t count) { return {count, {}}; }
@@ -71,15 +71,15 @@ class GltfSelection {
   std::vector<std::uint32_t> elements_;
 };
 
-/// As floats, integers normalised where the accessor says so. Preconditions: the accessor's width is N, the selection
-/// is inside it, and the caller has paid for the result.
+/// Reads elements as floats; normalises integers where the accessor says so. Preconditions: the accessor's width is N,
+/// the selection is inside it, and the caller has charged the budget for the result.
 template <std::size_t N>
 std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, const GltfSelection& selection);
 extern template std::vector<std::array<float, 2>> read_floats(const GltfAccessor&, const GltfSelection&);
 extern template std::vector<std::array<float, 3>> read_floats(const GltfAccessor&, const GltfSelection&);
 extern template std::vector<std::array<float, 4>> read_floats(const GltfAccessor&, const GltfSelection&);
 
-/// Writes the first `indices.size()` elements. Precondition: an unsigned component of width 1, and there are that many.
+/// Writes the first `indices.size()` elements. Precondition: an unsigned component of width 1, and enough elements.
 void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> indices);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The outermost layer: which bytes are JSON, which are the binary chunk, and the JSON parsed within bounds.
+/// Outermost layer of a file: finds the JSON and the binary chunk, and parses the JSON within bounds.
 #pragma once
 
 #include <cstddef>
@@ -19,11 +19,11 @@ struct GltfChunks {
   std::optional<std::span<const std::byte>> binary;
 };
 
-/// kBadData  neither .glb nor .gltf, or a damaged .glb. Source: glTF 2.0, section 4.4.
+/// Errors: kBadData for anything but .glb and .gltf, and for a damaged .glb. Source: glTF 2.0, section 4.4.
 Result<GltfChunks> split_gltf(std::span<const std::byte> bytes);
 
-/// Parses without recursion and refuses, before anything is built, text that is nested absurdly deep or whose tree
-/// would not fit the budget.
+/// Parses without recursion. Refuses text that is nested too deeply or whose tree would not fit the budget, before
+/// anything is built.
 Status parse_gltf_json(std::string_view text, GltfBudget* budget, nlohmann::json* ret_root);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What one glTF import carries through all of its parts: how much memory is left, and what the user is to be told.
+/// State shared by all parts of one glTF import: the memory that is left, and the notes for the user.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,9 @@
 
 namespace cyclorama {
 
-/// Asked before memory is taken for anything whose size a file decides. Up to 4 GiB of the limit are there from the
-/// start; the rest has to be earned by stored bytes, so that a small file cannot ask for a whole machine. Thread-bound.
+/// Memory budget, charged before memory is taken for anything whose size a file decides. Up to 4 GiB of the limit are
+/// available from the start; the rest is released in proportion to the stored bytes, so that a small file cannot claim
+/// the memory of a whole machine. Thread-bound.
 class GltfBudget {
  public:
   explicit GltfBudget(std::size_t limit_bytes)
@@ -24,25 +25,25 @@ class GltfBudget {
         left_bytes_(std::min(limit_bytes, kFreeBytes)),
         withheld_bytes_(limit_bytes - left_bytes_) {}
 
-  /// The import reads `stored` bytes: it may take kBytesPerStored times as many.
+  /// Releases up to kBytesPerStored bytes of the limit for each of the `stored` bytes that the import reads.
   void earn(std::uint64_t stored);
 
-  /// `place` needs `count` things of `bytes_each`. kBadData  that is more than what is left.
+  /// Charges `count` items of `bytes_each` for `place`. Errors: kBadData if that is more than what is left.
   Status take(std::string_view place, std::uint64_t count, std::size_t bytes_each);
-  /// What was taken for a while is free again.
+  /// Returns what was taken temporarily.
   void give_back(std::uint64_t count, std::size_t bytes_each) { left_bytes_ += count * bytes_each; }
   [[nodiscard]] std::size_t left_bytes() const { return left_bytes_; }
 
  private:
   static constexpr std::size_t kFreeBytes = std::size_t{4} << 30;
-  static constexpr std::size_t kBytesPerStored = 64;  ///< Draco's triangles take about a byte each, and become 40.
+  static constexpr std::size_t kBytesPerStored = 64;  ///< Draco's triangles take about a byte each and expand to 40.
 
   std::size_t limit_bytes_;
   std::size_t left_bytes_;
   std::size_t withheld_bytes_;
 };
 
-/// Model::notes in the making: the same sentence said of a thousand places is one note. Thread-bound.
+/// Collects Model::notes; the same sentence about a thousand places becomes one note. Thread-bound.
 class GltfNotes {
  public:
   void add(const std::string& sentence, std::string_view place);

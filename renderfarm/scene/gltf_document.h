@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The container: .glb or .gltf, its JSON, its buffers and the references between its lists.
+/// A .glb or .gltf file: its JSON, its buffers and the references between its lists.
 #pragma once
 
 #include <cstddef>
@@ -23,12 +23,13 @@ struct GltfBufferView {
   std::string place;
 };
 
-/// Borrows the bytes that it was opened on; owns the files and data URIs that they refer to, which are opened when
-/// first needed. Thread-bound.
+/// Borrows the bytes that it was opened on; owns the files and data URIs that they refer to, which are opened on first
+/// use. Thread-bound.
 class GltfDocument {
  public:
-  /// `folder` is where relative references start; nothing is read from disk without it. `context` must outlive the
-  /// document. kBadData  not glTF, damaged, another version, or an extension is required that we lack.
+  /// Relative references are resolved in `folder`; without it nothing is read from disk. `context` must outlive the
+  /// document. Errors: kBadData if the bytes are not glTF, damaged, of another version, or require an unsupported
+  /// extension.
   static Result<GltfDocument> open(std::span<const std::byte> bytes, std::optional<std::filesystem::path> folder,
                                    GltfContext* context);
   GltfDocument(GltfDocument&&) noexcept;
@@ -36,18 +37,18 @@ class GltfDocument {
   ~GltfDocument();
 
   [[nodiscard]] const GltfObject& root() const;
-  /// Whether extensionsUsed names it.
+  /// True if extensionsUsed contains `extension`.
   [[nodiscard]] bool uses(std::string_view extension) const;
 
-  /// The index that `from`.`key` holds into the root's array `list`, checked; nothing when the key is absent.
+  /// Returns the checked index into the root's array `list` that `from`.`key` holds; nothing if the key is absent.
   Result<std::optional<std::size_t>> index(const GltfObject& from, const char* key, const char* list) const;
   Result<std::size_t> required_index(const GltfObject& from, const char* key, const char* list) const;
   /// Precondition: `index` came from index().
   Result<GltfObject> item(const char* list, std::size_t index) const;
 
-  /// kNotFound, kSystem, kBadData  as the file that holds the data. Valid as long as the document.
+  /// Valid as long as the document. Errors: kNotFound, kSystem, kBadData of the file that holds the data.
   Result<GltfBufferView> buffer_view(std::size_t index);
-  /// What a "uri" holds: of a data URI or a file. Valid as long as the document.
+  /// Returns the content of a "uri": a data URI or a file. Valid as long as the document.
   Result<std::span<const std::byte>> resource(const GltfObject& from, std::string_view uri);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// KHR_draco_mesh_compression, by libdraco.
+/// KHR_draco_mesh_compression, decoded by libdraco.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// What the uncompressed accessors promise; data that announces anything else is refused before it is decoded.
+/// Sizes from the uncompressed accessors; data that announces other sizes is refused before it is decoded.
 struct GltfDracoPromise {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
@@ -21,16 +21,17 @@ struct GltfDracoPromise {
 /// One decoded primitive. Move-only, thread-bound.
 class GltfDracoMesh {
  public:
-  /// `extension` is the primitive's KHR_draco_mesh_compression object. kBadData  damaged, or over the budget.
+  /// `extension` is the primitive's KHR_draco_mesh_compression object. Errors: kBadData if it is damaged or over the
+  /// budget.
   static Result<GltfDracoMesh> decode(GltfDocument* document, const GltfObject& extension,
                                       const GltfDracoPromise& promise, GltfBudget* budget);
   GltfDracoMesh(GltfDracoMesh&&) noexcept;
   GltfDracoMesh& operator=(GltfDracoMesh&&) noexcept;
   ~GltfDracoMesh();
 
-  /// The caller has paid for them.
+  /// The caller has charged the budget for the triangles.
   [[nodiscard]] GltfTriangles triangles() const;
-  /// Nothing when this semantic ("POSITION") is not compressed. `shape` is what its accessor says.
+  /// Returns nothing if this semantic (such as "POSITION") is not compressed. `shape` is its accessor's.
   Result<std::optional<GltfAccessor>> attribute(const char* semantic, const GltfAccessorShape& shape,
                                                 GltfBudget* budget) const;
 

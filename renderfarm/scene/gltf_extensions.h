@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What to do about the extensions that a glTF file says it uses.
+/// Checks the extensions that a glTF file uses against those that are supported.
 #pragma once
 
 #include <set>
@@ -11,8 +11,8 @@
 
 namespace cyclorama {
 
-/// The names in extensionsUsed. Each one that we lack is noted once; one that is required, and without which the
-/// picture would not just look a little different but be wrong, is kBadData.
+/// Returns the names in extensionsUsed and notes each unsupported one once. Errors: kBadData if an unsupported
+/// extension is required and the picture would be wrong without it, not just slightly different.
 Result<std::set<std::string, std::less<>>> check_gltf_extensions(const GltfObject& root, GltfNotes* notes);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// import_gltf() of model.h, for bytes that are in memory already.
+/// import_gltf() of model.h for bytes in memory.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace cyclorama {
 
-/// As import_gltf(); errors name the place and not the file. `folder` is where the files are that the scene refers to;
-/// without it, a scene that refers to any is refused. Reentrant.
+/// As import_gltf(), but errors name the place and not the file. Files that the scene refers to are read from `folder`;
+/// without it, such a scene is refused. Reentrant.
 Result<Model> import_gltf_bytes(std::span<const std::byte> bytes, const std::optional<std::filesystem::path>& folder,
                                 const ImportLimits& limits);
 

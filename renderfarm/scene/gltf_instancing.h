@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// EXT_mesh_gpu_instancing: one node that shows its mesh many times.
+/// EXT_mesh_gpu_instancing: one node that draws its mesh many times.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 
-/// T_node_mesh of each copy. `extension` is the node's EXT_mesh_gpu_instancing object.
+/// Returns T_node_mesh of each copy. `extension` is the node's EXT_mesh_gpu_instancing object.
 Result<std::vector<Eigen::Affine3d>> read_instancing(GltfDocument* document, const GltfObject& extension,
                                                      GltfContext* context);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// glTF's JSON, read strictly: whatever is not as the specification says becomes an error that names the place as a
-/// JSON pointer ("/accessors/3/count: ..."). The importer prefixes the file.
+/// Strict reader of glTF's JSON. Any deviation from the specification is an error that names the place as a JSON
+/// pointer ("/accessors/3/count: ..."). The importer prefixes the file.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace cyclorama {
 
 class GltfArray;
 
-/// kBadData, closing with the remedy that fits every damaged file.
+/// Returns kBadData with the remedy that applies to every damaged file.
 Error gltf_damaged(std::string_view place, std::string_view what);
 
 /// One JSON object and its place. Borrows the parsed document. An absent key is an empty optional; a key of the wrong
@@ -31,16 +31,16 @@ class GltfObject {
   [[nodiscard]] Error damaged(std::string_view key, std::string_view what) const;
 
   Result<std::optional<double>> number(const char* key) const;
-  /// Whole and not negative; "3.0" is a whole number.
+  /// Whole and not negative; "3.0" counts as a whole number.
   Result<std::optional<std::uint64_t>> integer(const char* key) const;
   Result<std::uint64_t> required_integer(const char* key) const;
   Result<std::optional<bool>> flag(const char* key) const;
   Result<std::optional<std::string>> text(const char* key) const;
   Result<std::string> text_or(const char* key, const char* fallback) const;
-  /// The "name" that most objects may have. Never an error: it is for people only.
+  /// The "name" that most objects may have. Never an error, since it is for people only.
   [[nodiscard]] std::string name() const;
   Result<std::optional<GltfObject>> object(const char* key) const;
-  /// extensions.NAME
+  /// Returns extensions.NAME.
   Result<std::optional<GltfObject>> extension(const char* name) const;
   /// Empty when the key is absent.
   Result<GltfArray> array(const char* key) const;
@@ -62,7 +62,7 @@ class GltfObject {
   std::string place_;
 };
 
-/// As GltfObject.
+/// One JSON array and its place; borrows the parsed document.
 class GltfArray {
  public:
   GltfArray(const nlohmann::json* value, std::string place) : value_(value), place_(std::move(place)) {}
@@ -76,7 +76,7 @@ class GltfArray {
   [[nodiscard]] std::string place_of(std::size_t index) const;
 
  private:
-  const nlohmann::json* value_;  // Null: an absent array.
+  const nlohmann::json* value_;  // Null for an absent array.
   std::string place_;
 };
 

@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// The light that `node` carries, placed; nothing, when it carries none. Lights of unknown kinds are noted.
+/// Returns the light that `node` carries, in the model's frame, or nothing. Notes lights of unknown kinds.
 Result<std::optional<Light>> read_node_light(const GltfDocument& document, const GltfObject& node,
                                              const Eigen::Affine3d& T_model_node, GltfNotes* notes);
 

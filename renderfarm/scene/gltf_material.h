@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Materials as glTF and its extensions describe them, brought to what Material can say.
+/// Converts glTF materials and their extensions to Material.
 #pragma once
 
 #include <array>
@@ -18,18 +18,19 @@
 
 namespace cyclorama {
 
-/// One material; its TextureUses hold glTF's texture indices, checked, and not Model's. Texture coordinates beyond the
-/// second set are dropped with a note.
+/// Reads one material. Its TextureUses hold checked indices into glTF's textures, not into Model's. Texture coordinates
+/// beyond the second set are dropped with a note.
 Result<Material> read_gltf_material(const GltfDocument& document, const GltfObject& object, GltfNotes* notes);
 
-/// Gives each primitive its material, loading what has not been loaded yet. Borrows all it is given. Thread-bound.
+/// Gives each primitive its material and loads it on first use. Borrows its arguments. Thread-bound.
 class GltfMaterials {
  public:
   GltfMaterials(GltfDocument* document, GltfContext* context, Model* ret_model)
       : document_(document), context_(context), model_(ret_model), textures_(document, context, &ret_model->textures) {}
 
-  /// Index into Model::materials. A texture whose coordinates the primitive lacks (`has_texcoords`) is left out of what
-  /// it gets, so that every TextureUse in the model can be sampled. `index` is glTF's; none is a plain white surface.
+  /// Returns an index into Model::materials. Leaves out textures whose coordinates the primitive lacks
+  /// (`has_texcoords`), so that every TextureUse in the model can be sampled. `index` is glTF's; none means a plain
+  /// white surface.
   Result<int> load(std::optional<std::size_t> index, const std::array<bool, 2>& has_texcoords, std::string_view place);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Meshes: each primitive with a surface becomes one Mesh.
+/// Each primitive with a surface becomes one Mesh.
 #pragma once
 
 #include <cstddef>
@@ -15,13 +15,13 @@
 
 namespace cyclorama {
 
-/// Loads each glTF mesh when a node first shows it. Borrows all it is given. Thread-bound.
+/// Loads each glTF mesh when a node first uses it. Borrows its arguments. Thread-bound.
 class GltfMeshes {
  public:
   GltfMeshes(GltfDocument* document, GltfContext* context, Model* ret_model)
       : document_(document), context_(context), model_(ret_model), materials_(document, context, ret_model) {}
 
-  /// Indices into Model::meshes. The reference is valid as long as this object. Precondition: `index` came from
+  /// Returns indices into Model::meshes, valid as long as this object. Precondition: `index` came from
   /// GltfDocument::index().
   Result<const std::vector<int>*> load(std::size_t index);
 

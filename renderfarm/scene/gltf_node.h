@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The scene graph, flattened: every mesh that the scene shows as an instance, and its lights.
+/// Flattens the scene graph into instances, lights and viewpoints.
 #pragma once
 
 #include <cstddef>
@@ -13,16 +13,16 @@
 
 namespace cyclorama {
 
-/// Nodes as a forest: checked, so that walking it ends.
+/// Nodes as a forest, checked to be free of loops.
 struct GltfForest {
   std::vector<std::vector<std::size_t>> children;
-  std::vector<std::size_t> shown_roots;  ///< Of the default scene; of the whole file, where it has no scenes.
+  std::vector<std::size_t> shown_roots;  ///< Roots of the default scene, or of the whole file if it has no scenes.
 };
 
-/// kBadData  a loop, a node with two parents, or a scene that names a node which is not a root.
+/// Errors: kBadData for a loop, a node with two parents, or a scene that names a node which is not a root.
 Result<GltfForest> read_gltf_forest(const GltfDocument& document);
 
-/// Fills instances, lights and viewpoints, and through `meshes` all that they need. A file of meshes without any node
+/// Fills instances, lights and viewpoints, and loads what they need through `meshes`. A file with meshes but no nodes
 /// shows each mesh once.
 Status show_gltf_scene(GltfDocument* document, GltfContext* context, GltfMeshes* meshes, Model* ret_model);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where the data of one primitive is: in accessors, or in a Draco mesh with accessors that describe it.
+/// Locates the data of one primitive: in accessors, or in a Draco mesh with accessors that describe it.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace cyclorama {
 /// Borrows document and context. Thread-bound.
 class GltfPrimitive {
  public:
-  /// Nothing, with a note, for what has no surface: points, lines, no positions, no vertices.
+  /// Returns nothing, with a note, for a primitive without a surface: points, lines, no positions, no vertices.
   static Result<std::optional<GltfPrimitive>> open(GltfDocument* document, GltfContext* context,
                                                    const GltfObject& primitive);
 
@@ -24,7 +24,8 @@ class GltfPrimitive {
   [[nodiscard]] bool has(const char* semantic) const { return attributes_.has(semantic); }
   /// All corners are below vertex_count().
   Result<GltfTriangles> triangles() const;
-  /// Nothing when the primitive lacks it. kBadData  wrong type, wrong count, or outside its buffer.
+  /// Returns nothing if the primitive lacks it. Errors: kBadData if its type or count is wrong or it lies outside its
+  /// buffer.
   Result<std::optional<GltfAccessor>> attribute(const char* semantic, GltfVertexKind kind) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// KHR_materials_pbrSpecularGlossiness, which scans of the last decade have, as metallic-roughness.
+/// Converts KHR_materials_pbrSpecularGlossiness, common in older scans, to metallic-roughness.
 #pragma once
 
 #include "common/base/result.h"
@@ -9,8 +9,8 @@
 
 namespace cyclorama {
 
-/// Replaces the metallic-roughness part of `material`. Factors are converted; the texture of specular colour and
-/// glossiness is left out with a note.
+/// Replaces the metallic-roughness part of `ret_material`. Converts the factors; leaves out the texture of specular
+/// colour and glossiness with a note.
 Status read_specular_glossiness(const GltfDocument& document, const GltfObject& extension, GltfNotes* notes,
                                 Material* ret_material);
 

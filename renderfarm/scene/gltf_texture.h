@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Images and samplers.
+/// glTF's textures, images and samplers.
 #pragma once
 
 #include <cstddef>
@@ -14,15 +14,16 @@
 
 namespace cyclorama {
 
-/// Loads each texture when a material that is seen first needs it. Borrows all it is given. Thread-bound.
+/// Loads each texture when a visible material first needs it. Borrows its arguments. Thread-bound.
 class GltfTextures {
  public:
   GltfTextures(GltfDocument* document, GltfContext* context, std::vector<Texture>* ret_textures)
       : document_(document), context_(context), textures_(ret_textures) {}
 
-  /// Index into Model::textures, or -1 with a note that names the image: a picture that is missing, damaged or of
-  /// another format leaves the surface plain, since a visit without one texture is better than none. kBadData  the
-  /// references are wrong, or the pixels are over the budget. Precondition: `index` came from GltfDocument::index().
+  /// Returns an index into Model::textures. A picture that is missing, damaged or of another format gives -1 and a note
+  /// that names it: the surface stays plain, since a visit without one texture is better than none.
+  /// Errors: kBadData if the references are wrong or the pixels exceed the budget.
+  /// Precondition: `index` came from GltfDocument::index().
   Result<int> load(std::size_t index);
 
  private:
@@ -34,7 +35,7 @@ class GltfTextures {
   GltfContext* context_;
   std::vector<Texture>* textures_;
   std::map<std::size_t, int> loaded_;
-  /// By image and sampler: many files have a texture for each use of a picture.
+  /// By image and sampler, since many files have a texture for each use of a picture.
   std::map<std::tuple<std::size_t, WrapMode, WrapMode, bool>, int> decoded_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where a node is.
+/// Transforms of nodes.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,14 +11,15 @@
 
 namespace cyclorama {
 
-/// T_parent_node from `matrix` or from translation, rotation and scale. kBadData  both, or no affine transform.
+/// Reads T_parent_node from `matrix` or from translation, rotation and scale. Errors: kBadData if both are given or the
+/// transform is not affine.
 Result<Eigen::Affine3d> read_node_transform(const GltfObject& node, GltfNotes* notes);
 
-/// `rotation` is glTF's (x, y, z, w) of any length; nothing without a direction.
+/// `rotation` is glTF's quaternion (x, y, z, w) of any length; returns nothing if it is zero.
 std::optional<Eigen::Affine3d> compose_transform(const Eigen::Vector3d& translation, const Eigen::Vector4d& rotation,
                                                  const Eigen::Vector3d& scale);
 
-/// Finite, and not flattened so that it could not be undone: what a ray tracer needs of an instance.
+/// True if the transform is finite and not so flat that it cannot be inverted, as a ray tracer requires of an instance.
 bool is_invertible(const Eigen::Affine3d& transform);
 
 }  // namespace cyclorama

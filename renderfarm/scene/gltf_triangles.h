@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From a primitive's indices to triangles.
+/// Triangles from a primitive's indices.
 #pragma once
 
 #include <array>
@@ -16,19 +16,19 @@ namespace cyclorama {
 
 using GltfTriangles = std::vector<std::array<std::uint32_t, 3>>;
 
-/// glTF's `mode`; points and lines, which have no surface, are 0 to 3.
+/// Values of glTF's `mode`; 0 to 3 are points and lines, which have no surface.
 enum class GltfTopology : std::uint8_t { kTriangles = 4, kStrip = 5, kFan = 6 };
 
-/// Without `indices` the vertices follow one another. Triangles of strips and fans that repeat a corner, which only
-/// stitch parts together, are left out. kBadData  an index outside `vertex_count`, wrong types, or over the budget.
+/// Without `indices` the vertices follow one another. Triangles of strips and fans that repeat a corner only connect
+/// parts and are left out. Errors: kBadData for an index outside `vertex_count`, a wrong type, or an exceeded budget.
 Result<GltfTriangles> read_triangles(const std::optional<GltfAccessor>& indices, std::size_t vertex_count,
                                      GltfTopology topology, std::string_view place, GltfContext* context);
 
-/// kBadData  a corner outside `vertex_count`.
+/// Errors: kBadData for a corner outside `vertex_count`.
 Status check_corners(const GltfTriangles& triangles, std::size_t vertex_count, std::string_view place);
 
-/// Where many primitives share one long list of vertices, each keeps only its own: renumbers the corners when the
-/// triangles cannot need all vertices. Precondition: check_corners().
+/// Selects the vertices that the triangles use and renumbers the corners, for primitives that share one long vertex
+/// list. Selects all if there are at least as many corners as vertices. Precondition: check_corners().
 GltfSelection select_vertices(GltfTriangles* triangles, std::size_t vertex_count);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// URIs as glTF has them: data inside the text, or a file beside it, and nothing else.
+/// glTF's URIs: data inside the text or a file beside it, and nothing else.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,14 @@
 namespace cyclorama {
 
 [[nodiscard]] bool is_data_uri(std::string_view uri);
-/// An upper bound of what decode_data_uri() gives and needs.
+/// Upper bound of the bytes that decode_data_uri() returns and needs.
 [[nodiscard]] std::size_t data_uri_bytes(std::string_view uri);
-/// Base64, or text with percent escapes. kBadData  damaged, or not a data URI. Sources: RFC 2397, RFC 4648.
+/// Decodes base64, or text with percent escapes. Errors: kBadData if damaged or not a data URI. Sources: RFC 2397, RFC
+/// 4648.
 Result<std::vector<std::byte>> decode_data_uri(std::string_view uri);
 
-/// The file that a relative reference names, after percent-decoding. kBadData  another scheme, an absolute path, or a
-/// path that leaves `folder`: a scene never reads what was not delivered with it.
+/// Returns the file that a relative reference names, after percent-decoding. Errors: kBadData for another scheme, an
+/// absolute path, or a path that leaves `folder`: a scene reads only what was delivered with it.
 Result<std::filesystem::path> resolve_relative_uri(const std::filesystem::path& folder, std::string_view uri);
 
 }  // namespace cyclorama

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// MTL materials, as near to glTF's metallic-roughness model as they come.
+/// MTL materials, converted to glTF's metallic-roughness model as closely as possible.
 ///
 ///   Kd, map_Kd   base colour
 ///   Ke, map_Ke   emission
-///   Ks, Ns       roughness: Blinn-Phong's exponent as the GGX width that shines alike, alpha = sqrt(2 / (Ns + 2))
+///
+///   Ks, Ns       roughness: GGX width with the same highlight as Blinn-Phong's exponent, alpha = sqrt(2 / (Ns + 2))
 ///                (B. Karis, 2013, "Specular BRDF Reference")
 ///   d, Tr        opacity
-///   Pr, Pm       roughness and metallic as such
+///
+///   Pr, Pm       roughness and metallic, unchanged
 ///   Pc, Pcr      clearcoat and its roughness
 ///   norm         normal map
-///   map_d        cut-out, when it is the picture of map_Kd
 ///
-/// What else a file asks for is noted.
+///   map_d        alpha mask, if it is the same picture as map_Kd
+///
+/// Other statements are noted.
 #pragma once
 
 #include <filesystem>
@@ -24,19 +27,20 @@
 
 namespace cyclorama {
 
-/// Materials of one OBJ file, and the pictures they use. Thread-bound.
+/// Materials of one OBJ file and their pictures. Thread-bound.
 class MtlLibrary {
  public:
-  /// Files are looked for in `folder` and below, never elsewhere: a name that leads out of it (other people's absolute
-  /// paths) is looked for by its last part.
+  /// Files are looked for in `folder` and below. A name that leads out of it, such as an absolute path of another
+  /// machine, is looked for by its last part.
   MtlLibrary(std::filesystem::path folder, const ImportLimits& limits);
 
-  /// `names` is what follows "mtllib". A file that is absent or wrong is noted; the model is shown without it.
+  /// Reads the files in `names`, the text after "mtllib". Notes a file that is absent or wrong; the model is shown
+  /// without it.
   void read(std::string_view names);
-  /// The material called `name`, or the plain one after a note. An index into the model's materials.
+  /// Returns the model's index of the material called `name`, or of the plain one after a note.
   int use(std::string_view name);
 
-  /// Decodes the pictures of the materials in use and moves all into the model.
+  /// Decodes the pictures of the used materials and moves everything into the model.
   void finish(Model* model) &&;
 
  private:
@@ -47,7 +51,7 @@ class MtlLibrary {
     std::string normal_file;
     std::string cut_out_file;
   };
-  /// False when there is no such file.
+  /// Returns false if there is no such file.
   bool read_one(std::string_view name);
   void parse(std::string_view text, const std::string& name);
   void read_statement(std::string_view keyword, std::string_view rest, Entry* entry);
@@ -57,9 +61,9 @@ class MtlLibrary {
   std::filesystem::path folder_;
   ImportLimits limits_;
   std::map<std::string, Entry, std::less<>> known_;
-  std::map<std::string, int, std::less<>> used_;  ///< Name to place in in_use_.
+  std::map<std::string, int, std::less<>> used_;  ///< Name to index in in_use_.
   std::vector<Entry> in_use_;
-  std::map<std::string, int> textures_;  ///< By file name; -1 is one that cannot be read.
+  std::map<std::string, int> textures_;  ///< By file name; -1 if it cannot be read.
   std::size_t texture_bytes_ = 0;
   std::vector<std::string> notes_;
 };

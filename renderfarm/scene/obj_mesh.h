@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// OBJ's corners, each with its own place, texture coordinate and normal, as vertices of indexed meshes.
+/// Converts OBJ's corners, each with its own position, texture coordinate and normal, to vertices of indexed meshes.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// What a corner of a face refers to, from 0.
+/// Zero-based indices of a face's corner into the lists.
 struct ObjCorner {
   static constexpr std::uint32_t kNone = 0xffffffff;
   std::uint32_t position = 0;
@@ -23,7 +23,7 @@ struct ObjCorner {
 
 /// The lists that an OBJ file's faces refer to.
 struct ObjLists {
-  std::vector<Eigen::Vector3d> positions;            ///< In double: rebased when meshes are made.
+  std::vector<Eigen::Vector3d> positions;            ///< In double; made relative to an origin when meshes are made.
   std::vector<std::array<std::uint8_t, 3>> colours;  ///< As many as positions, or none.
   std::vector<std::array<float, 2>> texcoords;       ///< v counts down.
   std::vector<std::array<float, 3>> normals;
@@ -31,15 +31,15 @@ struct ObjLists {
   [[nodiscard]] std::size_t memory_bytes() const;
 };
 
-/// A mesh that grows face by face: equal corners become one vertex. Thread-bound.
+/// A mesh that grows face by face; equal corners become one vertex. Thread-bound.
 class ObjMesh {
  public:
   explicit ObjMesh(int material) : material_(material) {}
 
-  /// Precondition: what the corners refer to is in `lists`.
+  /// Precondition: all indices of the corners are in `lists`, which finish() receives.
   void add_triangle(const std::array<ObjCorner, 3>& corners);
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
-  /// Of this mesh, and of the Mesh made of it.
+  /// Memory of this object and of the Mesh made from it.
   [[nodiscard]] std::size_t memory_bytes() const;
   [[nodiscard]] Mesh finish(const ObjLists& lists) &&;
 
@@ -49,7 +49,8 @@ class ObjMesh {
 
   int material_;
   std::vector<ObjCorner> vertices_;
-  std::vector<std::uint32_t> slots_;  ///< Open addressing: a power of two, at most two thirds full; vertex + 1, or 0.
+  /// Open addressing: a power of two, at most two thirds full; vertex + 1, or 0 if free.
+  std::vector<std::uint32_t> slots_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From cells on the ground to the polygons around them.
+/// Polygons around sets of ground cells.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@ class CellSet {
       : width_(width), depth_(depth), bits_(static_cast<std::size_t>(width) * static_cast<std::size_t>(depth), false) {}
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int depth() const { return depth_; }
-  /// False outside.
+  /// False outside the grid.
   [[nodiscard]] bool has(int x, int z) const {
     return x >= 0 && z >= 0 && x < width_ && z < depth_ && bits_[index_of(x, z)];
   }
@@ -31,15 +31,15 @@ class CellSet {
   std::vector<bool> bits_;
 };
 
-/// The cells that can be reached from one of `set`, side by side; none when it is not in it.
+/// Returns the cells of `set` connected by their sides to the start cell; none if the start is not in `set`.
 [[nodiscard]] CellSet reached_from(const CellSet& set, int start_x, int start_z);
 
-/// The borders of `set` as corners of cells (x, z), by where they begin: least z, then least x. So of a connected set
-/// the outline comes first, and then its holes. Cells that touch at a corner only are not joined.
+/// Returns the borders of `set` as cell corners (x, z), ordered by their first corner: least z, then least x. For a
+/// connected set the outline comes first, then its holes. Cells that touch only at a corner are not joined.
 [[nodiscard]] std::vector<std::vector<Eigen::Vector2i>> borders_of(const CellSet& set);
 
-/// Douglas and Peucker's simplification of a closed line: no corner that is left out lies farther than `tolerance`
-/// away.
+/// Simplifies a closed line by Douglas and Peucker's method: no omitted corner lies farther than `tolerance` from the
+/// result.
 [[nodiscard]] std::vector<Eigen::Vector2d> simplified(const std::vector<Eigen::Vector2d>& corners, double tolerance);
 
 }  // namespace cyclorama

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Values of a PLY body, one after the other. Both cursors have one shape, so that what reads rows is written once and
-/// compiled for each encoding; there is no virtual call per value. Thread-bound; they borrow the file's bytes.
+/// Readers of the values of a PLY body in file order. Both cursors have the same interface, so that rows are read by
+/// one template, compiled for each encoding, without a virtual call per value. Thread-bound; they borrow the file's
+/// bytes.
 #pragma once
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ class PlyBinaryCursor {
   PlyBinaryCursor(std::span<const std::byte> file, const PlyHeader& header)
       : at_(file.data() + header.body_offset), end_(file.data() + file.size()) {}
 
-  /// False when the file has ended.
+  /// Returns false at the end of the file.
   bool read(PlyType type, double* ret_value) {
     switch (type) {
       case PlyType::kInt8:
@@ -46,10 +47,10 @@ class PlyBinaryCursor {
     }
     return false;
   }
-  /// Between rows. False when the row is not whole.
+  /// Called around each row. Returns false if the row is incomplete.
   bool begin_row() { return true; }
   bool end_row() { return true; }
-  /// What went wrong when read(), begin_row() or end_row() gave false.
+  /// Reason why read(), begin_row() or end_row() returned false.
   [[nodiscard]] std::string what() const { return "the file ends there: it is cut short; copy it again"; }
   [[nodiscard]] std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
 
@@ -70,7 +71,7 @@ class PlyBinaryCursor {
   const std::byte* end_;
 };
 
-/// One row per line; empty lines are passed over.
+/// Reads one row per line; skips empty lines.
 class PlyTextCursor {
  public:
   PlyTextCursor(std::span<const std::byte> file, const PlyHeader& header)

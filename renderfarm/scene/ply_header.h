@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The head of a PLY file: what the bytes after it mean. Source: G. Turk, "The PLY Polygon File Format", 1994, and the
-/// dialects of Blender, VCGLIB/MeshLab, CloudCompare and Assimp.
+/// Header of a PLY file. Source: G. Turk, "The PLY Polygon File Format", 1994, and the dialects of Blender,
+/// VCGLIB/MeshLab, CloudCompare and Assimp.
 ///
-/// Why our own reader: Debian packages no PLY library but Assimp, which keeps positions in float, reads value by value
-/// through virtual calls, and takes many times the file's size in memory.
+/// Reason for our own reader: Debian packages no PLY library but Assimp, which keeps positions in float, reads value by
+/// value through virtual calls, and takes many times the file's size in memory.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ enum class PlyEncoding : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::kFloat32;   ///< Of the value, or of each value of a list.
+  PlyType type = PlyType::kFloat32;   ///< Type of the value, or of each value of a list.
   std::optional<PlyType> count_type;  ///< Lists only.
 };
 
@@ -34,20 +34,20 @@ struct PlyElement {
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  /// The least that one row takes in the file, in bytes, when its lists are empty.
+  /// Minimum size in bytes of one row in the file, with empty lists.
   [[nodiscard]] std::size_t least_row_bytes(PlyEncoding encoding) const;
 };
 
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
-  std::vector<PlyElement> elements;  ///< In file order; each has a property.
+  std::vector<PlyElement> elements;  ///< In file order; each has at least one property.
   std::string texture_file;          ///< MeshLab's "comment TextureFile"; may be empty.
   std::size_t body_offset = 0;
   std::size_t body_line = 1;  ///< Line number of the first line of an ASCII body.
 };
 
-/// kBadData, with the line, for anything but a PLY header, and for one that announces more rows than `file` can hold:
-/// after this, counts may be trusted for reserving memory. Reentrant.
+/// Reads the header; its counts may be trusted for reserving memory. Reentrant.
+/// Errors: kBadData, with the line, if this is no PLY header or it announces more rows than `file` can hold.
 Result<PlyHeader> parse_ply_header(std::span<const std::byte> file);
 
 }  // namespace cyclorama

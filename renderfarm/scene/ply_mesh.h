@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A mesh that grows row by row as a PLY file is read, and keeps Model's invariants on the way.
+/// A mesh that grows row by row as a PLY file is read; keeps Model's invariants.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,16 +15,15 @@
 
 namespace cyclorama {
 
-/// What a vertex property is to us.
+/// Meaning of a vertex property.
 enum PlyRole : std::size_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kRoleCount, kNoRole };
 
-/// Where each value of a vertex row goes.
+/// Destination of each value of a vertex row.
 class PlyVertexLayout {
  public:
   explicit PlyVertexLayout(const PlyElement& vertex);
   [[nodiscard]] PlyRole role(std::size_t property) const { return roles_[property]; }
   [[nodiscard]] bool has(PlyRole role) const { return has_[role]; }
-  /// Colour values times this are 0 to 255.
   [[nodiscard]] bool has_normal() const { return has_[kNx] && has_[kNy] && has_[kNz]; }
   [[nodiscard]] bool has_texcoord() const { return has_[kU] && has_[kV]; }
   [[nodiscard]] bool has_colour() const { return has_[kRed] && has_[kGreen] && has_[kBlue]; }
@@ -41,22 +40,23 @@ class PlyVertexLayout {
 /// Thread-bound.
 class PlyMesh {
  public:
-  /// The file may make at most `limit_bytes` of mesh.
+  /// `limit_bytes` is the maximum memory of the mesh.
   explicit PlyMesh(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-  /// First of all: how many vertices there will be, since faces may come before them. kBadData  not exactly one
-  /// element with positions, or more than the limit allows.
+  /// Called first; fixes the number of vertices, since faces may precede them in the file. Errors: kBadData unless
+  /// exactly one element has positions, or if the limit is exceeded.
   Status begin(const PlyHeader& header);
   void add_vertex(const PlyVertexLayout& layout, const std::array<double, kNoRole + 1>& row);
 
-  /// kBadData  more than the limit allows.
+  /// Errors: kBadData if the limit is exceeded.
   Status reserve_triangles(std::uint64_t count);
-  /// Corners as the file gives them. kBadData  one is not the number of a vertex, or more than the limit allows.
+  /// Takes corners as the file gives them. Errors: kBadData if one is not the number of a vertex, or the limit is
+  /// exceeded.
   Status add_polygon(std::span<const double> corners);
-  /// A strip, or several with -1 between them. Errors as add_polygon().
+  /// Takes a strip, or several separated by -1. Errors as add_polygon().
   Status add_strip(std::span<const double> corners);
 
-  /// Takes what has been read. kBadData  no triangle is left.
+  /// Returns the finished model. Errors: kBadData if no triangle is left.
   Result<Model> finish() &&;
 
  private:
@@ -71,7 +71,7 @@ class PlyMesh {
   bool has_alpha_ = false;
   std::vector<bool> is_unusable_;  ///< By vertex; empty while all are usable.
   std::uint64_t polygons_without_area_ = 0;
-  std::vector<std::uint32_t> indices_;  // Scratch, kept from row to row.
+  std::vector<std::uint32_t> indices_;  // Scratch, reused from row to row.
   std::vector<Eigen::Vector3d> corners_;
   std::vector<std::array<std::uint32_t, 3>> pieces_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A scene, loaded and placed: metres, y up, ready to be ray traced.
+/// A loaded and placed scene: metres, y up, ready for ray tracing.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -15,14 +15,14 @@
 
 namespace cyclorama {
 
-/// Light from everywhere that no triangle hides: a vertical gradient of radiance, linear.
+/// Light from all directions where no triangle hides it: a vertical gradient of linear radiance.
 struct Sky {
   Eigen::Vector3f zenith = Eigen::Vector3f::Zero();
   Eigen::Vector3f horizon = Eigen::Vector3f::Zero();
   Eigen::Vector3f ground = Eigen::Vector3f::Zero();
 };
 
-/// How exposed light becomes display light: renderfarm/render/tone.h.
+/// Mapping from exposed light to display light; see renderfarm/render/tone.h.
 enum class ToneCurve { kShoulder, kLinear, kFilmic };
 
 inline constexpr int kUsualBounces = 4;
@@ -34,45 +34,46 @@ struct SceneTourStop {
   double heading_rad = 0.0;
 };
 
-/// All that a museum may know of a scene, and nothing of its geometry. Scene frame.
+/// Everything that a museum may know of a scene; nothing of its geometry. Scene frame.
 struct SceneInfo {
   std::string title;
   std::string credits;
   Eigen::Vector3d start_eye = Eigen::Vector3d::Zero();
   double start_heading_rad = 0.0;
   double eye_height_m = 1.6;
-  std::vector<Eigen::Vector2d> walkable;                     ///< (x, z) corners; at least three.
-  std::vector<std::vector<Eigen::Vector2d>> walkable_holes;  ///< Corners each; in it, and not walkable.
+  std::vector<Eigen::Vector2d> walkable;  ///< (x, z) corners; at least three.
+  /// Corners of each hole; inside `walkable` and not walkable.
+  std::vector<std::vector<Eigen::Vector2d>> walkable_holes;
   double walking_scale = 1.0;
   std::vector<SceneTourStop> stops;
 };
 
-/// A value (large: move it). Invariants of Model hold; instances and lights are in the Scene frame, in metres.
+/// A value (large: move it). Model's invariants hold; instances and lights are in the Scene frame, in metres.
 struct Scene {
   SceneInfo info;
   Model model;
   Sky sky;
-  std::shared_ptr<const EnvironmentMap> environment;  ///< Takes the place of the sky. May be null.
-  Eigen::Vector3f ambient = Eigen::Vector3f::Zero();  ///< Radiance added to what surfaces receive, unshadowed.
-  /// A lamp that the visitor carries at the eye, candela; zero is none. Scenes without any light get one.
+  std::shared_ptr<const EnvironmentMap> environment;  ///< Replaces the sky. May be null.
+  /// Radiance added to the light that surfaces receive; casts no shadows.
+  Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
+  /// Lamp that the visitor carries at the eye, in candela; zero for none.
   Eigen::Vector3f eye_lamp = Eigen::Vector3f::Zero();
-  double exposure = 1.0;  ///< Radiance is multiplied by this before it becomes a code value.
+  double exposure = 1.0;  ///< Factor on radiance before it becomes a code value.
   ToneCurve tone = ToneCurve::kShoulder;
-  int bounces = kUsualBounces;  ///< Of the light in this scene's reference; RenderQuality::bounces.
+  int bounces = kUsualBounces;  ///< Bounces of light in this scene's reference picture; RenderQuality::bounces.
   Eigen::AlignedBox3d bounds;
 
   [[nodiscard]] std::uint64_t triangles_stored() const;
-  [[nodiscard]] std::uint64_t triangles_seen() const;  ///< With instances counted.
-  [[nodiscard]] std::size_t memory_bytes() const;      ///< Of geometry and textures, without the BVH.
+  [[nodiscard]] std::uint64_t triangles_seen() const;  ///< Each instance counted.
+  [[nodiscard]] std::size_t memory_bytes() const;      ///< Geometry and textures, without the BVH.
 };
 
-/// Called now and then with a fraction in [0, 1]; may be null.
+/// Called occasionally with a fraction in [0, 1]; may be null.
 using LoadProgress = std::function<void(double)>;
 
-/// Loads a scene package (a folder with scene.toml, or that file) or one geometry file (.glb .gltf .ply .obj), for
-/// which sensible settings are found from its bounds. The format is told by content, then by name.
-/// Errors as the importers' and Config's; kNotFound when `path` does not exist; kSystem also when memory runs out.
-/// Reentrant.
+/// Loads a scene package (a folder with scene.toml, or that file) or one geometry file (.glb .gltf .ply .obj); for the
+/// latter, find_settings() derives the settings. The format is detected by content, then by name. Reentrant.
+/// Errors as the importers' and Config's; kNotFound if `path` does not exist; kSystem also if memory runs out.
 Result<Scene> load_scene(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress);
 
 }  // namespace cyclorama

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// scene.toml as read, before any geometry is: what a scene package says, checked.
-/// docs/reference/scene-package.md lists every key.
+/// scene.toml, read and checked before any geometry. docs/reference/scene-package.md lists every key.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -15,22 +14,22 @@
 
 namespace cyclorama {
 
-/// One geometry file and where it stands; stored once, however often it stands.
+/// One geometry file and its placements; stored once.
 struct PackageGeometry {
   std::filesystem::path file;
   double unit_m = 1.0;
   bool z_up = false;
-  std::vector<Eigen::Affine3d> T_scene_part;  ///< At least one. Part: the file's model in metres, y up.
+  std::vector<Eigen::Affine3d> T_scene_part;  ///< Placements; at least one. Part: the file's model in metres, y up.
 };
 
-/// A picture of the light from all around.
+/// A picture of the light from all directions.
 struct PackageEnvironment {
   std::filesystem::path file;
   float strength = 1.0f;
-  float rotation_rad = 0.0f;  ///< To the right.
+  float rotation_rad = 0.0f;  ///< Positive to the right.
 };
 
-/// What is absent is found from the geometry. Scene frame, metres.
+/// Absent values are derived from the geometry. Scene frame, metres.
 struct ScenePackage {
   std::string title;
   std::string credits;
@@ -42,9 +41,9 @@ struct ScenePackage {
   std::optional<double> eye_height_m;
   std::optional<double> walking_scale;
   std::vector<Eigen::Vector2d> walkable;
-  std::vector<std::vector<Eigen::Vector2d>> walkable_holes;  ///< Only beside `walkable`.
+  std::vector<std::vector<Eigen::Vector2d>> walkable_holes;  ///< Only with `walkable`.
   std::optional<Sky> sky;
-  std::optional<PackageEnvironment> environment;  ///< Not beside a sky.
+  std::optional<PackageEnvironment> environment;  ///< Not with a sky.
   std::optional<Eigen::Vector3f> ambient;
   std::optional<Eigen::Vector3f> eye_lamp;
   std::vector<Light> lamps;
@@ -52,8 +51,8 @@ struct ScenePackage {
   std::vector<SceneTourStop> stops;
 };
 
-/// `name` stands for the file in errors; geometry is looked for in `folder` and nowhere else.
-/// kBadData  "scene.toml:7: ...". Reentrant.
+/// Parses `text`; `name` stands for the file in errors, and geometry is looked for only in `folder`. Errors: kBadData
+/// as "scene.toml:7: ...". Reentrant.
 Result<ScenePackage> parse_scene_package(std::string_view text, std::string name, const std::filesystem::path& folder);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A coarse picture of where a scene is solid: enough to find a place to stand and a way to look, without a BVH.
+/// Coarse occupancy grid of a scene, sufficient to find a position to stand and a viewing direction without a BVH.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,8 +12,8 @@ namespace cyclorama {
 /// Cubic cells over the bounds, 96 along the longest side. Immutable once made; reentrant.
 class SpaceGrid {
  public:
-  /// `bounds` is bounds_of(model), not empty. Takes some nanoseconds per triangle; never more than a second or two,
-  /// since huge or countless triangles are sampled more sparsely.
+  /// `bounds` is bounds_of(model) and not empty. Takes some nanoseconds per triangle, at most a second or two: very
+  /// large or very many triangles are sampled more sparsely.
   SpaceGrid(const Model& model, const Eigen::AlignedBox3d& bounds);
 
   [[nodiscard]] double cell_m() const { return cell_m_; }
@@ -21,31 +21,31 @@ class SpaceGrid {
   [[nodiscard]] Eigen::Vector3d centre_of(const Eigen::Vector3i& cell) const {
     return least_ + (cell.cast<double>().array() + 0.5).matrix() * cell_m_;
   }
-  /// May lie outside of the grid.
+  /// The cell may lie outside the grid.
   [[nodiscard]] Eigen::Vector3i cell_of(const Eigen::Vector3d& p) const {
     return ((p - least_) / cell_m_).array().floor().cast<int>();
   }
   [[nodiscard]] bool contains(const Eigen::Vector3i& cell) const {
     return (cell.array() >= 0).all() && (cell.array() < cells_.array()).all();
   }
-  /// False outside.
+  /// False outside the grid.
   [[nodiscard]] bool is_solid(const Eigen::Vector3i& cell) const { return contains(cell) && at(cell).top > -kNowhere; }
   /// Height of the highest surface in a solid cell.
   [[nodiscard]] double top_of(const Eigen::Vector3i& cell) const { return double{at(cell).top}; }
 
   struct Ray {
-    double length_m = 0.0;  ///< To what it hits, or to where it leaves the grid.
+    double length_m = 0.0;  ///< Distance to the hit, or to where the ray leaves the grid.
     bool hits = false;
-    bool from_behind = false;  ///< Hits a surface that faces away: the ray comes from inside of something solid.
+    bool from_behind = false;  ///< Hits a back face: the ray starts inside something solid.
   };
-  /// From `from` along `direction` (unit length). What is in the cell of `from` is not seen.
+  /// Casts a ray from `from` along `direction` (unit length). Ignores the cell of `from`.
   [[nodiscard]] Ray cast(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const;
 
  private:
   static constexpr float kNowhere = 1e30f;
   struct Cell {
     float top = -kNowhere;
-    Eigen::Vector3f facing = Eigen::Vector3f::Zero();  ///< Sum of the unit normals of what was marked here.
+    Eigen::Vector3f facing = Eigen::Vector3f::Zero();  ///< Sum of the unit normals of everything marked here.
   };
   [[nodiscard]] const Cell& at(const Eigen::Vector3i& cell) const { return data_[index_of(cell)]; }
   [[nodiscard]] std::size_t index_of(const Eigen::Vector3i& cell) const;

@@ -22,7 +22,8 @@ Light placed(Light light, const Eigen::Affine3d& T_whole_file, double unit_m) {
   light.position = T_whole_file * light.position;
   light.direction = (T_whole_file.linear() * light.direction).normalized();
   if (light.kind == LightKind::kDirectional) return light;
-  if (!is_flat(light.kind)) light.intensity *= static_cast<float>(unit_m * unit_m);  // Radiance has no length in it.
+  // Radiance does not depend on the unit of length.
+  if (!is_flat(light.kind)) light.intensity *= static_cast<float>(unit_m * unit_m);
   light.across = (T_whole_file.linear() * light.across).normalized();
   light.size_m *= scale;
   light.radius_m *= scale;
@@ -35,7 +36,7 @@ Eigen::Vector3d corner_of(const Mesh& mesh, std::size_t index) {
   return mesh.origin + Eigen::Vector3d(double{p[0]}, double{p[1]}, double{p[2]});
 }
 
-/// By vertex: does a triangle use it?
+/// Returns, for each vertex, whether a triangle uses it.
 std::vector<bool> used_vertices(const Mesh& mesh) {
   std::vector<bool> used(mesh.positions.size(), false);
   for (const auto& triangle : mesh.triangles) {
@@ -60,7 +61,7 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
     for (TextureUse Material::*const at : texture_places()) {
       if ((material.*at).texture >= 0) (material.*at).texture += first_texture;
     }
-    // Several placements of different size share their materials; the first one decides.
+    // Placements of different scale share their materials; the first one decides.
     if (!T_whole_file.empty()) material.attenuation_distance *= static_cast<float>(scale_of(T_whole_file.front()));
   }
   for (Mesh& mesh : part.meshes) mesh.material += first_material;
@@ -82,7 +83,7 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
 }
 
 void free_lamps(Model* model) {
-  constexpr double kLargestGlobeM = 2.0;  // What is larger is a glowing room.
+  constexpr double kLargestGlobeM = 2.0;  // A larger emissive mesh is a glowing room.
   constexpr std::size_t kMostCorners = 100'000;
   for (const Instance& instance : model->instances) {
     const Mesh& mesh = model->meshes[static_cast<std::size_t>(instance.mesh)];

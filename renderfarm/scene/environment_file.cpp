@@ -14,7 +14,7 @@
 namespace cyclorama {
 namespace {
 
-/// Of one texel of row `y`, up to a factor that all rows share.
+/// Solid angle of a texel of row `y`, up to a factor that all rows share.
 double solid_angle(int y, int height) {
   const double step = std::numbers::pi / height;
   return std::cos(y * step) - std::cos((y + 1) * step);
@@ -57,7 +57,7 @@ Eigen::Vector3f mean_radiance(const EnvironmentMap& environment) {
 
 Result<RadianceImage> read_environment(const std::filesystem::path& file, const ImportLimits& limits,
                                        std::vector<std::string>* ret_notes) {
-  // A map is held beside its half while that is made.
+  // A map and its half are in memory at the same time.
   constexpr std::size_t kBytesPerPixel = 2 * 3 * sizeof(float);
   TRY_ASSIGN(RadianceImage pixels,
              read_radiance(file, std::min(limits.texture_px, limits.memory_bytes / kBytesPerPixel)));

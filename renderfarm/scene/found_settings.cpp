@@ -15,29 +15,29 @@ namespace cyclorama {
 namespace {
 
 constexpr double kEyeHeightM = 1.6;
-constexpr double kLeastPlaceM = 2.2;  ///< In all three directions: less is no place for a visitor, but an object.
+constexpr double kLeastPlaceM = 2.2;  ///< In all three directions; a smaller model is an object.
 constexpr double kLeastSiteM = 6.0;
 constexpr int kDirections = 32;
 
-/// A heading's direction: 0 looks along -z, positive turns to the right.
+/// Direction of a heading: 0 looks along -z, positive turns to the right.
 Eigen::Vector3d ahead(double heading_rad) { return {std::sin(heading_rad), 0.0, -std::cos(heading_rad)}; }
 
 double heading_of(int direction) { return 2.0 * std::numbers::pi * direction / kDirections; }
 
-/// What is seen from a place.
+/// A standing position and what is visible from it.
 struct Place {
   Standing standing;
-  int walls = 0;  ///< Of kDirections, how many end at something.
+  int walls = 0;  ///< Number of the kDirections rays that hit something.
   int from_behind = 0;
   bool has_ceiling = false;
-  double ceiling_m = 0.0;  ///< Above the eye.
+  double ceiling_m = 0.0;  ///< Height above the eye.
   double nearest_m = 0.0;
   double mean_m = 0.0;
-  double view_heading_rad = 0.0;  ///< Where one sees farthest.
+  double view_heading_rad = 0.0;  ///< Heading of the longest view.
 
   [[nodiscard]] bool is_inside_solid() const { return 2 * from_behind > walls; }
   [[nodiscard]] bool is_room() const { return has_ceiling && 4 * walls >= 3 * kDirections && !is_inside_solid(); }
-  /// Wide places are good ones, and a long view is better than a short one.
+  /// Prefers wide places, and long views among them.
   [[nodiscard]] double score() const { return std::min(nearest_m, 3.0) + 0.1 * std::min(mean_m, 15.0); }
 };
 
@@ -59,7 +59,7 @@ Place look_around(const SpaceGrid& grid, const Standing& standing) {
   }
   double best_view = 0.0;
   for (int i = 0; i < kDirections; ++i) {
-    double view = 0.0;  // Over some 50 degrees: a gap between two things is no view.
+    double view = 0.0;  // Spans some 50 degrees, so that a gap between two objects does not count as a view.
     for (int k = -2; k <= 2; ++k) view += lengths[static_cast<std::size_t>((i + k + kDirections) % kDirections)];
     if (view > best_view) {
       best_view = view;
@@ -101,7 +101,7 @@ BestPlaces find_places(const SpaceGrid& grid) {
   return best;
 }
 
-/// At an eye that somebody chose.
+/// Finds the floor below an eye that was chosen by somebody.
 Standing stand_at(const SpaceGrid& grid, const Eigen::Vector3d& eye) {
   const SpaceGrid::Ray down = grid.cast(eye, -Eigen::Vector3d::UnitY());
   Standing standing{eye, eye.y() - kEyeHeightM};
@@ -121,7 +121,7 @@ std::vector<Eigen::Vector2d> square_around(const Eigen::Vector3d& eye, double ha
           {x - half_side, z + half_side}};
 }
 
-/// A ring around the object, cut open behind it: an area has one outline.
+/// A ring around the object, cut open behind it, because a walkable area has one outline.
 std::vector<Eigen::Vector2d> ring(const Eigen::Vector3d& middle, double inner, double outer) {
   constexpr int kCorners = 32;
   std::vector<Eigen::Vector2d> corners;
@@ -135,9 +135,11 @@ std::vector<Eigen::Vector2d> ring(const Eigen::Vector3d& middle, double inner, d
 }
 
 FoundSettings before_object(const Eigen::AlignedBox3d& bounds, const std::optional<Eigen::Vector3d>& eye) {
-  constexpr double kDistanceByHeight = 1.3;  // Fits between tangents of -0.5 and 0.3: a wall 2.6 m high, 3 m away.
+  // Keeps the object between tangents of -0.5 and 0.3: a wall 2.6 m high, 3 m away.
+  constexpr double kDistanceByHeight = 1.3;
   constexpr double kDistanceByWidth = 0.8;
-  constexpr double kUsualDistanceM = 2.5;  // Before an object of a man's size: there, steps are as long as they feel.
+  // For an object of human height, so that steps there have their usual length.
+  constexpr double kUsualDistanceM = 2.5;
   const Eigen::Vector3d size = bounds.sizes();
   const Eigen::Vector3d middle = bounds.center();
   const double distance =
@@ -172,7 +174,7 @@ FoundSettings standing_at(const SpaceGrid& grid, const Place& place, SceneKind k
   return found;
 }
 
-/// What lamp `light` gives to a surface at `p` that faces it.
+/// Irradiance from `light` on a surface at `p` that faces it.
 Eigen::Vector3d irradiance(const Light& light, const Eigen::Vector3d& p) {
   const Eigen::Vector3d intensity = light.intensity.cast<double>();
   if (light.kind == LightKind::kDirectional) return intensity;
@@ -202,7 +204,7 @@ FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bound
   if (eye) return before_object(bounds, eye);
   const BestPlaces best = find_places(grid);
   if (best.room) return standing_at(grid, *best.room, SceneKind::kRoom);
-  // The top of a thing, from where nothing rises to the eye, is no ground; only of a plain is it so everywhere.
+  // Where nothing rises to the eye's height, the surface may be the top of an object; only a plain is open everywhere.
   const double flatness = best.site && best.site->walls > 0 ? 0.7 : 2.0;
   const bool is_wide = std::min(size.x(), size.z()) >= std::max(kLeastSiteM, flatness * size.y());
   if (best.site && is_wide) return standing_at(grid, *best.site, SceneKind::kSite);
@@ -215,11 +217,12 @@ void add_light(const FoundSettings& found, Scene* scene) {
     const auto candela = static_cast<float>(3.0 * reach * reach);
     scene->eye_lamp.setConstant(0.4f * candela);
     scene->ambient.setConstant(0.08f);
-    // Well below a low ceiling and no brighter than it bears: the white spot above the lamp would be all one sees.
+    // Keeps the lamp well below a low ceiling and limits its light there; otherwise the white spot above it would
+    // dominate.
     constexpr double kLeastDropM = 0.8;
     constexpr double kBrightestLux = 4.0;
     const double drop = std::max(0.5 * found.ceiling_m, kLeastDropM);
-    Light hanging;  // Shapes need shadows, which a lamp at the eye has none of.
+    Light hanging;  // Gives shapes shadows, which a lamp at the eye does not.
     hanging.name = "hanging";
     hanging.position = found.eye + (found.ceiling_m - drop) * Eigen::Vector3d::UnitY() +
                        (0.5 * found.free_m) * ahead(found.heading_rad - 0.5 * std::numbers::pi);
@@ -229,7 +232,7 @@ void add_light(const FoundSettings& found, Scene* scene) {
     return;
   }
   scene->sky = {Eigen::Vector3f::Constant(0.45f), Eigen::Vector3f::Constant(0.2f), Eigen::Vector3f::Constant(0.1f)};
-  Light key;  // From the visitor's upper left, as painters have it.
+  Light key;  // From the visitor's upper left, as is usual in paintings.
   key.name = "key";
   key.kind = LightKind::kDirectional;
   key.direction = (0.5 * ahead(found.heading_rad + 0.5 * std::numbers::pi) + 0.6 * ahead(found.heading_rad) -
@@ -241,19 +244,20 @@ void add_light(const FoundSettings& found, Scene* scene) {
 }
 
 double find_exposure(const FoundSettings& found, const Scene& scene) {
-  constexpr double kMiddle = 0.25;  // Radiance of a surface that reflects half of what it gets.
+  constexpr double kMiddle = 0.25;  // Radiance of a surface that reflects half of its light.
   constexpr int kSamples = 256;
   Eigen::Vector3d from_all_around = Eigen::Vector3d::Zero();
   if (scene.environment) from_all_around = std::numbers::pi * mean_radiance(*scene.environment).cast<double>();
   std::vector<double> levels;
   for (int i = 0; i < kSamples; ++i) {
-    // On a spiral around the eye, at the distances where walls and things are.
+    // Samples lie on a spiral around the eye, at the distances of walls and objects.
     const double angle = 2.399963 * i;
     const double distance = found.view_m * std::sqrt((i + 0.5) / kSamples);
     const double height = (i % 5 - 2) * 0.2 * std::min(found.view_m, 3.0);
     const Eigen::Vector3d p = found.eye + distance * ahead(angle) + height * Eigen::Vector3d::UnitY();
     Eigen::Vector3d sum = from_all_around;
-    for (const Light& light : scene.model.lights) sum += 0.5 * irradiance(light, p);  // Half of what faces it squarely.
+    // Half of the irradiance on a surface facing the light.
+    for (const Light& light : scene.model.lights) sum += 0.5 * irradiance(light, p);
     levels.push_back(sum.dot(Eigen::Vector3d(0.2126, 0.7152, 0.0722)));
   }
   std::nth_element(levels.begin(), levels.begin() + kSamples / 2, levels.end());

@@ -40,7 +40,7 @@ Result<int> read_width(const GltfObject& accessor) {
   return accessor.damaged("type", "SCALAR, VEC2, VEC3 or VEC4 is needed here");
 }
 
-/// `count` elements of `element_bytes`, `stride` apart, from `offset` on.
+/// Checks that `count` elements of `element_bytes`, `stride` apart, fit into `view` from `offset` on.
 Status check_fit(const GltfObject& object, const GltfBufferView& view, std::uint64_t offset, std::uint64_t count,
                  std::uint64_t element_bytes, std::uint64_t stride) {
   if (count == 0) return Done{};
@@ -53,7 +53,7 @@ Status check_fit(const GltfObject& object, const GltfBufferView& view, std::uint
   return Done{};
 }
 
-/// `bufferView` and `byteOffset` of a sparse accessor's parts, which are always packed.
+/// Reads `bufferView` and `byteOffset` of a sparse accessor's parts, which are always packed.
 Result<const std::byte*> packed_data(GltfDocument* document, const GltfObject& part, std::uint64_t count,
                                      std::uint64_t element_bytes) {
   TRY_ASSIGN(const std::size_t index, document->required_index(part, "bufferView", "bufferViews"));
@@ -113,14 +113,14 @@ Result<GltfAccessorShape> read_shape(const GltfObject& object) {
   TRY_ASSIGN(const std::optional<bool> normalized, object.flag("normalized"));
   shape.normalized = normalized.value_or(false);
   shape.place = object.place();
-  // All that counts elements below and in Embree is 32 bits wide.
+  // Elements are counted in 32 bits here and in Embree.
   if (shape.count > std::numeric_limits<std::uint32_t>::max()) {
     return object.damaged("count", fmt::format("{} elements are more than 32 bits can count", shape.count));
   }
   return shape;
 }
 
-/// The accessor with its data where the file has it; null where the file leaves it out, which means zeros.
+/// Returns the accessor with its data in the file; null data means zeros, if the file leaves them out.
 Result<GltfAccessor> locate(GltfDocument* document, const GltfObject& object) {
   constexpr std::uint64_t kMostZeros = std::uint64_t{1} << 22;
   TRY_ASSIGN(GltfAccessorShape shape, read_shape(object));
@@ -149,7 +149,7 @@ Result<GltfAccessor> locate(GltfDocument* document, const GltfObject& object) {
   return accessor;
 }
 
-/// Packed copies of `accessor`'s elements (zeros where it has none) that sparse values may then replace.
+/// Returns packed copies of `accessor`'s elements (zeros if it has none), to which sparse values may be applied.
 Result<std::vector<std::byte>> packed_copy(const GltfAccessor& accessor, std::size_t element_bytes,
                                            GltfBudget* budget) {
   TRY(budget->take(accessor.place, accessor.count, element_bytes));

@@ -18,9 +18,9 @@ constexpr std::size_t kChunkHeaderBytes = 8;
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
 constexpr std::uint32_t kBinaryChunk = 0x004e4942;
 
-// glTF itself nests about ten deep; "extras" may hold anything.
+// glTF itself nests about ten levels; "extras" may hold anything.
 constexpr std::size_t kDeepestJson = 256;
-// A node of the JSON tree: its value, its part of an array or map, and the allocator's share.
+// One JSON tree node: its value, its share of an array or map, and the allocator's overhead.
 constexpr std::size_t kBytesPerJsonValue = 96;
 
 Error damaged(std::string_view what) {
@@ -52,7 +52,7 @@ Result<GltfChunks> split_binary(std::span<const std::byte> bytes) {
     const std::uint32_t type = read_u32(bytes, at + 4);
     at += kChunkHeaderBytes;
     if (size > length - at) return damaged(fmt::format("chunk {} is longer than the file says it is", number));
-    // Writers that forget the padding differ in where the next chunk starts.
+    // Writers that omit the padding disagree about where the next chunk starts.
     if (size % 4 != 0) return damaged(fmt::format("chunk {} has {} bytes, not a multiple of 4", number, size));
     const std::span<const std::byte> content = bytes.subspan(at, size);
     at += size;
@@ -120,7 +120,7 @@ Status parse_gltf_json(std::string_view text, GltfBudget* budget, nlohmann::json
   } catch (const nlohmann::json::exception& e) {
     constexpr std::size_t kLongestReason = 200;
     std::string_view reason = e.what();
-    // The library's own prefix, "[json.exception.parse_error.101] ", says nothing to the reader.
+    // The library's own prefix, "[json.exception.parse_error.101] ", does not help the reader.
     if (const std::size_t prefix = reason.find("] "); prefix != std::string_view::npos)
       reason.remove_prefix(prefix + 2);
     return damaged(fmt::format("the JSON cannot be read: {}", printable(reason, kLongestReason)));

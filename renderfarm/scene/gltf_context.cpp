@@ -8,7 +8,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kMostNotes = 60;  // A page; more would hide what matters.
+constexpr std::size_t kMostNotes = 60;  // About a page; a longer list would hide what matters.
 
 }  // namespace
 

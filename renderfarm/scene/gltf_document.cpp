@@ -22,7 +22,7 @@ Status check_version(const GltfObject& root) {
   TRY_ASSIGN(const std::optional<std::string> version, asset->text("version"));
   if (!version) return asset->damaged("version", "is missing");
   TRY_ASSIGN(const std::optional<std::string> least, asset->text("minVersion"));
-  // A later 2.x may be read as 2.0, unless the file says that it may not.
+  // A later 2.x may be read as 2.0, unless minVersion forbids it.
   if (version->substr(0, 2) != "2." || (least && *least != "2.0")) {
     return Error(ErrorCode::kBadData, fmt::format("{}/version: this is glTF '{}'; export the scene as glTF 2.0",
                                                   asset->place(), printable(least ? *least : *version)));
@@ -160,7 +160,7 @@ Result<std::span<const std::byte>> GltfDocument::resource(const GltfObject& from
   }
   Result<MappedFile> file = MappedFile::open(*path);
   if (!file) return std::move(file).error().while_doing(place);
-  // Once: a file that is named a thousand times is stored once.
+  // A file that is named a thousand times is stored, and counted, once.
   if (state_->earned.insert(*path).second) state_->context->budget.earn(file->bytes().size());
   state_->files.push_back(*std::move(file));
   return state_->files.back().bytes();

@@ -16,21 +16,21 @@
 namespace cyclorama {
 namespace {
 
-// The only one that the extension allows.
+// The only bitstream version that the extension allows.
 constexpr int kBitstreamMajor = 2;
 constexpr int kBitstreamMinor = 2;
 constexpr std::uint16_t kBitstream = DRACO_BITSTREAM_VERSION(kBitstreamMajor, kBitstreamMinor);
-// libdraco 1.5.5 takes 45 bytes for each triangle of a scanned cave (595 k of them, positions only; peak of the process
-// less what stays); more than twice that leaves room for other attributes.
+// libdraco 1.5.5 takes 45 bytes for each triangle of a scanned cave (595 k triangles, positions only; peak of the
+// process less what remains); more than twice that leaves room for other attributes.
 constexpr std::size_t kWorkBytesPerTriangle = 120;
 
 struct AnnouncedSize {
   std::uint64_t triangles = 0;
-  std::uint64_t vertices = 0;  // Edgebreaker: before it splits those on seams.
+  std::uint64_t vertices = 0;  // Edgebreaker: before vertices on seams are split.
   bool vertices_are_final = false;
 };
 
-/// Reads no more than the sizes. Source: Draco bitstream specification 2.2, sections 4 and 5.
+/// Reads only the sizes. Source: Draco bitstream specification 2.2, sections 4 and 5.
 std::optional<AnnouncedSize> announced_size(std::span<const std::byte> bytes) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -19,16 +19,17 @@ constexpr std::array<std::string_view, 13> kSupported = {
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
-    "KHR_materials_pbrSpecularGlossiness",  // Approximated; gltf_material.cpp notes what is lost.
+    "KHR_materials_pbrSpecularGlossiness",  // Approximated; gltf_specular_glossiness.cpp notes what is lost.
     "KHR_materials_specular",
     "KHR_materials_transmission",
-    "KHR_materials_unlit",  // Noted where a material has it.
+    "KHR_materials_unlit",  // Noted for each material that has it.
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 };
 
-// Without these the geometry is complete and some surfaces look plainer, even if the file insists.
+// Extensions that affect appearance only: without them the geometry is complete and some surfaces look plainer, so a
+// file is accepted even if it requires them.
 constexpr std::array<std::string_view, 7> kLookOnly = {
     "KHR_texture_basisu",
     "EXT_texture_webp",

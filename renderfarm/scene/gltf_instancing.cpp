@@ -12,7 +12,8 @@
 namespace cyclorama {
 namespace {
 
-/// Empty when the attribute is absent. All that are present have one length, which `count` holds from the first on.
+/// Returns nothing if the attribute is absent. All attributes have the same length, which the first one stores in
+/// `count`.
 template <std::size_t N>
 Result<std::vector<std::array<float, N>>> read_values(GltfDocument* document, const GltfObject& attributes,
                                                       const char* name, GltfContext* context,

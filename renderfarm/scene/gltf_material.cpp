@@ -30,7 +30,8 @@ Status read_emission(const GltfDocument& document, const GltfObject& object, Glt
   TRY_ASSIGN(const std::optional<GltfObject> extension, object.extension("KHR_materials_emissive_strength"));
   float strength = 1.0f;
   if (extension) {
-    constexpr double kBrightest = 1e9;  // Nits of the sun's disc; more is a slip, and would overflow later.
+    // Luminance of the sun's disc in nits; a larger value is a mistake and would overflow later.
+    constexpr double kBrightest = 1e9;
     TRY_ASSIGN(strength, read_factor(*extension, "emissiveStrength", 1.0, kBrightest, notes));
   }
   if (factor) {
@@ -57,7 +58,7 @@ Status read_alpha(const GltfObject& object, GltfNotes* notes, Material* ret_mate
 
 Material plain_material() {
   Material material;
-  // The specification's default is white metal. What comes without a material is a scan, and its stone is no metal.
+  // The specification's default is white metal. A file without materials is usually a scan, and stone is not metal.
   material.metallic = 0.0f;
   return material;
 }
@@ -76,7 +77,7 @@ Result<Material> read_gltf_material(const GltfDocument& document, const GltfObje
   TRY(read_alpha(object, notes, &material));
   TRY(read_material_layers(document, object, notes, &material));
   TRY_ASSIGN(const std::optional<GltfObject> unlit, object.extension("KHR_materials_unlit"));
-  // As emission it would turn every triangle of a scan into a lamp.
+  // Treated as emission, it would turn every triangle of a scan into a lamp.
   if (unlit) notes->add("KHR_materials_unlit is not supported: the surfaces are lit as all others", object.place());
   if (object.has("occlusionTexture")) {
     notes->add("occlusion textures are not used: the light is traced instead", object.place());

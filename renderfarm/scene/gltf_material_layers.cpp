@@ -34,7 +34,8 @@ Status read_specular(const GltfDocument& document, const GltfObject& object, Glt
   TRY_ASSIGN(ret_material->specular_texture, read_texture_use(document, *extension, "specularTexture", notes));
   TRY_ASSIGN(const auto colour, extension->numbers<3>("specularColorFactor"));
   if (colour) {
-    constexpr double kBrightest = 1e6;  // Above 1 is allowed: the product with the reflectance is what is clipped.
+    // Values above 1 are allowed: the product with the reflectance is clipped instead.
+    constexpr double kBrightest = 1e6;
     for (int i = 0; i < 3; ++i) {
       const double value = (*colour)[static_cast<std::size_t>(i)];
       ret_material->specular_colour[i] = static_cast<float>(std::clamp(value, 0.0, kBrightest));

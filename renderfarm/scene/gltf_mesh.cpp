@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<const char*, 2> kTexcoords = {"TEXCOORD_0", "TEXCOORD_1"};
 
-/// What the material samples; the rest of the texture coordinates would only take memory.
+/// Texture coordinate sets that the material samples; the others would only take memory.
 std::array<bool, 2> sampled_texcoords(const Material& material) {
   std::array<bool, 2> sampled = {false, false};
   for (TextureUse Material::*const at : texture_places()) {
@@ -29,7 +29,7 @@ Status read_vertices(const GltfPrimitive& primitive, const GltfSelection& select
   TRY_ASSIGN(const std::optional<GltfAccessor> normals, primitive.attribute("NORMAL", GltfVertexKind::kNormal));
   if (normals) TRY(read_normals(*normals, selection, context, mesh));
   const bool normal_mapped = material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
-  if (normals && normal_mapped) {  // Tangents without normals are to be ignored.
+  if (normals && normal_mapped) {  // glTF: tangents without normals are ignored.
     TRY_ASSIGN(const std::optional<GltfAccessor> tangents, primitive.attribute("TANGENT", GltfVertexKind::kTangent));
     if (tangents) TRY(read_tangents(*tangents, selection, context, mesh));
   }

@@ -44,7 +44,7 @@ Status show_mesh(const Stage& stage, const GltfObject& node, const Eigen::Affine
   return Done{};
 }
 
-/// What is noted of a camera is where it stands: the wall decides how wide one sees.
+/// Keeps only a camera's pose, since the wall determines the field of view.
 Status read_viewpoint(const Stage& stage, const GltfObject& node, const Eigen::Affine3d& T_model_node) {
   TRY_ASSIGN(const std::optional<std::size_t> camera, stage.document->index(node, "camera", "cameras"));
   if (!camera) return Done{};

@@ -40,7 +40,7 @@ Result<std::optional<GltfPrimitive>> GltfPrimitive::open(GltfDocument* document,
   if (draco) {
     TRY(opened.open_draco(*draco));
   } else {
-    TRY(check_accessor(document, *position));  // Before triangles are made of a count that nothing is behind.
+    TRY(check_accessor(document, *position));  // Prevents triangles for a vertex count that the file has no data for.
   }
   return std::optional(std::move(opened));
 }
@@ -48,7 +48,8 @@ Result<std::optional<GltfPrimitive>> GltfPrimitive::open(GltfDocument* document,
 Status GltfPrimitive::open_draco(const GltfObject& extension) {
   TRY_ASSIGN(const std::size_t indices, document_->required_index(object_, "indices", "accessors"));
   TRY_ASSIGN(const GltfAccessorShape shape, read_accessor_shape(*document_, indices));
-  // Draco knows triangles only; the extension lets strips be compressed as such, with a count that then says little.
+  // Draco encodes triangles only. The extension also allows strips to be compressed so, but then their count means
+  // little.
   if (topology_ != GltfTopology::kTriangles) {
     return object_.damaged("mode", "Draco data of strips and fans is not supported");
   }

@@ -16,8 +16,9 @@ float perceived_brightness(const Eigen::Vector3f& c) {
   return std::sqrt(0.299f * c.x() * c.x() + 0.587f * c.y() * c.y() + 0.114f * c.z() * c.z());
 }
 
-/// How metallic a surface is that reflects `diffuse` and `specular`: the root of the quadratic that both models'
-/// energies give. Source: Khronos' conversion sample for this extension (glTF repository, extensions/Archived).
+/// Solves for the metallic factor of a surface that reflects `diffuse` and `specular`: the root of the quadratic
+/// equation that equates both models' energies. Source: Khronos' conversion sample for this extension (glTF repository,
+/// extensions/Archived).
 float solve_metallic(float diffuse, float specular, float one_minus_specular) {
   if (specular < kDielectricSpecular) return 0.0f;
   const float a = kDielectricSpecular;
@@ -57,7 +58,7 @@ Status read_specular_glossiness(const GltfDocument& document, const GltfObject& 
   ret_material->metallic_roughness_texture = TextureUse{};
   TRY_ASSIGN(ret_material->base_colour_texture, read_texture_use(document, extension, "diffuseTexture", notes));
   if (ret_material->base_colour_texture.texture >= 0 || extension.has("specularGlossinessTexture")) {
-    // With textures the factors are mere multipliers and say nothing about metal.
+    // With textures the factors are mere multipliers and contain no information about metal.
     ret_material->metallic = 0.0f;
     constexpr float kMiddling = 0.5f;
     if (extension.has("specularGlossinessTexture"))

@@ -16,7 +16,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kPixelBytes = 4;
-// Decoding a JPEG holds its three bytes per pixel beside the four that are kept.
+// While a JPEG is decoded, its three bytes per pixel are held besides the four that are kept.
 constexpr std::size_t kDecodingBytesPerPixel = 8;
 
 Result<WrapMode> read_wrap(const GltfObject& sampler, const char* key) {

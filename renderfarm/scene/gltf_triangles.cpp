@@ -23,12 +23,12 @@ Status check_index_format(const GltfAccessor& indices) {
   if (!is_unsigned || indices.width != 1) {
     return gltf_damaged(indices.place, "indices are SCALAR and unsigned integers");
   }
-  // Readers disagree about what a stride means here.
+  // Readers disagree about the meaning of a stride here.
   if (indices.stride != bytes) return gltf_damaged(indices.place, "indices are packed, and these have a byteStride");
   return Done{};
 }
 
-/// Sources: glTF 2.0, section 3.7.2.1.
+/// Source: glTF 2.0, section 3.7.2.1.
 GltfTriangles connect(const std::vector<std::uint32_t>& order, GltfTopology topology) {
   GltfTriangles triangles;
   triangles.reserve(order.size());

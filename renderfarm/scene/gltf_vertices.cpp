@@ -14,10 +14,10 @@ namespace {
 
 using Float3 = std::array<float, 3>;
 
-/// Finite, and small enough that squares are finite as well.
+/// True if all values are finite and small enough that their squares are finite as well.
 template <std::size_t N>
 bool is_usable_number(const std::array<float, N>& values) {
-  bool usable = true;  // Without a branch: most data is good, and this is on every vertex.
+  bool usable = true;  // Without a branch, since most data is valid and this runs for every vertex.
   for (const float v : values) usable &= std::abs(v) < static_cast<float>(kFarthest);
   return usable;
 }
@@ -27,7 +27,7 @@ bool all_usable(const std::vector<std::array<float, N>>& values) {
   return std::all_of(values.begin(), values.end(), is_usable_number<N>);
 }
 
-/// Returns false, and leaves the direction alone, when it has none.
+/// Returns false and leaves the vector unchanged if it has no direction.
 bool normalise(float* xyz) {
   const double length =
       std::sqrt(double{xyz[0]} * double{xyz[0]} + double{xyz[1]} * double{xyz[1]} + double{xyz[2]} * double{xyz[2]});
@@ -82,7 +82,7 @@ std::uint8_t alpha8(float alpha) {
   return static_cast<std::uint8_t>(std::clamp(std::isnan(alpha) ? 1.0f : alpha, 0.0f, 1.0f) * 255.0f + 0.5f);
 }
 
-/// sRGB codes of 16-bit linear light: fine enough that no code is off by more than a rounding, and quick.
+/// sRGB codes of 16-bit linear light: fast, and fine enough that no code is off by more than rounding.
 class SrgbTable {
  public:
   SrgbTable() : codes_(kSteps + 1) {

@@ -11,8 +11,8 @@ namespace cyclorama {
 namespace {
 
 constexpr double kHeadroomM = 0.15;
-constexpr double kStepOver = 0.25;  // Of the eye's height: lower things do not stop a visitor,
-constexpr double kUneven = 0.4;     // and ground that lies so much lower is still ground.
+constexpr double kStepOver = 0.25;  // Part of the eye's height; lower obstacles do not stop a visitor.
+constexpr double kUneven = 0.4;     // Part of the eye's height; ground that lies at most this much lower is walkable.
 constexpr double kWallDistanceM = 0.3;
 constexpr std::size_t kMostCorners = 512;
 
@@ -26,7 +26,7 @@ bool has_ground(const SpaceGrid& grid, int x, int z, const Standing& standing) {
   return false;
 }
 
-/// Columns with ground and room for a body. Scans have small holes: ground beside a column is enough.
+/// Columns with ground and room for a body. Scans have small holes, so ground in a neighbouring column suffices.
 CellSet free_columns(const SpaceGrid& grid, const Standing& standing) {
   CellSet ground(grid.cells().x(), grid.cells().z());
   for (int z = 0; z < ground.depth(); ++z) {
@@ -78,7 +78,7 @@ std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Stand
   const Eigen::Vector3i start = grid.cell_of(standing.eye);
   const CellSet free = free_columns(grid, standing);
   if (!free.has(start.x(), start.z())) return {};
-  // Near to a wall the distance from walls is what can be had.
+  // Near a wall, the largest possible distance from walls is kept instead.
   int distance = std::max(1, static_cast<int>(std::ceil(kWallDistanceM / grid.cell_m())));
   CellSet roomy = eroded(free, distance);
   while (!roomy.has(start.x(), start.z())) roomy = eroded(free, --distance);
@@ -88,7 +88,8 @@ std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Stand
   for (const Eigen::Vector2i& corner : borders.front()) {
     corners.emplace_back(origin.x() + corner.x() * grid.cell_m(), origin.z() + corner.y() * grid.cell_m());
   }
-  // Stairs of cells become slopes, unless the eye stands in one: below half a cell, its cell's middle stays inside.
+  // Replaces stairs of cells by slopes, unless that excludes the eye. Below half a cell of tolerance, the centre of the
+  // eye's cell stays inside.
   for (double tolerance = 0.75; tolerance < 64.0; tolerance *= 2.0) {
     const std::vector<Eigen::Vector2d> simple = simplified(corners, tolerance * grid.cell_m());
     if (simple.size() <= kMostCorners && is_inside(simple, {standing.eye.x(), standing.eye.z()})) return simple;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMtlLimitBytes = std::size_t{64} << 20;
 constexpr std::size_t kNotesLimit = 32;
-constexpr int kNamesLimit = 32;  // Of one mtllib.
+constexpr int kNamesLimit = 32;  // Maximum file names in one mtllib.
 constexpr float kPlainRoughness = 0.9f;
 
 Material plain(std::string name) {
@@ -27,7 +27,7 @@ Material plain(std::string name) {
   material.name = std::move(name);
   material.metallic = 0.0f;
   material.roughness = kPlainRoughness;
-  material.double_sided = true;  // OBJ has no word for it, and closed and open meshes come alike.
+  material.double_sided = true;  // OBJ cannot express it, and closed and open meshes are both common.
   return material;
 }
 
@@ -37,7 +37,7 @@ std::optional<float> number(std::string_view* rest, float least, float most) {
   return std::clamp(static_cast<float>(std::clamp(*value, -1e30, 1e30)), least, most);
 }
 
-/// One number stands for three.
+/// Reads a colour; one number stands for all three.
 std::optional<Eigen::Vector3f> colour(std::string_view rest, float most) {
   Eigen::Vector3f rgb;
   for (int i = 0; i < 3; ++i) {
@@ -48,7 +48,7 @@ std::optional<Eigen::Vector3f> colour(std::string_view rest, float most) {
   return rgb;
 }
 
-/// The file's name after options such as "-s 1 1 1" or "-clamp on": the options and their numbers are passed over.
+/// Returns the file name after options such as "-s 1 1 1" or "-clamp on", which are skipped.
 std::string file_of_map(std::string_view rest) {
   while (rest.starts_with('-')) {
     const std::string_view option = next_word(&rest);
@@ -68,7 +68,7 @@ std::string file_of_map(std::string_view rest) {
   return std::string(rest);
 }
 
-/// Where a name of the file is looked for.
+/// Returns the path inside `folder` at which a name from the file is looked for.
 std::filesystem::path inside(const std::filesystem::path& folder, std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   const std::filesystem::path file = std::filesystem::path(name).lexically_normal();
@@ -104,7 +104,7 @@ bool MtlLibrary::read_one(std::string_view name) {
 }
 
 void MtlLibrary::read(std::string_view names) {
-  // The rest of the line is one name with blanks, or several names: whichever exists.
+  // The rest of the line is one name with blanks, or several names: the existing one is taken.
   if (read_one(names)) return;
   for (int i = 0; i < kNamesLimit; ++i) {
     const std::string_view name = next_word(&names);

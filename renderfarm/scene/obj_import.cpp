@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why our own reader and not tinyobjloader (2.0rc10, tried on the same files): it refuses "f 1// 2// 3//", reads UTF-16
-// as an empty model, keeps positions in float as Debian builds it, shows concave polygons without some of their
-// triangles, and takes 1.6 times our time and twice our memory for a million triangles.
+// Reasons for our own reader instead of tinyobjloader (2.0rc10, tried on the same files): it refuses "f 1// 2// 3//",
+// reads UTF-16 as an empty model, keeps positions in float as built by Debian, drops triangles of concave polygons, and
+// takes 1.6 times our time and twice our memory for a million triangles.
 #include <fmt/format.h>
 
 #include <array>
@@ -21,7 +21,7 @@
 namespace cyclorama {
 namespace {
 
-/// What a file asked for and did not get.
+/// Counts of file features that were not used.
 struct Odd {
   std::size_t numbers = 0;
   std::size_t lines_and_points = 0;
@@ -34,7 +34,7 @@ Error bad_line(std::size_t line, std::string_view what) {
   return Error(ErrorCode::kBadData, fmt::format("line {}: {}", line, what));
 }
 
-/// As many numbers as there are, at most `values.size()`; nothing when a word is not a number at all.
+/// Reads as many numbers as there are, at most `values.size()`; returns nothing if a word is not a number at all.
 std::optional<std::size_t> read_numbers(std::string_view rest, std::span<double> values, Odd* odd) {
   std::size_t count = 0;
   while (count < values.size()) {
@@ -49,7 +49,8 @@ std::optional<std::size_t> read_numbers(std::string_view rest, std::span<double>
   return count;
 }
 
-/// First pass: what faces refer to. Colours after a position are 0 to 1, as MeshLab and ZBrush write them.
+/// First pass: reads the lists that faces refer to. Colours after a position are 0 to 1, as MeshLab and ZBrush write
+/// them.
 Status read_lists(std::string_view text, std::size_t limit_bytes, ObjLists* lists, Odd* odd) {
   ObjStatements statements(text);
   std::string_view keyword;
@@ -82,14 +83,14 @@ Status read_lists(std::string_view text, std::size_t limit_bytes, ObjLists* list
   return Done{};
 }
 
-/// How many of each list have been defined so far: negative indices count back from there.
+/// Length of each list so far; negative indices count back from there.
 struct Counts {
   std::size_t positions = 0;
   std::size_t texcoords = 0;
   std::size_t normals = 0;
 };
 
-/// One index of "7/-1/3"; none when it is left out.
+/// Reads one index of "7/-1/3"; kNone if it is left out.
 Result<std::uint32_t> index_of(std::string_view word, std::size_t so_far, std::size_t in_all, const char* what) {
   if (word.empty()) return ObjCorner::kNone;
   if (const auto index = obj_index(word, so_far, in_all)) return *index;
@@ -99,7 +100,7 @@ Result<std::uint32_t> index_of(std::string_view word, std::size_t so_far, std::s
                fmt::format("a face refers to {} {} of {}; export the file again", what, word, in_all));
 }
 
-/// Second pass: faces into one mesh per material.
+/// Second pass: sorts faces into one mesh per material.
 class FaceReader {
  public:
   FaceReader(const ObjLists& lists, MtlLibrary* materials, std::size_t limit_bytes, Odd* odd)
@@ -192,8 +193,8 @@ class FaceReader {
   Counts counts_;
   int material_ = 0;
   std::map<int, ObjMesh> meshes_;
-  ObjMesh* mesh_ = nullptr;         ///< Of material_; null until a face needs it.
-  std::vector<ObjCorner> corners_;  // Scratch, kept from face to face.
+  ObjMesh* mesh_ = nullptr;         ///< Mesh of material_; null until a face needs it.
+  std::vector<ObjCorner> corners_;  // Scratch, reused from face to face.
   std::vector<Eigen::Vector3d> places_;
   std::vector<std::array<std::uint32_t, 3>> pieces_;
 };

@@ -9,7 +9,7 @@ namespace cyclorama {
 namespace {
 
 std::uint64_t hash_of(const ObjCorner& corner) {
-  // Fibonacci hashing, twice: neighbours in a file have neighbouring numbers.
+  // Fibonacci hashing, twice, because consecutive corners have consecutive numbers.
   std::uint64_t hash = corner.position * 0x9E3779B97F4A7C15u;
   hash = (hash ^ (hash >> 29) ^ corner.texcoord) * 0xBF58476D1CE4E5B9u;
   hash = (hash ^ (hash >> 32) ^ corner.normal) * 0x94D049BB133111EBu;
@@ -79,7 +79,7 @@ Mesh ObjMesh::finish(const ObjLists& lists) && {
       const bool given = corner.texcoord != ObjCorner::kNone;
       mesh.texcoords[0].push_back(given ? lists.texcoords[corner.texcoord] : std::array<float, 2>{});
     }
-    if (has_normals) {  // One that is missing is repaired like one that is zero.
+    if (has_normals) {  // A missing normal is repaired like a zero one.
       const bool given = corner.normal != ObjCorner::kNone;
       mesh.normals.push_back(given ? lists.normals[corner.normal] : std::array<float, 3>{});
     }

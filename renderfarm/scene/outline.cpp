@@ -13,7 +13,8 @@ double distance_to_line(const Eigen::Vector2d& p, const Eigen::Vector2d& a, cons
   return (p - a - t * edge).norm();
 }
 
-// Directions +x, +z, -x, -z. A step from a corner runs between the cell that is in the set and one that is not:
+// Directions +x, +z, -x, -z. A border step from a corner runs between a cell in the set (kIn) and one outside it
+// (kOut):
 constexpr std::array<std::array<int, 2>, 4> kStep = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 constexpr std::array<std::array<int, 2>, 4> kIn = {{{0, 0}, {-1, 0}, {-1, -1}, {0, -1}}};
 constexpr std::array<std::array<int, 2>, 4> kOut = {{{0, -1}, {0, 0}, {-1, 0}, {-1, -1}}};
@@ -44,8 +45,8 @@ std::vector<std::vector<Eigen::Vector2i>> borders_of(const CellSet& set) {
   const auto is_edge = [&](const Eigen::Vector2i& at, std::size_t d) {
     return set.has(at.x() + kIn[d][0], at.y() + kIn[d][1]) && !set.has(at.x() + kOut[d][0], at.y() + kOut[d][1]);
   };
-  // Every border has a step along +x, above a cell of the set whose upper neighbour is none; each belongs to one
-  // border.
+  // Every border has a step along +x above a cell of the set whose upper neighbour is outside; each such step belongs
+  // to one border.
   CellSet walked(set.width(), set.depth());
   std::vector<std::vector<Eigen::Vector2i>> borders;
   for (int z = 0; z < set.depth(); ++z) {
@@ -59,7 +60,7 @@ std::vector<std::vector<Eigen::Vector2i>> borders_of(const CellSet& set) {
         if (direction == 0) walked.add(at.x(), at.y());
         corners.push_back(at);
         at += Eigen::Vector2i(kStep[direction][0], kStep[direction][1]);
-        // Around the same cell first: cells that touch at a corner only are not joined.
+        // Turning around the same cell first keeps cells apart that touch only at a corner.
         for (const std::size_t turn : {std::size_t{1}, std::size_t{0}, std::size_t{3}}) {
           if (!is_edge(at, (direction + turn) % 4)) continue;
           direction = (direction + turn) % 4;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kHeaderLimitBytes = std::size_t{1} << 20;
 constexpr std::size_t kElementLimit = 64;
-constexpr std::size_t kPropertyLimit = 256;  // Of one element.
+constexpr std::size_t kPropertyLimit = 256;  // Per element.
 
 struct TypeName {
   std::string_view name;
@@ -107,7 +107,7 @@ struct HeaderReader {
     return Done{};
   }
 
-  /// A line but the first and the last.
+  /// Reads any line except the first and the last.
   Status read_line(std::string_view text) {
     const std::string_view keyword = next_word(&text);
     if (keyword == "format") return read_format(text);
@@ -126,7 +126,8 @@ Status check_counts(const PlyHeader& header, std::size_t body_bytes) {
       return Error(ErrorCode::kBadData, fmt::format("the PLY element '{}' has no properties", printable(element.name)));
     }
     const std::size_t least = element.least_row_bytes(header.encoding);
-    if (element.count > left / least + 1 || element.count * least > left + 1) {  // + 1: the last line may not be ended.
+    // + 1: the last line may lack its line end.
+    if (element.count > left / least + 1 || element.count * least > left + 1) {
       return Error(
           ErrorCode::kBadData,
           fmt::format("the header announces {} rows of '{}', but the file ends {} bytes after the header: it is "
@@ -159,7 +160,7 @@ std::size_t size_of(PlyType type) {
 }
 
 std::size_t PlyElement::least_row_bytes(PlyEncoding encoding) const {
-  if (encoding == PlyEncoding::kAscii) return 2 * properties.size();  // A digit and what separates it.
+  if (encoding == PlyEncoding::kAscii) return 2 * properties.size();  // One digit and one separator.
   std::size_t bytes = 0;
   for (const PlyProperty& property : properties) bytes += size_of(property.count_type.value_or(property.type));
   return bytes;

@@ -20,8 +20,8 @@ Error bad_row(const Cursor& cursor, const PlyElement& element, std::uint64_t row
   return Error(ErrorCode::kBadData, fmt::format("row {} of '{}': {}", row, printable(element.name), cursor.what()));
 }
 
-/// Reads one list into `ret_values`, reused from row to row, or past it when that is null; false when the file ends in
-/// it.
+/// Reads one list into `ret_values`, reused from row to row, or skips it if that is null. Returns false if the file
+/// ends inside the list.
 template <typename Cursor>
 bool read_list(Cursor* cursor, const PlyProperty& property, std::vector<double>* ret_values) {
   if (ret_values != nullptr) ret_values->clear();
@@ -52,7 +52,7 @@ Status read_vertices(Cursor* cursor, const PlyElement& element, PlyMesh* mesh) {
   return Done{};
 }
 
-/// Faces, strips, and what we have no use for: `use` is called with the list named in `wanted` of each row, if any.
+/// Reads faces, strips and unused elements; calls `use` with the list named in `wanted` of each row, if any.
 template <typename Cursor, typename Use>
 Status read_lists(Cursor* cursor, const PlyElement& element, std::size_t wanted, const Use& use) {
   std::vector<double> list;

@@ -60,7 +60,7 @@ PlyVertexLayout::PlyVertexLayout(const PlyElement& vertex) {
     for (const RoleName& known : kRoleNames) {
       if (!property.count_type && known.name == property.name) role = known.role;
     }
-    if (role != kNoRole && has_[role]) role = kNoRole;  // The first of two wins.
+    if (role != kNoRole && has_[role]) role = kNoRole;  // The first of two properties with the same role wins.
     roles_.push_back(role);
     has_[role] = true;
     colour_scale_[role] = scale_of_colour(property.type);
@@ -155,7 +155,7 @@ Status PlyMesh::add_polygon(std::span<const double> corners) {
   } else {
     corners_.clear();
     for (const std::uint32_t index : indices_) {
-      // Faces before vertices: no shape is known yet, and equal corners make a fan.
+      // If faces precede vertices, no shape is known yet, and equal corners give a fan.
       const bool known = index < mesh_.positions.size();
       const auto& p = known ? mesh_.positions[index] : std::array<float, 3>{};
       corners_.push_back(Eigen::Vector3f(p[0], p[1], p[2]).cast<double>());
@@ -183,7 +183,7 @@ Status PlyMesh::add_strip(std::span<const double> corners) {
     const bool odd = n % 2 == 0;
     const std::uint32_t a = indices_[n - 3];
     const std::uint32_t b = indices_[n - 2];
-    if (a == b || b == index || a == index) continue;  // How strips are joined.
+    if (a == b || b == index || a == index) continue;  // Repeated corners join strips.
     mesh_.triangles.push_back({odd ? b : a, odd ? a : b, index});
   }
   return check_memory(mesh_.triangles.size());

@@ -69,9 +69,9 @@ bool has_light(const Scene& scene) {
          shines(scene.sky.horizon) || shines(scene.sky.ground);
 }
 
-/// Light and exposure, as far as the package leaves them open.
+/// Sets light and exposure as far as the package does not.
 void light(const ScenePackage& package, const FoundSettings& found, Scene* scene) {
-  constexpr float kShadow = 0.04f;  // Of white: what no lamp reaches directly is not black in the world.
+  constexpr float kShadow = 0.04f;  // Part of white; in reality, areas that no lamp reaches directly are not black.
   scene->tone = package.tone;
   const bool package_says =
       package.sky || package.environment || package.ambient || package.eye_lamp || !package.lamps.empty();
@@ -84,10 +84,11 @@ void light(const ScenePackage& package, const FoundSettings& found, Scene* scene
   if (!package_says) scene->ambient.setConstant(kShadow / static_cast<float>(scene->exposure));
 }
 
-/// A heading; a camera that looks straight down keeps heading 0.
+/// Heading of a camera; 0 if it looks straight down.
 double heading_of(const Viewpoint& view) { return std::atan2(view.direction.x(), -view.direction.z()); }
 
-/// The cameras of the files are the tour of a package that has none, and the first one its start.
+/// Without tour stops in the package, the files' cameras become the stops; without a start, the first camera becomes
+/// the start.
 void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoints) {
   if (package->stops.empty()) {
     for (const Viewpoint& view : viewpoints) package->stops.push_back({view.name, view.eye, heading_of(view)});
@@ -98,7 +99,7 @@ void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoi
   }
 }
 
-/// What the package leaves open is found from the geometry.
+/// Derives from the geometry what the package does not state.
 Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const EnvironmentMap> environment,
                       const std::filesystem::path& path) {
   Scene scene;
@@ -155,8 +156,8 @@ Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits
   return furnish(std::move(package), std::move(model), std::move(environment), path);
 }
 
-/// glTF is in metres by its standard and others state no unit; files of both kinds come in millimetres. No site that a
-/// visitor walks is two kilometres long, and no scan is two metres of millimetres without being a room or a statue.
+/// glTF is in metres by its standard and the other formats state no unit, but files of all kinds exist in millimetres.
+/// No site that a visitor walks is 2000 metres long, whereas 2000 millimetres are plausible for a room or a statue.
 double guessed_unit_m(const Eigen::AlignedBox3d& bounds, Model* model) {
   const double longest = bounds.sizes().maxCoeff();
   if (longest <= kMillimetresBeyond) return 1.0;

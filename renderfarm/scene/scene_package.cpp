@@ -42,7 +42,7 @@ std::optional<double> number_if_given(ConfigTable* table, const char* key, Range
   return table->number(key, range);
 }
 
-/// A file must lie inside the package: a package from elsewhere must not read other files of this machine.
+/// Accepts files inside the package only; otherwise a package from elsewhere could read other files of this machine.
 std::filesystem::path file_inside(ConfigTable* table, const std::filesystem::path& folder) {
   const std::string file = table->text("file");
   std::error_code error;
@@ -67,7 +67,7 @@ Eigen::Affine3d rotation_of(const std::vector<double>& xyz_deg) {
   return rotation;
 }
 
-/// A heading turns to the right: clockwise seen from above.
+/// Placement at `at`. A heading turns to the right: clockwise seen from above.
 Eigen::Affine3d standing_at(const Eigen::Vector3d& at, double heading_rad, double scale) {
   return Eigen::Translation3d(at) * Eigen::AngleAxisd(-heading_rad, Eigen::Vector3d::UnitY()) * Eigen::Scaling(scale);
 }
@@ -110,14 +110,14 @@ void read_direction(ConfigTable* table, Light* light) {
   }
 }
 
-/// The width of a rectangle is level, as a picture's on a wall; then it is turned about where it shines.
+/// Direction of a rectangle's width: level, as for a picture on a wall, then rotated about `direction`.
 Eigen::Vector3d across_of(const Eigen::Vector3d& direction, double rotation_rad) {
   Eigen::Vector3d level = direction.cross(Eigen::Vector3d::UnitY());
   level = level.norm() > 1e-9 ? level.normalized() : Eigen::Vector3d(Eigen::Vector3d::UnitX());
   return Eigen::AngleAxisd(rotation_rad, direction) * level;
 }
 
-/// Needs the lamp's size.
+/// Precondition: the lamp's size has been read.
 Eigen::Vector3f read_radiance(ConfigTable* table, const Light& light) {
   if (table->has("luminance_nits") && table->has("flux_lm")) {
     table->refuse("flux_lm", "says again what luminance_nits says; keep one of them");
@@ -195,7 +195,7 @@ std::optional<PackageEnvironment> environment_if_given(ConfigTable* root, const 
   return environment;
 }
 
-/// Returns how many corners the area has in all.
+/// Returns the number of corners of the area and its holes.
 std::size_t read_holes(ConfigTable* visitor, ScenePackage* package) {
   std::size_t corners = package->walkable.size();
   for (ConfigTable& hole : visitor->tables("hole")) {

@@ -3,15 +3,12 @@
 ///
 ///   Kd, map_Kd   base colour
 ///   Ke, map_Ke   emission
-///
 ///   Ks, Ns       roughness: GGX width with the same highlight as Blinn-Phong's exponent, alpha = sqrt(2 / (Ns + 2))
 ///                (B. Karis, 2013, "Specular BRDF Reference")
 ///   d, Tr        opacity
-///
 ///   Pr, Pm       roughness and metallic, unchanged
 ///   Pc, Pcr      clearcoat and its roughness
 ///   norm         normal map
-///
 ///   map_d        alpha mask, if it is the same picture as map_Kd
 ///
 /// Other statements are noted.

@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibrator/healing/healing_service.h"
-#include "appliance/calibrator/healing/show_rooms.h"
-#include "appliance/calibrator/scan/frame_scan_camera.h"
-#include "appliance/calibrator/scan/known_lens.h"
-#include "appliance/calibrator/scan/remote_pattern_screen.h"
-#include "appliance/calibrator/scan/simulated_devices.h"
-#include "appliance/calibrator/service/calibrator_service.h"
-#include "appliance/calibrator/settings/calibrator_settings.h"
+#include "appliance/calibrator/calibrator_service.h"
+#include "appliance/calibrator/calibrator_settings.h"
+#include "appliance/healing/healing_service.h"
+#include "appliance/healing/show_rooms.h"
+#include "appliance/scan/frame_scan_camera.h"
+#include "appliance/scan/known_lens.h"
+#include "appliance/scan/remote_pattern_screen.h"
+#include "appliance/scan/simulated_devices.h"
 #include "common/base/file.h"
 #include "common/process/log.h"
 #include "common/process/notify.h"

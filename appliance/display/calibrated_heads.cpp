@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "appliance/calibrator/continuous/corrected_map.h"
-#include "appliance/calibrator/solve/calibration_file.h"
-#include "appliance/calibrator/solve/measured_blend.h"
+#include "appliance/calibration/calibration_file.h"
+#include "appliance/calibration/corrected_map.h"
+#include "appliance/calibration/measured_blend.h"
 #include "appliance/display/measured_head.h"
 #include "common/base/text.h"
 

@@ -22,10 +22,10 @@ struct CalibratedHeads {
   std::vector<std::string> corrected = {};  ///< Those that moved since, and are drawn for from where they stand now.
 };
 
-/// Reads FOLDER/calibration.json with its maps, and colours where there are any (appliance/calibrator/solve). Without
+/// Reads FOLDER/calibration.json with its maps, and colours where there are any (appliance/calibration). Without
 /// colours the projectors are blended by where their maps lie; a projector that it does not know is blended as planned.
 /// FOLDER/correction.json moves projectors from where they were measured to where they stand now, if it is of this
-/// calibration (appliance/calibrator/continuous).
+/// calibration (appliance/healing).
 /// A head of two eyes' pictures side by side or one above the other keeps to the maps: colours are of whole heads.
 /// Takes seconds. Reentrant.
 /// kNotFound  there is no calibration.     kBadData  as read_calibration() and read_colours().     kInvalidArgument  it

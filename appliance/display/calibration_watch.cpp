@@ -7,8 +7,8 @@
 
 #include <utility>
 
-#include "appliance/calibrator/continuous/show_file.h"
-#include "appliance/calibrator/solve/calibration_file.h"
+#include "appliance/calibration/calibration_file.h"
+#include "appliance/calibration/show_file.h"
 #include "common/base/file.h"
 
 namespace cyclorama {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "appliance/display/atomic_slot.h"
-#include "appliance/display/clock_offset.h"
 #include "appliance/display/event_ring.h"
 #include "appliance/display/frame.h"
 #include "appliance/display/head_set.h"
@@ -20,6 +19,7 @@
 #include "appliance/display/recent_headings.h"
 #include "appliance/display/shared_refresh.h"
 #include "appliance/display/waiting_frames.h"
+#include "common/base/clock_offset.h"
 
 namespace cyclorama {
 

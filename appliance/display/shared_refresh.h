@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "appliance/display/clock_offset.h"
 #include "appliance/display/frame.h"
+#include "common/base/clock_offset.h"
 #include "drivers/output/output.h"
 
 namespace cyclorama {

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <optional>
 
-#include "appliance/display/clock_offset.h"
 #include "appliance/display/frame.h"
+#include "common/base/clock_offset.h"
 #include "common/wire/museum.pb.h"
 
 namespace cyclorama {

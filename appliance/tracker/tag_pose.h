@@ -4,8 +4,8 @@
 #include <array>
 #include <optional>
 
+#include "appliance/tags/tag_detector.h"
 #include "appliance/tracker/pose_fit.h"
-#include "appliance/tracker/tag_detector.h"
 
 namespace cyclorama {
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "appliance/tags/tag_detector.h"
 #include "appliance/tracker/one_euro.h"
 #include "appliance/tracker/pose_chooser.h"
-#include "appliance/tracker/tag_detector.h"
 #include "common/wand/wand.h"
 
 namespace cyclorama {

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <utility>
 
-#include "appliance/calibrator/lens/camera_file.h"
+#include "appliance/calibration/camera_file.h"
+#include "appliance/tags/straight_corners.h"
 #include "appliance/tracker/overlay.h"
-#include "appliance/tracker/straight_corners.h"
 #include "common/base/text.h"
 #include "common/wire/convert.h"
 #include "drivers/devices/make_camera.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <thread>
 
+#include "appliance/tags/tag_search.h"
 #include "appliance/tracker/capture.h"
-#include "appliance/tracker/tag_search.h"
 #include "appliance/tracker/tag_tracking.h"
 #include "appliance/tracker/tour_link.h"
 #include "appliance/tracker/tracker_settings.h"

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "appliance/calibrator/lens/camera_file.h"
+#include "appliance/calibration/camera_file.h"
 #include "common/base/check.h"
 #include "common/config/config.h"
 #include "common/wand/folded_card.h"

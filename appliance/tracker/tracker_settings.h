@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "appliance/calibrator/lens/measured_lens.h"
+#include "appliance/calibration/measured_lens.h"
+#include "appliance/tags/tag_detector.h"
 #include "appliance/tracker/markerless/body_tracker.h"
-#include "appliance/tracker/tag_detector.h"
 #include "appliance/tracker/tag_tracking.h"
 #include "common/base/result.h"
 #include "common/room/pinhole.h"

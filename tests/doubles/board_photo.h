@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "appliance/calibrator/lens/brown_lens.h"
+#include "appliance/calibration/brown_lens.h"
 #include "common/board/tag_board.h"
 #include "common/geometry/frames.h"
 #include "common/geometry/rigid_transform.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibrator/continuous/continuous_calibrator.h"
+#include "appliance/healing/estimator/continuous_calibrator.h"
 #include "common/geometry/panorama.h"
 #include "drivers/simulated/museum/flaws.h"
 #include "drivers/simulated/museum/presets.h"

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibrator/photometry/inverse_map.h"
-#include "appliance/calibrator/photometry/photometry_input.h"
+#include "appliance/photometry/inverse_map.h"
+#include "appliance/photometry/photometry_input.h"
 
 namespace cyclorama {
 

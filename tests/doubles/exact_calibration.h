@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "appliance/calibrator/solve/calibrate.h"
+#include "appliance/solve/calibrate.h"
 #include "appliance/warp/projector_map.h"
 
 namespace cyclorama {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibrator/solve/measurements.h"
+#include "appliance/solve/measurements.h"
 
 namespace cyclorama {
 

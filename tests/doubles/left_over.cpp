@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "appliance/calibrator/continuous/show_fit.h"
+#include "appliance/healing/estimator/show_fit.h"
 
 namespace cyclorama {
 namespace {

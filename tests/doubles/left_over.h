@@ -3,7 +3,7 @@
 /// does with a measured wall (fit_projector, place_camera), with errors as large as were measured of it.
 #pragma once
 
-#include "appliance/calibrator/continuous/show_calibration.h"
+#include "appliance/calibration/show_calibration.h"
 #include "common/base/result.h"
 #include "drivers/simulated/museum/flaws.h"
 

@@ -10,10 +10,10 @@
 #include <random>
 #include <vector>
 
-#include "appliance/calibrator/decode/decoder.h"
-#include "appliance/calibrator/decode/photo.h"
-#include "appliance/calibrator/patterns/pattern_drawing.h"
-#include "appliance/calibrator/patterns/pattern_set.h"
+#include "appliance/structured_light/decoder.h"
+#include "appliance/structured_light/pattern_drawing.h"
+#include "appliance/structured_light/pattern_set.h"
+#include "appliance/structured_light/photo.h"
 
 namespace cyclorama {
 

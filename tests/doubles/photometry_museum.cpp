@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "appliance/calibrator/patterns/pattern_drawing.h"
-#include "appliance/calibrator/solve/map_grid.h"
+#include "appliance/calibration/map_grid.h"
+#include "appliance/structured_light/pattern_drawing.h"
 #include "drivers/simulated/museum/camera_table.h"
 
 namespace cyclorama {

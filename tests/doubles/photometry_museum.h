@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "appliance/calibrator/photometry/photometry.h"
+#include "appliance/photometry/photometry.h"
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/museum/simulated_museum.h"
 #include "drivers/simulated/museum/true_museum.h"
@@ -30,7 +30,7 @@ struct MuseumLight {
   int photographs = 0;
   double white_exposure_s = 0.0;
 };
-/// Black, white and ramps, as scan_light() of appliance/calibrator/scan photographs them.
+/// Black, white and ramps, as scan_light() of appliance/scan photographs them.
 Result<MuseumLight> photograph_light(SimulatedMuseum* museum, const MuseumLightOptions& scan = {});
 
 /// Of every projector, channel and code of 8 bits, above black, in parts of full scale: the worst channel's root mean

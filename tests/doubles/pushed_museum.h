@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "appliance/calibrator/realign/realignment.h"
-#include "appliance/calibrator/scan/simulated_devices.h"
+#include "appliance/scan/realign/realignment.h"
+#include "appliance/scan/simulated_devices.h"
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/turntable/simulated_turnplate.h"
 #include "tests/doubles/museum_score.h"

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "appliance/calibrator/decode/decoder.h"
-#include "appliance/calibrator/patterns/pattern_set.h"
+#include "appliance/structured_light/decoder.h"
+#include "appliance/structured_light/pattern_set.h"
 #include "common/base/result.h"
 #include "common/image/image_file.h"
 

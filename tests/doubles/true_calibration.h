@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibrator/solve/calibrate.h"
+#include "appliance/solve/calibrate.h"
 #include "drivers/simulated/museum/true_museum.h"
 
 namespace cyclorama {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "appliance/calibrator/settings/calibrator_settings.h"
+#include "appliance/calibrator/calibrator_settings.h"
 #include "common/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "appliance/calibrator/lens/camera_file.h"
+#include "appliance/calibration/camera_file.h"
 #include "common/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "appliance/calibrator/decode/decode_quality.h"
-#include "appliance/calibrator/decode/decoder.h"
+#include "appliance/structured_light/decode_quality.h"
+#include "appliance/structured_light/decoder.h"
 #include "tests/fuzz/fuzz_input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "appliance/calibrator/decode/decoder.h"
-#include "appliance/calibrator/patterns/pattern_drawing.h"
+#include "appliance/structured_light/decoder.h"
+#include "appliance/structured_light/pattern_drawing.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;

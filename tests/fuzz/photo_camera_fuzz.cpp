@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "appliance/tracker/tag_detector.h"
+#include "appliance/tags/tag_detector.h"
 #include "drivers/camera/file/file_camera.h"
 #include "tests/doubles/manual_clock.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "appliance/calibrator/scan/scan_view.h"
+#include "appliance/scan/scan_view.h"
 #include "common/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

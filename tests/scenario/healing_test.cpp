@@ -19,8 +19,8 @@
 #include <thread>
 #include <vector>
 
-#include "appliance/calibrator/continuous/corrected_map.h"
-#include "appliance/calibrator/solve/calibration_file.h"
+#include "appliance/calibration/calibration_file.h"
+#include "appliance/calibration/corrected_map.h"
 #include "common/base/file.h"
 #include "common/process/child.h"
 #include "common/wire/calibration.grpc.pb.h"

@@ -15,7 +15,7 @@
 #include <numbers>
 #include <thread>
 
-#include "appliance/tracker/tag_detector.h"
+#include "appliance/tags/tag_detector.h"
 #include "common/base/percentiles.h"
 #include "common/room/pinhole.h"
 #include "drivers/devices/make_camera.h"

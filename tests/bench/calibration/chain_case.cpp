@@ -4,7 +4,7 @@
 #include <ctime>
 #include <numbers>
 
-#include "appliance/calibrator/scan/simulated_devices.h"
+#include "appliance/scan/simulated_devices.h"
 #include "drivers/simulated/turntable/simulated_turnplate.h"
 
 namespace cyclorama {

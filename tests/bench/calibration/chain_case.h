@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibrator/scan/calibration_run.h"
+#include "appliance/scan/calibration_run.h"
 #include "drivers/simulated/museum/presets.h"
 #include "tests/doubles/museum_score.h"
 #include "tests/doubles/photometry_museum.h"

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "appliance/calibrator/scan/simulated_devices.h"
-#include "appliance/calibrator/solve/calibrate.h"
-#include "appliance/calibrator/solve/map_grid.h"
-#include "appliance/calibrator/solve/surface_fit.h"
+#include "appliance/calibration/map_grid.h"
+#include "appliance/scan/simulated_devices.h"
+#include "appliance/solve/calibrate.h"
+#include "appliance/solve/surface_fit.h"
 #include "drivers/simulated/turntable/simulated_turnplate.h"
 
 namespace cyclorama {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "appliance/calibrator/photometry/light_file.h"
-#include "appliance/calibrator/photometry/reblend.h"
-#include "appliance/calibrator/solve/calibration_file.h"
+#include "appliance/calibration/calibration_file.h"
+#include "appliance/photometry/light_file.h"
+#include "appliance/photometry/reblend.h"
 #include "common/base/file.h"
 
 namespace cyclorama {

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <vector>
 
-#include "appliance/calibrator/decode/decode_quality.h"
-#include "appliance/calibrator/lens/brown_lens.h"
-#include "appliance/calibrator/procam/procam_solve.h"
+#include "appliance/calibration/brown_lens.h"
+#include "appliance/camera_calibration/procam_solve.h"
+#include "appliance/structured_light/decode_quality.h"
 
 namespace cyclorama {
 

@@ -12,9 +12,9 @@
 #include <random>
 #include <span>
 
-#include "appliance/calibrator/photometry/light_file.h"
-#include "appliance/calibrator/photometry/reblend.h"
-#include "appliance/calibrator/solve/calibration_file.h"
+#include "appliance/calibration/calibration_file.h"
+#include "appliance/photometry/light_file.h"
+#include "appliance/photometry/reblend.h"
 #include "tests/doubles/photometry_museum.h"
 #include "tests/doubles/pushed_museum.h"
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibrator/decode/decode_quality.h"
-#include "appliance/calibrator/procam/chessboard.h"
-#include "appliance/calibrator/procam/procam_ladder.h"
-#include "appliance/calibrator/procam/projector_corners.h"
+#include "appliance/camera_calibration/chessboard.h"
+#include "appliance/camera_calibration/procam_selection.h"
+#include "appliance/camera_calibration/projector_corners.h"
+#include "appliance/structured_light/decode_quality.h"
 #include "tests/bench/calibration/procam_truth.h"
 #include "tests/doubles/lit_wall.h"
 #include "tests/doubles/real_captures.h"

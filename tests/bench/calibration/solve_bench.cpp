@@ -14,7 +14,7 @@
 #include <numbers>
 #include <string>
 
-#include "appliance/calibrator/solve/calibrate.h"
+#include "appliance/solve/calibrate.h"
 #include "tests/bench/records.h"
 #include "tests/doubles/generated_room.h"
 

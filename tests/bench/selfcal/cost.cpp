@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "appliance/calibrator/continuous/feature_matching.h"
+#include "appliance/healing/estimator/feature_matching.h"
 #include "common/base/cpu_time.h"
 #include "common/image/png.h"
 #include "tests/bench/selfcal/selfcal_benches.h"

@@ -7,7 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "appliance/calibrator/continuous/sightings.h"
+#include "appliance/healing/estimator/observations.h"
 #include "tests/bench/selfcal/selfcal_benches.h"
 
 namespace cyclorama {

@@ -2,8 +2,8 @@
 /// Runs rendered sequences through the tracker's own search and pose, and keeps the errors.
 #pragma once
 
+#include "appliance/tags/tag_search.h"
 #include "appliance/tracker/overlay.h"
-#include "appliance/tracker/tag_search.h"
 #include "appliance/tracker/tag_tracking.h"
 #include "common/base/cpu_time.h"
 #include "tests/bench/tracker/rendered_hand.h"

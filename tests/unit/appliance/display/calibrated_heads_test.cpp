@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-#include "appliance/calibrator/solve/calibration_file.h"
+#include "appliance/calibration/calibration_file.h"
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/exact_calibration.h"
 

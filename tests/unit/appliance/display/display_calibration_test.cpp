@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "appliance/calibrator/solve/calibration_file.h"
+#include "appliance/calibration/calibration_file.h"
 #include "appliance/display/display.h"
 #include "common/base/file.h"
 #include "drivers/output/shared_picture.h"

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "appliance/tags/tag_detector.h"
 #include "appliance/tracker/overlay.h"
-#include "appliance/tracker/tag_detector.h"
 #include "appliance/tracker/tag_pose.h"
 #include "common/image/image_file.h"
 #include "tests/doubles/shared_data.h"

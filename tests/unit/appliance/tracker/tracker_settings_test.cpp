@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "appliance/calibrator/lens/camera_file.h"
+#include "appliance/calibration/camera_file.h"
 #include "common/wand/folded_card.h"
 
 namespace cyclorama {

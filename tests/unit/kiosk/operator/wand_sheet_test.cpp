@@ -7,8 +7,8 @@
 
 #include <sstream>
 
-#include "appliance/calibrator/intrinsics/board_search.h"
-#include "appliance/tracker/tag_detector.h"
+#include "appliance/camera_calibration/board_search.h"
+#include "appliance/tags/tag_detector.h"
 #include "common/base/text.h"
 #include "kiosk/operator/board_sheet.h"
 

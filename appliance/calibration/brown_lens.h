@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "appliance/calibration/brown_model.h"
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// Why a pixel has no direction.
+enum class LensRefusal {
+  kNone,
+  kNotFinite,   ///< The pixel is NaN or infinite.
+  kBeyondFold,  ///< No direction this side of the fold is imaged there.
+};
+
+struct SlopeAnswer {
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< (x/z, y/z); zero when refused.
+  LensRefusal refusal = LensRefusal::kNone;
+  explicit operator bool() const { return refusal == LensRefusal::kNone; }
+};
+
+/// A lens with distortion, in both directions: of a camera, or of a projector.
+///
+/// A polynomial of distortion turns back somewhere: beyond, two directions meet in one pixel, and the usual inverse of
+/// a fixed number of steps answers something. This one answers to 1e-9 px, or refuses:
+///
+///      distance from the axis in the picture
+///         │        ╭──╮            the distortion is the gradient of a potential, so where its Jacobian is positive
+///         │      ╱ fold ╲          definite in a whole disc, it is one-to-one there, and its inverse is the only
+///         │    ╱     ┊    ╲        minimum of a convex function: Newton's steps, each of which goes down, find it
+///         │  ╱       ┊             from anywhere.
+///         └──────────┴────────▶ slope
+///            trusted   not
+///
+/// The disc is the largest about the axis in which no direction's magnification falls below kLeastMagnification of the
+/// centre's; with decentring (p1, p2) some of what lies just outside of it could be trusted too, and is not.
+/// A value; reentrant.
+class BrownLens {
+ public:
+  static constexpr double kLeastMagnification = 1e-3;
+  static constexpr double kWidestSlope = 57.0;  ///< 89° from the axis.
+  static constexpr double kRoundTripPx = 1e-9;
+
+  /// kInvalidArgument  a size or a focal length that is not positive, or a number that is not finite.
+  static Result<BrownLens> from(const BrownParameters& parameters);
+
+  [[nodiscard]] const BrownParameters& parameters() const { return parameters_; }
+  /// The slope up to which the lens is trusted, at most kWidestSlope.
+  [[nodiscard]] double trusted_slope() const { return trusted_slope_; }
+
+  /// Perhaps outside of the picture. Nothing when it is behind the lens, beyond what is trusted, or not finite.
+  [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
+  [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of_slope(const Eigen::Vector2d& slope) const;
+  /// pixel_of_slope(answer) is the pixel to within kRoundTripPx.
+  [[nodiscard]] SlopeAnswer slope_at(const Eigen::Vector2d& pixel) const;
+  /// How far the pixel moves, in pixels per slope: d(u, v) / d(x, y).
+  [[nodiscard]] Eigen::Matrix2d jacobian(const Eigen::Vector2d& slope) const;
+
+  /// Whether every place of the picture has a direction.
+  /// kInvalidArgument  names the first that has none, and the slope of the fold.
+  [[nodiscard]] Status covers_picture() const;
+
+ private:
+  explicit BrownLens(const BrownParameters& parameters);
+  [[nodiscard]] Eigen::Vector2d distorted(const Eigen::Vector2d& slope) const;
+  [[nodiscard]] Eigen::Matrix2d distortion_jacobian(const Eigen::Vector2d& slope) const;
+  [[nodiscard]] double potential(const Eigen::Vector2d& slope) const;
+
+  BrownParameters parameters_;
+  double trusted_slope_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibration/surface.h"
+
+#include <ceres/jet.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "appliance/calibration/direction_chart.h"
+#include "common/base/check.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::string_view kNames[] = {"plane", "cylinder", "profile", "quadric", "mesh"};
+
+/// The four coefficients that count at `x`, and the derivative by x. Past the ends the last span goes on.
+struct SplineWeights {
+  int first = 0;
+  std::array<double, 4> weights{};
+  std::array<double, 4> slopes{};
+};
+
+SplineWeights spline_weights(const SplineAxis& axis, double x) {
+  const double u = (x - axis.from) / axis.step;
+  const int span = std::clamp(static_cast<int>(std::floor(std::clamp(u, -1.0, axis.spans + 1.0))), 0, axis.spans - 1);
+  const double t = u - span;
+  const double s = 1.0 - t;
+  SplineWeights w;
+  w.first = span;
+  w.weights = {s * s * s / 6.0, (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0,
+               (-3.0 * t * t * t + 3.0 * t * t + 3.0 * t + 1.0) / 6.0, t * t * t / 6.0};
+  w.slopes = {-0.5 * s * s / axis.step, (1.5 * t * t - 2.0 * t) / axis.step, (-1.5 * t * t + t + 0.5) / axis.step,
+              0.5 * t * t / axis.step};
+  return w;
+}
+
+template <typename T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+
+/// R^T v, for R turned by yaw about up, then pitch about right, then roll about back.
+template <typename T>
+Vector3<T> turned_back(const T& yaw, const T& pitch, const T& roll, const Eigen::Vector3d& v) {
+  using std::cos;
+  using std::sin;
+  const T x1 = cos(yaw) * v.x() - sin(yaw) * v.z();
+  const T z1 = sin(yaw) * v.x() + cos(yaw) * v.z();
+  const T y2 = cos(pitch) * v.y() + sin(pitch) * z1;
+  const T z2 = -sin(pitch) * v.y() + cos(pitch) * z1;
+  return {cos(roll) * x1 + sin(roll) * y2, -sin(roll) * x1 + cos(roll) * y2, z2};
+}
+
+/// Where the line of sight meets  a u² + b v² + c w² + d uv + e uw + f vw = w, in the frame of a wall that it touches
+/// at its origin; w points to the eye. Of the two places the one that goes over into the plane's when all bends vanish:
+/// the nearer one of a wall that bulges, the farther one of a wall that goes round the eye.
+template <typename T>
+bool quadric_nearness(const Vector3<T>& eye, const Vector3<T>& d, const std::array<T, 6>& q, T* ret_nearness) {
+  using std::sqrt;
+  const T a = q[0] * d[0] * d[0] + q[1] * d[1] * d[1] + q[2] * d[2] * d[2] + q[3] * d[0] * d[1] + q[4] * d[0] * d[2] +
+              q[5] * d[1] * d[2];
+  const T b = -d[2] + 2.0 * (q[0] * eye[0] * d[0] + q[1] * eye[1] * d[1] + q[2] * eye[2] * d[2]) +
+              q[3] * (eye[0] * d[1] + eye[1] * d[0]) + q[4] * (eye[0] * d[2] + eye[2] * d[0]) +
+              q[5] * (eye[1] * d[2] + eye[2] * d[1]);
+  const T c = -eye[2] + q[0] * eye[0] * eye[0] + q[1] * eye[1] * eye[1] + q[2] * eye[2] * eye[2] +
+              q[3] * eye[0] * eye[1] + q[4] * eye[0] * eye[2] + q[5] * eye[1] * eye[2];
+  const T within = b * b - 4.0 * a * c;
+  if (!(within > 1e-12) || !(c < -1e-9)) return false;
+  *ret_nearness = -(b + sqrt(within)) / (2.0 * c);
+  return true;
+}
+
+template <typename T>
+bool closed_nearness(SurfaceRung rung, const Eigen::Vector3d& d, double distance, const T* p, T* ret_nearness) {
+  const bool is_cylinder = rung == SurfaceRung::kCylinder;
+  const T roll = is_cylinder ? p[2] : T(0.0);
+  const Vector3<T> sight = turned_back(p[0], p[1], roll, d);
+  const Vector3<T> eye = turned_back(p[0], p[1], roll, Eigen::Vector3d(0.0, 0.0, distance));
+  std::array<T, 6> q;
+  q.fill(T(0.0));
+  if (is_cylinder) q[0] = q[2] = 0.5 * p[3];
+  if (rung == SurfaceRung::kQuadric) {
+    for (std::size_t i = 0; i < 6; ++i) q[i] = p[2 + i];
+  }
+  return quadric_nearness(eye, sight, q, ret_nearness);
+}
+
+template <int N>
+std::optional<double> closed(SurfaceRung rung, const Eigen::Vector3d& d, double distance, const double* parameters,
+                             NearnessSlopes* ret_slopes) {
+  if (ret_slopes == nullptr) {
+    double nearness = 0.0;
+    if (!closed_nearness(rung, d, distance, parameters, &nearness)) return std::nullopt;
+    return nearness;
+  }
+  using Jet = ceres::Jet<double, N>;
+  std::array<Jet, static_cast<std::size_t>(N)> p;
+  for (int i = 0; i < N; ++i) p[static_cast<std::size_t>(i)] = Jet(parameters[i], i);
+  Jet nearness;
+  if (!closed_nearness(rung, d, distance, p.data(), &nearness)) return std::nullopt;
+  for (int i = 0; i < N; ++i) ret_slopes->add(i, nearness.v[i]);
+  return nearness.a;
+}
+
+std::optional<double> profile(const SplineAxis& axis, const double* parameters, const Eigen::Vector3d& d,
+                              NearnessSlopes* ret_slopes) {
+  using Jet = ceres::Jet<double, 2>;
+  const Vector3<Jet> sight = turned_back(Jet(0.0), Jet(parameters[0], 0), Jet(parameters[1], 1), d);
+  const Jet flat = sqrt(sight[0] * sight[0] + sight[2] * sight[2]);
+  if (!(flat.a > 1e-9)) return 0.0;  // Along the axis: endlessly far.
+  const Jet angle = atan2(sight[0], -sight[2]);
+  const SplineWeights w = spline_weights(axis, angle.a);
+  double value = 0.0;
+  double slope = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double c = parameters[2 + w.first + static_cast<int>(i)];
+    value += w.weights[i] * c;
+    slope += w.slopes[i] * c;
+  }
+  if (ret_slopes != nullptr) {
+    for (int i = 0; i < 2; ++i) ret_slopes->add(i, flat.v[i] * value + flat.a * slope * angle.v[i]);
+    for (int i = 0; i < 4; ++i) {
+      ret_slopes->add(2 + w.first + i, flat.a * w.weights[static_cast<std::size_t>(i)]);
+    }
+  }
+  return flat.a * value;
+}
+
+/// Angles from straight ahead: rightwards and upwards, as an arrow.
+Eigen::Vector2d chart_place(const Eigen::Vector3d& d) {
+  const double sine = std::hypot(d.x(), d.y());
+  const double factor = sine < 1e-12 ? 1.0 : std::atan2(sine, -d.z()) / sine;
+  return {factor * d.x(), factor * d.y()};
+}
+
+Eigen::Vector3d chart_direction(const Eigen::Vector2d& place) {
+  const double angle = std::min(place.norm(), 3.1);
+  const double factor = angle < 1e-9 ? 1.0 : std::sin(angle) / place.norm();
+  return {factor * place.x(), factor * place.y(), -std::cos(angle)};
+}
+
+std::optional<double> mesh(const SplineAxis& across, const SplineAxis& up, const double* parameters,
+                           const Eigen::Vector3d& d, NearnessSlopes* ret_slopes) {
+  const Eigen::Vector2d place = chart_place(d);
+  const SplineWeights wx = spline_weights(across, place.x());
+  const SplineWeights wy = spline_weights(up, place.y());
+  const int columns = across.coefficients();
+  double value = 0.0;
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) {
+      const int at = (wy.first + j) * columns + wx.first + i;
+      const double weight = wx.weights[static_cast<std::size_t>(i)] * wy.weights[static_cast<std::size_t>(j)];
+      value += weight * parameters[at];
+      if (ret_slopes != nullptr) ret_slopes->add(at, weight);
+    }
+  }
+  return value;
+}
+
+SplineAxis axis_over(double from, double to, double step) {
+  const int spans = std::clamp(static_cast<int>(std::ceil((to - from) / step)), 1, 64);
+  const double length = std::max((to - from) * 1.0001, 1e-4);
+  return {from, length / spans, spans};
+}
+
+}  // namespace
+
+std::string_view name_of(SurfaceRung rung) { return kNames[static_cast<std::size_t>(rung)]; }
+
+std::optional<SurfaceRung> surface_rung(std::string_view name) {
+  for (const SurfaceRung rung : kSurfaceRungs) {
+    if (name_of(rung) == name) return rung;
+  }
+  return std::nullopt;
+}
+
+int Surface::size() const {
+  switch (rung) {
+    case SurfaceRung::kPlane:
+      return 2;
+    case SurfaceRung::kCylinder:
+      return 4;
+    case SurfaceRung::kProfile:
+      return 2 + across.coefficients();
+    case SurfaceRung::kQuadric:
+      return 8;
+    case SurfaceRung::kMesh:
+      return across.coefficients() * up.coefficients();
+  }
+  return 0;
+}
+
+std::optional<double> Surface::nearness_at(const double* p, const Eigen::Vector3d& direction,
+                                           NearnessSlopes* ret_slopes) const {
+  if (ret_slopes != nullptr) ret_slopes->count = 0;
+  const Eigen::Vector3d d = R_eye_wall.transpose() * direction;
+  std::optional<double> nearness;
+  switch (rung) {
+    case SurfaceRung::kPlane:
+      nearness = closed<2>(rung, d, distance_m, p, ret_slopes);
+      break;
+    case SurfaceRung::kCylinder:
+      nearness = closed<4>(rung, d, distance_m, p, ret_slopes);
+      break;
+    case SurfaceRung::kQuadric:
+      nearness = closed<8>(rung, d, distance_m, p, ret_slopes);
+      break;
+    case SurfaceRung::kProfile:
+      nearness = profile(across, p, d, ret_slopes);
+      break;
+    case SurfaceRung::kMesh:
+      nearness = mesh(across, up, p, d, ret_slopes);
+      break;
+  }
+  if (!nearness || !std::isfinite(*nearness)) return std::nullopt;
+  return nearness;
+}
+
+double Surface::curvature_per_m() const {
+  CHECK(rung == SurfaceRung::kPlane || rung == SurfaceRung::kCylinder);
+  return rung == SurfaceRung::kCylinder ? parameters[3] : 0.0;
+}
+
+Surface Surface::start(SurfaceRung rung, const Surface& from, const std::vector<Eigen::Vector3d>& spread,
+                       double knot_rad) {
+  Surface surface = from;
+  surface.rung = rung;
+  const auto nearness = [&](const Eigen::Vector3d& d_wall) {
+    return std::clamp(from.nearness_at(from.R_eye_wall * d_wall).value_or(0.5 / from.distance_m),
+                      0.05 / from.distance_m, 4.0 / from.distance_m);
+  };
+  if (rung == SurfaceRung::kPlane) surface.parameters = {0.0, 0.0};
+  if (rung == SurfaceRung::kCylinder) {
+    const bool is_plane = from.rung == SurfaceRung::kPlane;
+    surface.parameters = {is_plane ? from.parameters[0] : 0.0, is_plane ? from.parameters[1] : 0.0, 0.0, 0.0};
+  }
+  if (rung == SurfaceRung::kQuadric) {
+    surface.parameters.assign(8, 0.0);
+    if (from.rung == SurfaceRung::kPlane || from.rung == SurfaceRung::kCylinder) {
+      surface.parameters[0] = from.parameters[0];
+      surface.parameters[1] = from.parameters[1];
+      const double k = 0.5 * from.curvature_per_m();
+      const double roll = from.rung == SurfaceRung::kCylinder ? from.parameters[2] : 0.0;
+      // The cylinder's own across-axis, (cos, sin) of its roll, told in axes that are not rolled.
+      surface.parameters[2] = k * std::cos(roll) * std::cos(roll);
+      surface.parameters[3] = k * std::sin(roll) * std::sin(roll);
+      surface.parameters[4] = k;
+      surface.parameters[5] = 2.0 * k * std::cos(roll) * std::sin(roll);
+    }
+  }
+  if (rung != SurfaceRung::kProfile && rung != SurfaceRung::kMesh) return surface;
+  Eigen::Vector2d least(1e9, 1e9);
+  Eigen::Vector2d most(-1e9, -1e9);
+  for (const Eigen::Vector3d& direction : spread) {
+    const Eigen::Vector3d d = from.R_eye_wall.transpose() * direction;
+    const Eigen::Vector2d place =
+        rung == SurfaceRung::kMesh ? chart_place(d) : Eigen::Vector2d(std::atan2(d.x(), -d.z()), 0.0);
+    least = least.cwiseMin(place);
+    most = most.cwiseMax(place);
+  }
+  CHECK(!spread.empty());
+  surface.across = axis_over(least.x(), most.x(), knot_rad);
+  surface.up = rung == SurfaceRung::kMesh ? axis_over(least.y(), most.y(), knot_rad) : SplineAxis{};
+  surface.parameters.clear();
+  const auto knot = [](const SplineAxis& axis, int i) { return axis.from + (i - 1) * axis.step; };
+  if (rung == SurfaceRung::kProfile) {
+    surface.parameters = {0.0, 0.0};
+    for (int i = 0; i < surface.across.coefficients(); ++i) {
+      const double angle = knot(surface.across, i);
+      surface.parameters.push_back(nearness({std::sin(angle), 0.0, -std::cos(angle)}));
+    }
+    return surface;
+  }
+  for (int j = 0; j < surface.up.coefficients(); ++j) {
+    for (int i = 0; i < surface.across.coefficients(); ++i) {
+      surface.parameters.push_back(nearness(chart_direction({knot(surface.across, i), knot(surface.up, j)})));
+    }
+  }
+  return surface;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/camera_calibration/chessboard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+namespace cyclorama {
+namespace {
+
+/// The least distance between neighbouring corners.
+double smallest_square(const std::vector<cv::Point2f>& corners, int columns) {
+  double smallest = 1e9;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    if ((i + 1) % static_cast<std::size_t>(columns) != 0)
+      smallest = std::min(smallest, cv::norm(corners[i + 1] - corners[i]));
+    const std::size_t below = i + static_cast<std::size_t>(columns);
+    if (below < corners.size()) smallest = std::min(smallest, cv::norm(corners[below] - corners[i]));
+  }
+  return smallest;
+}
+
+}  // namespace
+
+Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int columns, int rows) {
+  if (columns < 3 || rows < 3 || columns > 100 || rows > 100 || photo.empty()) {
+    return Error(ErrorCode::kInvalidArgument, "a chessboard has 3 to 100 inner corners each way");
+  }
+  try {
+    // OpenCV has no view of what it may not write.
+    const cv::Mat image(photo.height(), photo.width(), CV_8UC1,
+                        const_cast<std::uint8_t*>(photo.data().data()));  // NOLINT
+    std::vector<cv::Point2f> corners;
+    // By sectors first: finer, and it sees blurred boards that the other does not; but not those at a steep angle.
+    if (!cv::findChessboardCornersSB(image, {columns, rows}, corners, cv::CALIB_CB_ACCURACY)) {
+      corners.clear();
+      if (!cv::findChessboardCorners(image, {columns, rows}, corners,
+                                     cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE)) {
+        return Error(ErrorCode::kNotFound,
+                     "no chessboard of " + std::to_string(columns) + "x" + std::to_string(rows) +
+                         " inner corners: all of it, with a white border, must be lit and in the picture");
+      }
+      const int half = std::clamp(static_cast<int>(smallest_square(corners, columns) / 6.0), 2, 11);
+      cv::cornerSubPix(image, corners, {half, half}, {-1, -1},
+                       cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3));
+    }
+    std::vector<Eigen::Vector2d> result;
+    for (const cv::Point2f& corner : corners) {
+      if (!std::isfinite(corner.x) || !std::isfinite(corner.y))
+        return Error(ErrorCode::kNotFound, "a corner of the chessboard is blurred away");
+      result.emplace_back(static_cast<double>(corner.x) + 0.5, static_cast<double>(corner.y) + 0.5);
+    }
+    return result;
+  } catch (const cv::Exception& problem) {
+    return Error(ErrorCode::kSystem, std::string("OpenCV: ") + problem.what());
+  }
+}
+
+Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, std::vector<Eigen::Vector2d> corners,
+                                                       int half_px) {
+  if (photo.empty() || half_px < 2) return Error(ErrorCode::kInvalidArgument, "corners need a picture and a window");
+  try {
+    const cv::Mat image(photo.height(), photo.width(), CV_8UC1,
+                        const_cast<std::uint8_t*>(photo.data().data()));  // NOLINT
+    std::vector<cv::Point2f> places;
+    for (const Eigen::Vector2d& c : corners) {
+      places.emplace_back(static_cast<float>(c.x() - 0.5), static_cast<float>(c.y() - 0.5));
+    }
+    cv::cornerSubPix(image, places, {half_px, half_px}, {-1, -1},
+                     cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3));
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Eigen::Vector2d moved(static_cast<double>(places[i].x) + 0.5, static_cast<double>(places[i].y) + 0.5);
+      // A corner without contrast stays exactly where it was.
+      const double way = (moved - corners[i]).cwiseAbs().maxCoeff();
+      corners[i] = way < 0.9 * half_px ? moved : Eigen::Vector2d::Constant(std::nan(""));
+    }
+    return corners;
+  } catch (const cv::Exception& problem) {
+    return Error(ErrorCode::kSystem, std::string("OpenCV: ") + problem.what());
+  }
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/healing/estimator/feature_matching.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/features2d.hpp>
+
+namespace cyclorama {
+namespace {
+
+constexpr int kMostFeatures = 1500;
+constexpr float kRatio = 0.8f;      // Lowe, IJCV 60 (2), 2004.
+constexpr double kInlier_px = 8.0;  // Of the projector or the camera: what patches then make exact.
+constexpr int kLeastInliers = 12;
+
+/// As OpenCV wants it: 8 bits, evenly bright to the eye, so that dark parts have features too.
+cv::Mat codes_of(const LightPlane& plane) {
+  float most = 1e-9f;
+  std::vector<float> sorted(plane.light.data().begin(), plane.light.data().end());
+  if (!sorted.empty()) {
+    const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 99 / 100);
+    std::ranges::nth_element(sorted, high);
+    most = std::max(most, *high);
+  }
+  cv::Mat codes(plane.height(), plane.width(), CV_8U);
+  for (int y = 0; y < plane.height(); ++y) {
+    const float* row = plane.light.at(0, y);
+    for (int x = 0; x < plane.width(); ++x) {
+      const float part = std::clamp(row[x] / most, 0.0f, 1.0f);
+      codes.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(255.0f * std::sqrt(part) + 0.5f);
+    }
+  }
+  return codes;
+}
+
+cv::Ptr<cv::Feature2D> detector(FeatureKind kind) {
+  if (kind == FeatureKind::kSift) return cv::SIFT::create(kMostFeatures, 3, 0.02);
+  return cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, 0.0005f);
+}
+
+/// Each to its best, if that is much better than the next one.
+std::vector<int> best_of(const cv::Mat& from, const cv::Mat& to, int norm) {
+  std::vector<int> best(static_cast<std::size_t>(from.rows), -1);
+  std::vector<std::vector<cv::DMatch>> found;
+  cv::BFMatcher(norm).knnMatch(from, to, found, 2);
+  for (const auto& pair : found) {
+    if (pair.size() == 2 && pair[0].distance < kRatio * pair[1].distance)
+      best[static_cast<std::size_t>(pair[0].queryIdx)] = pair[0].trainIdx;
+  }
+  return best;
+}
+
+Eigen::Vector2d place_of(const cv::KeyPoint& point) {
+  return {static_cast<double>(point.pt.x) + 0.5, static_cast<double>(point.pt.y) + 0.5};
+}
+
+/// T_body_room from points in the room and where the body sees them, as slopes.
+std::optional<RigidTransform<frame::Room, frame::Room>> place_from(const std::vector<cv::Point3d>& points,
+                                                                   const std::vector<cv::Point2d>& slopes,
+                                                                   double inlier_slope) {
+  if (points.size() < static_cast<std::size_t>(kLeastInliers)) return std::nullopt;
+  try {
+    cv::Mat turn;
+    cv::Mat shift;
+    std::vector<int> inliers;
+    const bool is_found = cv::solvePnPRansac(points, slopes, cv::Matx33d::eye(), cv::noArray(), turn, shift, false, 300,
+                                             static_cast<float>(inlier_slope), 0.999, inliers, cv::SOLVEPNP_SQPNP);
+    if (!is_found || static_cast<int>(inliers.size()) < kLeastInliers) return std::nullopt;
+    std::vector<cv::Point3d> good;
+    std::vector<cv::Point2d> seen;
+    for (const int i : inliers) {
+      good.push_back(points[static_cast<std::size_t>(i)]);
+      seen.push_back(slopes[static_cast<std::size_t>(i)]);
+    }
+    cv::solvePnPRefineLM(good, seen, cv::Matx33d::eye(), cv::noArray(), turn, shift);
+    const Eigen::Vector3d w(turn.at<double>(0), turn.at<double>(1), turn.at<double>(2));
+    const Eigen::Vector3d t(shift.at<double>(0), shift.at<double>(1), shift.at<double>(2));
+    if (!w.allFinite() || !t.allFinite()) return std::nullopt;
+    return RigidTransform<frame::Room, frame::Room>(turned_by(w), t);
+  } catch (const cv::Exception&) {
+    return std::nullopt;
+  }
+}
+
+/// The step to a pose found, unless it is beyond what a bump can do.
+template <typename Body>
+std::optional<PoseStep> plausible(const RigidTransform<frame::Room, Body>& believed,
+                                  const RigidTransform<frame::Room, frame::Room>& T_body_room) {
+  const auto found = T_body_room.inverse();
+  const PoseStep step =
+      step_between(believed, RigidTransform<frame::Room, Body>(found.rotation(), found.translation()));
+  if (!(step.head<3>().norm() < 2.0 * kMostTurn_rad && step.tail<3>().norm() < 2.0 * kMostShift_m)) return std::nullopt;
+  return step;
+}
+
+}  // namespace
+
+Result<FeatureMatches> match_features(const Prediction& prediction, const LightPlane& picture, FeatureKind kind) {
+  try {
+    const cv::Ptr<cv::Feature2D> features = detector(kind);
+    std::vector<cv::KeyPoint> expected;
+    std::vector<cv::KeyPoint> seen;
+    cv::Mat expected_words;
+    cv::Mat seen_words;
+    features->detectAndCompute(codes_of(prediction.light), cv::noArray(), expected, expected_words);
+    features->detectAndCompute(codes_of(picture), cv::noArray(), seen, seen_words);
+    FeatureMatches made;
+    made.in_prediction = static_cast<int>(expected.size());
+    made.in_picture = static_cast<int>(seen.size());
+    if (expected.size() < 2 || seen.size() < 2) return made;
+    const int norm = kind == FeatureKind::kSift ? cv::NORM_L2 : cv::NORM_HAMMING;
+    const std::vector<int> forth = best_of(expected_words, seen_words, norm);
+    const std::vector<int> back = best_of(seen_words, expected_words, norm);
+    for (std::size_t i = 0; i < forth.size(); ++i) {
+      if (forth[i] < 0 || back[static_cast<std::size_t>(forth[i])] != static_cast<int>(i)) continue;
+      const Eigen::Vector2d at = place_of(expected[i]);
+      const int who = *prediction.owner.at(std::clamp(static_cast<int>(at.x()), 0, prediction.owner.width() - 1),
+                                           std::clamp(static_cast<int>(at.y()), 0, prediction.owner.height() - 1));
+      if (who < 0) continue;
+      made.matches.push_back({at, place_of(seen[static_cast<std::size_t>(forth[i])]), who});
+    }
+    return made;
+  } catch (const cv::Exception& e) {
+    return Error(ErrorCode::kBadData, std::string("matching features: ") + e.what());
+  }
+}
+
+std::optional<PoseStep> find_projector(const ShowCalibration& room, std::size_t projector,
+                                       std::span<const Sighting> sightings) {
+  const ShowProjector& lamp = room.projectors[projector];
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> slopes;
+  for (const Sighting& s : sightings) {
+    if (s.projector != projector) continue;
+    const auto slope = slope_at(lamp.lens, s.shown);
+    if (!slope) continue;
+    points.emplace_back(s.wall.x(), s.wall.y(), s.wall.z());
+    slopes.emplace_back(slope->x(), slope->y());
+  }
+  const auto T = place_from(points, slopes, kInlier_px / lamp.lens.focal_u_px);
+  return T ? plausible(lamp.T_room_projector, *T) : std::nullopt;
+}
+
+std::optional<PoseStep> find_camera(const ShowCalibration& room, std::size_t camera,
+                                    std::span<const Sighting> sightings) {
+  const ShowCamera& eye = room.cameras[camera];
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> slopes;
+  for (const Sighting& s : sightings) {
+    if (s.camera != camera) continue;
+    const auto wall = wall_lit_at(room, room.projectors[s.projector], s.shown);
+    const auto slope = slope_at(eye.lens, s.seen);
+    if (!slope || !wall) continue;
+    points.emplace_back(wall->x(), wall->y(), wall->z());
+    slopes.emplace_back(slope->x(), slope->y());
+  }
+  const auto T = place_from(points, slopes, kInlier_px / eye.lens.focal_u_px);
+  return T ? plausible(eye.T_room_camera, *T) : std::nullopt;
+}
+
+}  // namespace cyclorama

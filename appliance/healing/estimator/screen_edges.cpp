@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/healing/estimator/screen_edges.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace cyclorama {
+namespace {
+
+constexpr int kEvery_px = 16;  // Of the reduced picture.
+constexpr int kReach_px = 5;
+constexpr int kBeyond_px = 3;         // How far inside of an edge its light is asked for.
+constexpr double kLeastFall = 0.004;  // Of the camera's full scale, over the edge.
+constexpr double kSigma_px = 0.6;     // Of the reduced picture: content beside an edge pulls it.
+
+/// Whether a camera's ray meets the wall.
+class Sight {
+ public:
+  Sight(const Wall& wall, const ShowCamera& camera) : wall_(wall), camera_(camera) {}
+  [[nodiscard]] bool meets(const Eigen::Vector2d& pixel) const {
+    const auto slope = slope_at(camera_.lens, pixel);
+    return slope &&
+           hit(wall_, {{camera_.T_room_camera.translation()}, camera_.T_room_camera.rotation() * slope->homogeneous()});
+  }
+  /// Where the wall ends on the way from a pixel that meets it to one that does not.
+  [[nodiscard]] std::optional<Eigen::Vector2d> end(Eigen::Vector2d inside, Eigen::Vector2d outside) const {
+    if (!meets(inside) || meets(outside)) return std::nullopt;
+    while ((outside - inside).norm() > 1e-4) {
+      const Eigen::Vector2d middle = 0.5 * (inside + outside);
+      (meets(middle) ? inside : outside) = middle;
+    }
+    return 0.5 * (inside + outside);
+  }
+
+ private:
+  const Wall& wall_;
+  const ShowCamera& camera_;
+};
+
+std::optional<EdgePoint> edge_point(const Wall& wall, const ShowCamera& camera, const Eigen::Vector2d& inside,
+                                    const Eigen::Vector2d& outside) {
+  const Sight sight(wall, camera);
+  const auto at = sight.end(inside, outside);
+  if (!at) return std::nullopt;
+  // The tangent, from ends a few pixels to either side.
+  const Eigen::Vector2d out = (outside - inside).normalized();
+  const Eigen::Vector2d along(-out.y(), out.x());
+  constexpr double kBeside_px = 6.0;
+  constexpr double kSearch_px = 8.0;
+  const auto ahead =
+      sight.end(*at + kBeside_px * along - kSearch_px * out, *at + kBeside_px * along + kSearch_px * out);
+  const auto behind =
+      sight.end(*at - kBeside_px * along - kSearch_px * out, *at - kBeside_px * along + kSearch_px * out);
+  if (!ahead || !behind) return std::nullopt;
+  const Eigen::Vector2d tangent = (*ahead - *behind).normalized();
+  EdgePoint point;
+  point.at = *at;
+  point.outward = {tangent.y(), -tangent.x()};
+  if (point.outward.dot(out) < 0.0) point.outward = -point.outward;
+  for (int axis = 0; axis < 6; ++axis) {
+    PoseStep step = PoseStep::Zero();
+    step[axis] = axis < 3 ? 1e-4 : 1e-4;
+    ShowCamera moved = camera;
+    moved.T_room_camera = stepped(camera.T_room_camera, step);
+    const auto end = Sight(wall, moved).end(*at - 4.0 * point.outward, *at + 4.0 * point.outward);
+    if (!end) return std::nullopt;
+    point.by_camera[axis] = (*end - *at).dot(point.outward) / step[axis];
+  }
+  return point;
+}
+
+}  // namespace
+
+std::vector<EdgePoint> edge_points(const Wall& wall, const ShowCamera& camera, const CameraSlopes& slopes,
+                                   const SeenWall& seen) {
+  std::vector<EdgePoint> points;
+  const int margin = kReach_px + kBeyond_px + 2;
+  const auto is_wall = [&](int x, int y) {
+    return !std::isnan(
+        seen.points[static_cast<std::size_t>(y) * static_cast<std::size_t>(seen.width) + static_cast<std::size_t>(x)]
+            .x());
+  };
+  const auto centre = [&](int x, int y) {
+    return Eigen::Vector2d((x + 0.5) * slopes.factor, (y + 0.5) * slopes.factor);
+  };
+  const auto add = [&](int x0, int y0, int x1, int y1, bool is_column) {
+    if (is_wall(x0, y0) == is_wall(x1, y1)) return;
+    const bool is_first_inside = is_wall(x0, y0);
+    const Eigen::Vector2d inside = is_first_inside ? centre(x0, y0) : centre(x1, y1);
+    const Eigen::Vector2d outside = is_first_inside ? centre(x1, y1) : centre(x0, y0);
+    auto point = edge_point(wall, camera, inside, outside);
+    if (!point) return;
+    // Steep ones are found in rows, the others in columns.
+    if ((std::abs(point->outward.y()) > std::abs(point->outward.x())) != is_column) return;
+    point->part = !is_column ? Outline::kSide : point->outward.y() < 0.0 ? Outline::kUpper : Outline::kLower;
+    points.push_back(*point);
+  };
+  for (int x = margin; x + margin < seen.width; x += kEvery_px) {
+    for (int y = margin; y + margin < seen.height; ++y) add(x, y, x, y + 1, true);
+  }
+  for (int y = margin; y + margin < seen.height; y += kEvery_px) {
+    for (int x = margin; x + margin < seen.width; ++x) add(x, y, x + 1, y, false);
+  }
+  return points;
+}
+
+std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const ShowCalibration& room, std::size_t camera,
+                                  int factor, std::span<const LightPlane> shone) {
+  constexpr double kGoesOn = 0.5;  // Of the light inside: content changes over some pixels, too.
+  const ShowCamera& eye = room.cameras[camera];
+  const auto light = [&](const EdgePoint& point, double out_px) {
+    const auto wall = wall_seen_at(room, eye, point.at + out_px * factor * point.outward);
+    double sum = 0.0;
+    for (std::size_t i = 0; wall && i < shone.size(); ++i) {
+      if (shone[i].light.empty()) continue;
+      const ShowProjector& lamp = room.projectors[i];
+      const auto pixel = pixel_of(lamp.lens, (lamp.T_room_projector.inverse() * Point<frame::Room>{*wall}).xyz);
+      if (!pixel || !contains(lamp.lens, *pixel)) continue;
+      const double by = shone[i].factor;
+      sum += static_cast<double>(shone[i].at(static_cast<float>(pixel->x() / by), static_cast<float>(pixel->y() / by)));
+    }
+    return sum;
+  };
+  std::vector<EdgePoint> lit;
+  for (const EdgePoint& point : points) {
+    const double inside = light(point, -kBeyond_px);
+    if (inside > 0.0 && light(point, 1.5) > kGoesOn * inside && light(point, kReach_px + 1) > kGoesOn * inside)
+      lit.push_back(point);
+  }
+  return lit;
+}
+
+std::vector<EdgeSighting> see_edges(const std::vector<EdgePoint>& points, std::size_t camera,
+                                    const Prediction& prediction, const LightPlane& picture, double gain) {
+  std::vector<EdgeSighting> seen;
+  const double factor = prediction.light.factor;
+  for (const EdgePoint& point : points) {
+    const Eigen::Vector2d at = point.at / factor;
+    const auto light = [&](const LightPlane& plane, double out_px) {
+      const Eigen::Vector2d place = at + out_px * point.outward;
+      return static_cast<double>(plane.at(static_cast<float>(place.x()), static_cast<float>(place.y())));
+    };
+    if (!(gain * light(prediction.light, -kBeyond_px) > kLeastFall)) continue;
+    std::array<double, 2 * kReach_px + 1> fall{};
+    std::size_t steepest = 0;
+    for (std::size_t i = 0; i < fall.size(); ++i) {
+      const double out_px = static_cast<double>(i) - kReach_px;
+      fall[i] = light(picture, out_px - 1.0) - light(picture, out_px + 1.0);
+      if (fall[i] > fall[steepest]) steepest = i;
+    }
+    if (steepest == 0 || steepest + 1 == fall.size() || !(fall[steepest] > kLeastFall)) continue;
+    const double bend = fall[steepest - 1] - 2.0 * fall[steepest] + fall[steepest + 1];
+    if (!(bend < 0.0)) continue;
+    const double off =
+        static_cast<double>(steepest) - kReach_px + 0.5 * (fall[steepest - 1] - fall[steepest + 1]) / bend;
+    seen.push_back({camera, point.part, point.at, off * factor, kSigma_px * factor, point.by_camera});
+  }
+  return seen;
+}
+
+}  // namespace cyclorama

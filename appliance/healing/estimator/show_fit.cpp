@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/healing/estimator/show_fit.h"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+
+namespace cyclorama {
+namespace {
+
+constexpr std::size_t kLeastPixels = 40;
+constexpr double kGross_px = 1.0;     // Where the loss turns from squares to logarithms.
+constexpr double kOutlier_px = 5.0;   // Beyond, a pixel is of something else.
+constexpr double kMostRms_px = 20.0;  // Beyond, the model is of another room.
+
+struct Reprojection {
+  Eigen::Vector2d pixel;
+  Eigen::Vector3d place;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* lens, T* residual) const {
+    // pose: body from room, as an angle-axis and a shift.
+    const T in_room[3] = {T(place.x()), T(place.y()), T(place.z())};
+    T point[3];
+    ceres::AngleAxisRotatePoint(pose, in_room, point);
+    for (int i = 0; i < 3; ++i) point[i] += pose[3 + i];
+    if (!(point[2] > T(1e-3))) return false;
+    T u;
+    T v;
+    brown_pixel(lens, point[0] / point[2], point[1] / point[2], &u, &v);
+    residual[0] = u - T(pixel.x());
+    residual[1] = v - T(pixel.y());
+    return true;
+  }
+};
+
+/// Holds a number near what the installation says.
+struct Near {
+  int index;
+  double value;
+  double sigma;
+  template <typename T>
+  bool operator()(const T* block, T* residual) const {
+    residual[0] = (block[index] - T(value)) / T(sigma);
+    return true;
+  }
+};
+
+struct Fit {
+  std::array<double, 6> pose{};
+  BrownBlock lens{};
+};
+
+template <typename Body>
+std::array<double, 6> numbers_of(const RigidTransform<frame::Room, Body>& T_room_body) {
+  const auto T = T_room_body.inverse();
+  const double q[4] = {T.rotation().w(), T.rotation().x(), T.rotation().y(), T.rotation().z()};
+  std::array<double, 6> pose{};
+  ceres::QuaternionToAngleAxis(q, pose.data());
+  for (int i = 0; i < 3; ++i) pose[static_cast<std::size_t>(3 + i)] = T.translation()[i];
+  return pose;
+}
+
+template <typename Body>
+RigidTransform<frame::Room, Body> pose_of(const std::array<double, 6>& pose) {
+  double q[4];
+  ceres::AngleAxisToQuaternion(pose.data(), q);
+  return RigidTransform<Body, frame::Room>({q[0], q[1], q[2], q[3]}, {pose[3], pose[4], pose[5]}).inverse();
+}
+
+/// `free_lens`: with focal lengths, centre, k1 and k2, each held near what it begins with.
+bool refine(std::span<const PlacedPixel> pixels, bool free_lens, Fit* fit) {
+  ceres::Problem problem;
+  for (const PlacedPixel& p : pixels) {
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<Reprojection, 2, 6, kBrownValues>(new Reprojection{p.pixel, p.place}),
+        new ceres::CauchyLoss(kGross_px), fit->pose.data(), fit->lens.data());
+  }
+  if (free_lens) {
+    const double focal = fit->lens[kFocalU];
+    const auto near = [&](double* block, int size, int index, double value, double sigma) {
+      if (size == 6) {
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Near, 1, 6>(new Near{index, value, sigma}), nullptr,
+                                 block);
+      } else {
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Near, 1, kBrownValues>(new Near{index, value, sigma}),
+                                 nullptr, block);
+      }
+    };
+    near(fit->lens.data(), kBrownValues, kFocalU, fit->lens[kFocalU], 0.03 * focal);
+    near(fit->lens.data(), kBrownValues, kFocalV, fit->lens[kFocalV], 0.03 * focal);
+    near(fit->lens.data(), kBrownValues, kCentreU, fit->lens[kCentreU], 0.05 * focal);
+    near(fit->lens.data(), kBrownValues, kCentreV, fit->lens[kCentreV], 0.05 * focal);
+    near(fit->lens.data(), kBrownValues, kK1, 0.0, 0.1);
+    near(fit->lens.data(), kBrownValues, kK2, 0.0, 0.1);
+    for (int i = 0; i < 6; ++i) near(fit->pose.data(), 6, i, fit->pose[static_cast<std::size_t>(i)], i < 3 ? 0.1 : 0.3);
+    problem.SetManifold(fit->lens.data(), new ceres::SubsetManifold(kBrownValues, {kP1, kP2, kK3}));
+  } else {
+    problem.SetParameterBlockConstant(fit->lens.data());
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 100;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return summary.IsSolutionUsable();
+}
+
+template <typename Body>
+Result<FittedPlace<Body>> judged(std::span<const PlacedPixel> pixels, const Fit& fit, const BrownParameters& lens) {
+  FittedPlace<Body> made;
+  made.lens = from_block(fit.lens, lens.width_px, lens.height_px);
+  made.pose = pose_of<Body>(fit.pose);
+  std::vector<double> squared;
+  const auto T = made.pose.inverse();
+  for (const PlacedPixel& p : pixels) {
+    const auto at = pixel_of(made.lens, (T * Point<frame::Room>{p.place}).xyz);
+    squared.push_back(at ? (*at - p.pixel).squaredNorm() : 1e12);
+    if (squared.back() < kOutlier_px * kOutlier_px) ++made.used;
+  }
+  std::ranges::sort(squared);
+  const std::size_t most = squared.size() - squared.size() / 20;
+  double sum = 0.0;
+  std::size_t counted = 0;
+  for (std::size_t i = 0; i < most && i < made.used; ++i, ++counted) sum += squared[i];
+  made.rms_px = counted == 0 ? 1e6 : std::sqrt(sum / static_cast<double>(counted));
+  if (2 * made.used < pixels.size() || !(made.rms_px < kMostRms_px) || !made.pose.translation().allFinite()) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("no place fits: {} of {} pixels do; is the wall what installation.toml says?", made.used,
+                             pixels.size()));
+  }
+  return made;
+}
+
+Error too_few(std::size_t count) {
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("only {} places on the wall are known, {} are needed", count, kLeastPixels)};
+}
+
+}  // namespace
+
+Result<FittedPlace<frame::Projector>> fit_projector(const MeasuredMap& map, const Wall& wall,
+                                                    const Point<frame::Room>& sweet_spot,
+                                                    const ShowProjector& installed) {
+  constexpr int kAcross = 32;
+  constexpr int kDown = 18;
+  std::vector<PlacedPixel> pixels;
+  for (int i = 0; i < kAcross * kDown; ++i) {
+    const Eigen::Vector2d pixel((i % kAcross + 0.5) / kAcross * map.width_px,
+                                (i / kAcross + 0.5) / kDown * map.height_px);
+    const auto direction = map.direction_at(pixel);
+    if (!direction) continue;
+    const auto place = endless_hit(wall, {{sweet_spot.xyz}, *direction});
+    if (place) pixels.push_back({pixel, place->xyz});
+  }
+  if (pixels.size() < kLeastPixels) return too_few(pixels.size());
+  Fit fit{numbers_of(installed.T_room_projector), to_block(installed.lens)};
+  if (!refine(pixels, true, &fit)) return Error(ErrorCode::kBadData, "no place fits where its light lands");
+  return judged<frame::Projector>(pixels, fit, installed.lens);
+}
+
+Result<FittedPlace<frame::Camera>> place_camera(const BrownParameters& lens, std::span<const PlacedPixel> pixels) {
+  if (pixels.size() < kLeastPixels) return too_few(pixels.size());
+  std::vector<cv::Point3d> places;
+  std::vector<cv::Point2d> slopes;
+  for (const PlacedPixel& p : pixels) {
+    const auto slope = slope_at(lens, p.pixel);
+    if (!slope) continue;
+    places.emplace_back(p.place.x(), p.place.y(), p.place.z());
+    slopes.emplace_back(slope->x(), slope->y());
+  }
+  if (places.size() < kLeastPixels) return too_few(places.size());
+  Fit fit;
+  fit.lens = to_block(lens);
+  try {
+    cv::Mat turn;
+    cv::Mat shift;
+    cv::theRNG().state = 1;  // The same draws for the same pixels.
+    const double within = kOutlier_px / lens.focal_u_px;
+    if (!cv::solvePnPRansac(places, slopes, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, 2000,
+                            static_cast<float>(within), 0.999, cv::noArray(), cv::SOLVEPNP_SQPNP))
+      return Error(ErrorCode::kBadData, "no place fits what the camera sees of the wall");
+    for (int i = 0; i < 3; ++i) {
+      fit.pose[static_cast<std::size_t>(i)] = turn.at<double>(i);
+      fit.pose[static_cast<std::size_t>(3 + i)] = shift.at<double>(i);
+    }
+  } catch (const cv::Exception& e) {
+    return Error(ErrorCode::kBadData, std::string("OpenCV: ") + e.what());
+  }
+  if (!refine(pixels, false, &fit)) return Error(ErrorCode::kBadData, "no place fits what the camera sees of the wall");
+  return judged<frame::Camera>(pixels, fit, lens);
+}
+
+BrownParameters smaller_lens(const BrownParameters& lens, int factor) {
+  BrownParameters made = lens;
+  made.width_px = lens.width_px / factor;
+  made.height_px = lens.height_px / factor;
+  for (double* const length : {&made.focal_u_px, &made.focal_v_px, &made.centre_u_px, &made.centre_v_px})
+    *length /= factor;
+  return made;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mutex>
+
+#include "appliance/healing/healing_loop.h"
+#include "common/wire/show.grpc.pb.h"
+
+namespace cyclorama {
+
+/// What show.proto's Healing promises. Thread-safe. Borrows the loop, which may be null: then nothing watches.
+class HealingService final : public wire::Healing::Service {
+ public:
+  explicit HealingService(HealingLoop* loop) : loop_(loop) {}
+  /// Cancels what runs, and refuses what comes.
+  void stop() { stop_.request_stop(); }
+
+ private:
+  grpc::Status PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasOrder* request,
+                            wire::PlacedCameras* reply) override;
+  grpc::Status Realign(grpc::ServerContext* context, const wire::RealignOrder* request,
+                       wire::RealignAnswer* reply) override;
+
+  HealingLoop* loop_;
+  std::mutex busy_;
+  std::stop_source stop_;
+};
+
+}  // namespace cyclorama

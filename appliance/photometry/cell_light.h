@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "appliance/photometry/photometry_input.h"
+#include "appliance/photometry/response_solve.h"
+
+namespace cyclorama {
+
+/// What one cell of a projector's picture gives at one stop, linear, per unit of exposure. A channel that the camera
+/// has not is as the first.
+struct CellLight {
+  std::size_t cell = 0;
+  Eigen::Vector3d black = Eigen::Vector3d::Zero();
+  Eigen::Vector3d black_sigma = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d primaries = Eigen::Matrix3d::Zero();  ///< Columns: red, green, blue at their brightest, above black.
+  bool has_primaries = false;
+  Eigen::Vector3d white = Eigen::Vector3d::Zero();  ///< Above black.
+  bool has_white = false;
+  double sigma = 0.0;  ///< Of white, relative; of the sum of the primaries where there is no white.
+};
+
+/// Cells whose black and something bright were seen. Reentrant.
+[[nodiscard]] std::vector<CellLight> cell_lights(const PhotometryInput& input, const ProjectorView& view,
+                                                 const CameraResponse& camera,
+                                                 const std::array<ChannelResponse, 3>& curves);
+
+}  // namespace cyclorama

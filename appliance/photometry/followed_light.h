@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Brightness and colours of a calibration, carried over to the maps of one that has none of its own.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "appliance/calibration/colour_file.h"
+#include "appliance/photometry/photometry.h"
+#include "appliance/photometry/wall_light.h"
+#include "appliance/solve/calibrate.h"
+
+namespace cyclorama {
+
+struct FollowedLight {
+  std::vector<CalibratedColour> colours;
+  WallLighting lighting;  ///< For light_part().
+  Photometry photometry;  ///< As reblended() tells it.
+};
+
+/// `own_folder` holds colours.json and light.json of the calibration whose maps are `before`; `after` are the same
+/// projectors, in the same order. `nearness` as move_light() has it: 1 everywhere where no wall is known.
+/// Nothing: that calibration had no colours.     kBadData, kNotFound  its files cannot be used.
+/// kInvalidArgument  other projectors.           Others as reblended(). Takes seconds.
+Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& own_folder,
+                                                  std::span<const CalibratedProjector> before,
+                                                  std::span<const CalibratedProjector> after,
+                                                  const std::function<double(const Eigen::Vector3d&)>& nearness);
+
+}  // namespace cyclorama

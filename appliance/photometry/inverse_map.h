@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "appliance/calibration/direction_chart.h"
+#include "appliance/calibration/measured_map.h"
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// Which of a projector's pixels is seen in a direction: the exact inverse of MeasuredMap::direction_at(). Reentrant.
+class InverseMap {
+ public:
+  /// kInvalidArgument  a map without directions, whose counts do not fit, or that goes round the sweet spot.
+  static Result<InverseMap> make(const MeasuredMap& map);
+
+  /// Nothing where the projector's picture is not seen. `direction` has unit length.
+  [[nodiscard]] std::optional<Eigen::Vector2d> pixel_at(const Eigen::Vector3d& direction) const;
+
+ private:
+  struct Triangle {
+    Eigen::Matrix3d shares;  ///< Of a direction, in its corners.
+    Eigen::Matrix<double, 2, 3> corners_px;
+  };
+  InverseMap(const MeasuredMap& map, const DirectionChart& chart);
+  void add(const MeasuredMap& map, const std::array<int, 3>& nodes);
+  [[nodiscard]] Eigen::Vector2i bin_of(const Eigen::Vector2d& place) const;
+
+  DirectionChart chart_;
+  Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
+  double bins_per_rad_ = 1.0;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<Triangle> triangles_;
+  std::vector<std::vector<int>> bins_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/photometry/make_heads.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "appliance/photometry/slow_target.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kTargetStep_rad = 0.35 * kDegree;
+constexpr double kBlur_rad = 1.0 * kDegree;
+constexpr double kBeside_rad = 2.0 * kDegree;  // Of a border: two deviations of the blur.
+constexpr double kNoShare = 1e-3;              // Who has less of a place does not limit it.
+constexpr int kStep_px = 2;                    // Masks are smooth: every other pixel is enough.
+constexpr float kSteep = 0.03f;                // Where pictures' corners meet weights change quickly,
+constexpr float kBent = 0.004f;                // or bend: an eighth of it is what lies between off by.
+constexpr double kLeastLift = 1e-7;
+
+/// What one pixel of a head gets.
+struct PixelShare {
+  bool is_lit = false;
+  float mask = 0.0f;
+  float weight = 0.0f;
+  float lift = 0.0f;  ///< In parts of the head's own white there; not yet scaled.
+};
+
+/// Of every kStep_px-th pixel each way.
+struct CoarseShares {
+  int columns = 0;
+  int rows = 0;
+  std::vector<PixelShare> all;
+
+  [[nodiscard]] const PixelShare& at(int column, int row) const {
+    return all[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
+  }
+  /// Change of slope of the weights; 0 at the rim. What is not lit bends too much.
+  [[nodiscard]] float bend(int column, int row) const {
+    float most = 0.0f;
+    for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+      if (column < dx || row < dy || column + dx >= columns || row + dy >= rows) continue;
+      const PixelShare& before = at(column - dx, row - dy);
+      const PixelShare& behind = at(column + dx, row + dy);
+      if (!before.is_lit || !behind.is_lit) return 1.0f;
+      most = std::max(most, std::abs(before.weight - 2.0f * at(column, row).weight + behind.weight));
+    }
+    return most;
+  }
+  /// Whether what lies between this place and the next ones, to the right and below, is as well interpolated.
+  [[nodiscard]] bool is_even(int column, int row) const {
+    float least = 1.0f;
+    float most = 0.0f;
+    for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
+      const PixelShare& corner = at(column + dx, row + dy);
+      if (!corner.is_lit || bend(column + dx, row + dy) > kBent) return false;
+      least = std::min(least, corner.weight);
+      most = std::max(most, corner.weight);
+    }
+    return most - least < kSteep;
+  }
+};
+
+class HeadMaker {
+ public:
+  HeadMaker(const PhotometryInput& input, const WallLighting& lighting, const BlendWeights& weights,
+            std::vector<double> kept)
+      : input_(input), lighting_(lighting), weights_(weights), kept_(std::move(kept)) {}
+
+  Status find_targets(const PhotometryOptions& options);
+  void tell_light_kept(Photometry* result) const;
+  void make_images(std::size_t projector, PhotometricHead* head) const;
+  /// The colour that `projector` adds where others' leaks are missing: in its own channels, of luminance 1.
+  [[nodiscard]] Eigen::Vector3d lift_colour(std::size_t projector) const;
+
+ private:
+  using Shares = std::vector<BlendWeights::Share>;
+  [[nodiscard]] double white_of(const BlendWeights::Share& share) const {
+    return lighting_.projectors[share.projector].white_at(share.pixel);
+  }
+  /// The most that blending can make of a direction; infinite where nobody lights.
+  [[nodiscard]] double reach(const Shares& shares) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& share : shares) {
+      if (share.weight > kNoShare) least = std::min(least, kept_[share.projector] * white_of(share) / share.weight);
+    }
+    return least;
+  }
+  [[nodiscard]] double black(const Eigen::Vector3d& direction, const Shares& shares) const {
+    Eigen::Vector3d colour = lighting_.ambient_at(direction);
+    for (const auto& share : shares) colour += white_of(share) * lighting_.projectors[share.projector].leak;
+    return kCameraLuminance.dot(colour);
+  }
+  [[nodiscard]] std::vector<double> slopes(const PhotometryOptions& options) const;
+  [[nodiscard]] PixelShare share_of(std::size_t projector, const Eigen::Vector2d& pixel) const;
+
+  const PhotometryInput& input_;
+  const WallLighting& lighting_;
+  const BlendWeights& weights_;
+  std::vector<double> kept_;
+  std::optional<DirectionField> reach_;
+  std::optional<DirectionField> target_;
+  std::optional<DirectionField> inverse_black_;  ///< One over the black to be reached.
+};
+
+/// How much brightness may change, for each place of the targets' fields.
+std::vector<double> HeadMaker::slopes(const PhotometryOptions& options) const {
+  const auto pictures = [this](const Eigen::Vector3d& direction) {
+    unsigned which = 0;
+    for (const auto& share : weights_.at(direction)) which |= 1u << (share.projector % 32);
+    return which;
+  };
+  const std::vector<bool> is_near = reach_->near_borders(pictures, kBeside_rad);
+  const double everywhere = options.most_slope_per_deg / kDegree;
+  const double at_borders = std::min(options.most_slope_at_borders_per_deg, options.most_slope_per_deg) / kDegree;
+  std::vector<double> result;
+  for (const bool near : is_near) result.push_back(near ? at_borders : everywhere);
+  return result;
+}
+
+Status HeadMaker::find_targets(const PhotometryOptions& options) {
+  TRY_ASSIGN(reach_, DirectionField::over(input_.projectors, kTargetStep_rad));
+  DirectionField dark = *reach_;
+  reach_->fill([this](const Eigen::Vector3d& d) { return reach(weights_.at(d)); });
+  const auto reached = reach_->places();
+  if (std::ranges::none_of(reached, [](const auto& place) { return std::isfinite(place.value); }))
+    return Error(ErrorCode::kBadData, "no direction gets light; measure the maps again");
+  const std::vector<double> slope = slopes(options);
+  target_ = reach_->slow_below(slope, kBlur_rad);
+  if (!options.lifts_black) return Done{};
+  bool is_any_black = false;
+  dark.fill([&](const Eigen::Vector3d& d) {
+    const auto shares = weights_.at(d);
+    const double light = shares.empty() ? 0.0 : black(d, shares);
+    is_any_black |= light > 0.0;
+    return light > 0.0 ? 1.0 / light : std::numeric_limits<double>::infinity();
+  });
+  if (is_any_black) inverse_black_ = dark.slow_below(slope, kBlur_rad);
+  return Done{};
+}
+
+void HeadMaker::tell_light_kept(Photometry* result) const {
+  DirectionField all = *reach_;
+  all.fill([this](const Eigen::Vector3d& d) {
+    double sum = 0.0;
+    for (const auto& share : weights_.at(d)) sum += white_of(share);
+    return sum;
+  });
+  const auto reached = reach_->places();
+  const auto wanted = target_->places();
+  const auto whole = all.places();
+  double could = 0.0;
+  double kept = 0.0;
+  double area = 0.0;
+  double darkest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    if (!std::isfinite(reached[i].value)) continue;
+    could += whole[i].area_sr * whole[i].value;
+    kept += wanted[i].area_sr * wanted[i].value;
+    area += reached[i].area_sr;
+    darkest = std::min(darkest, reached[i].value);
+  }
+  result->light_kept = kept / could;
+  result->light_kept_flat = darkest * area / could;
+}
+
+PixelShare HeadMaker::share_of(std::size_t projector, const Eigen::Vector2d& pixel) const {
+  const auto direction = input_.projectors[projector].map.direction_at(pixel);
+  if (!direction) return {};
+  const Shares shares = weights_.at(*direction, projector, pixel);
+  PixelShare result;
+  result.is_lit = true;
+  for (const auto& share : shares) {
+    if (share.projector != projector) continue;
+    const double white = white_of(share);
+    const double mask = share.weight * target_->at(*direction) / (kept_[projector] * white);
+    result.weight = static_cast<float>(share.weight);
+    result.mask = static_cast<float>(std::clamp(mask, 0.0, 1.0));
+    if (!inverse_black_) continue;
+    const double missing = 1.0 / inverse_black_->at(*direction) - black(*direction, shares);
+    result.lift = static_cast<float>(share.weight * std::max(0.0, missing) / white);
+  }
+  return result;
+}
+
+Eigen::Vector3d HeadMaker::lift_colour(std::size_t projector) const {
+  Eigen::Vector3d missing = Eigen::Vector3d::Zero();
+  for (std::size_t p = 0; p < lighting_.projectors.size(); ++p) {
+    if (p != projector) missing += lighting_.projectors[p].leak;
+  }
+  const ProjectorLighting& own = lighting_.projectors[projector];
+  const Eigen::Vector3d neutral = Eigen::Vector3d::Ones();  // White's luminance is 1.
+  if (!(kCameraLuminance.dot(missing) > 0.0)) return neutral;
+  const Eigen::Vector3d channels = (own.primaries.inverse() * missing).cwiseMax(0.0);
+  const double luminance = kCameraLuminance.dot(own.primaries * channels);
+  return luminance > 0.0 ? Eigen::Vector3d(channels / luminance) : neutral;
+}
+
+void HeadMaker::make_images(std::size_t projector, PhotometricHead* head) const {
+  const MeasuredMap& map = input_.projectors[projector].map;
+  CoarseShares coarse{map.width_px / kStep_px + 2, map.height_px / kStep_px + 2, {}};
+  for (int y = 0; y < coarse.rows; ++y) {
+    for (int x = 0; x < coarse.columns; ++x) {
+      const Eigen::Vector2d pixel(std::min(x * kStep_px, map.width_px), std::min(y * kStep_px, map.height_px));
+      coarse.all.push_back(share_of(projector, pixel));
+    }
+  }
+  head->mask = MaskImage(map.width_px, map.height_px);
+  head->weight = MaskImage(map.width_px, map.height_px);
+  LiftImage lift(map.width_px, map.height_px);
+  float brightest = 0.0f;
+  for (int y = 0; y < map.height_px; ++y) {
+    const int row = y / kStep_px;
+    const float fy = (static_cast<float>(y - row * kStep_px) + 0.5f) / kStep_px;
+    for (int x = 0; x < map.width_px; ++x) {
+      const int column = x / kStep_px;
+      const float fx = (static_cast<float>(x - column * kStep_px) + 0.5f) / kStep_px;
+      const std::array<const PixelShare*, 4> corners = {&coarse.at(column, row), &coarse.at(column + 1, row),
+                                                        &coarse.at(column, row + 1), &coarse.at(column + 1, row + 1)};
+      const std::array<float, 4> parts = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+      PixelShare share;
+      const bool is_inside = (column + 1) * kStep_px <= map.width_px && (row + 1) * kStep_px <= map.height_px;
+      if (is_inside && coarse.is_even(column, row)) {
+        for (std::size_t i = 0; i < 4; ++i) {
+          share.mask += parts.at(i) * corners.at(i)->mask;
+          share.weight += parts.at(i) * corners.at(i)->weight;
+          share.lift += parts.at(i) * corners.at(i)->lift;
+        }
+      } else {
+        share = share_of(projector, Eigen::Vector2d(x + 0.5, y + 0.5));
+      }
+      *head->mask.at(x, y) = share.mask;
+      *head->weight.at(x, y) = share.weight;
+      *lift.at(x, y) = share.lift;
+      brightest = std::max(brightest, share.lift);
+    }
+  }
+  if (!(static_cast<double>(brightest) > kLeastLift)) return;
+  for (float& value : lift.data()) value = std::min(1.0f, value / brightest);
+  head->colour.black = static_cast<double>(brightest) * lift_colour(projector);
+  head->colour.lift = std::move(lift);
+}
+
+}  // namespace
+
+Status make_heads(const PhotometryInput& input, const PhotometryOptions& options, const WallLighting& lighting,
+                  const BlendWeights& weights, const CommonGamut* gamut, Photometry* result) {
+  std::vector<double> kept(input.projectors.size(), 1.0);
+  if (gamut != nullptr) kept = gamut->kept;
+  HeadMaker maker(input, lighting, weights, kept);
+  TRY(maker.find_targets(options));
+  maker.tell_light_kept(result);
+  double brightest = 0.0;
+  for (std::size_t p = 0; p < input.projectors.size(); ++p) {
+    PhotometricHead& head = result->heads[p];
+    const MeasuredMap& map = input.projectors[p].map;
+    maker.make_images(p, &head);
+    if (gamut != nullptr) head.colour.matrix = gamut->matrices[p];
+    head.primaries = lighting.projectors[p].primaries;
+    head.black = lighting.projectors[p].leak;
+    head.brightness = kept[p] * lighting.projectors[p].white_at({0.5 * map.width_px, 0.5 * map.height_px});
+    brightest = std::max(brightest, head.brightness);
+  }
+  for (PhotometricHead& head : result->heads) head.brightness /= brightest;
+  if (gamut != nullptr) result->wall = gamut->wall;
+  return Done{};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/scan/calibration_run.h"
+
+#include <fmt/format.h>
+
+#include <ctime>
+#include <optional>
+
+#include "appliance/calibration/calibration_file.h"
+#include "appliance/photometry/followed_light.h"
+#include "appliance/photometry/light_file.h"
+#include "appliance/scan/light_scan.h"
+#include "appliance/scan/report_page.h"
+#include "appliance/scan/seam_photographs.h"
+
+namespace cyclorama {
+namespace {
+constexpr double kWallPart = 0.7;  // Of the bar.
+constexpr double kLightPart = 0.9;
+constexpr double kSolvePart = 0.94;
+constexpr double kSeamPart = 0.98;
+
+/// What is not there yet, its maps, comes from the calibration.
+Result<Photometry> photometry_of(LightScan light, const Calibration& calibration) {
+  for (const CalibratedProjector& projector : calibration.projectors)
+    light.input.projectors.push_back({projector.name, projector.map});
+  const MeasuredLens& lens = calibration.plate.camera;
+  light.input.camera_centre_px =
+      Eigen::Vector2d(lens.values[MeasuredLens::kCentreU], lens.values[MeasuredLens::kCentreV]);
+  return photometry(light.input);
+}
+
+std::vector<CalibratedColour> colours_of(const Photometry& photometry, const Calibration& calibration) {
+  std::vector<CalibratedColour> colours;
+  for (std::size_t p = 0; p < photometry.heads.size(); ++p)
+    colours.push_back({calibration.projectors[p].name, photometry.heads[p].mask, photometry.heads[p].colour});
+  return colours;
+}
+
+/// For the maps of now; nothing where there was none, or where it cannot be used: the wall lost it then.
+std::optional<FollowedLight> light_of_before(const std::filesystem::path& folder,
+                                             const std::optional<Calibration>& previous,
+                                             const Calibration& calibration) {
+  if (!previous) return std::nullopt;
+  // Projectors that stand where they stood light the wall as they did; of one that was moved, the solid angle tells.
+  auto followed = follow_light(calibration_folder(folder, previous->date), previous->projectors, calibration.projectors,
+                               [](const Eigen::Vector3d&) { return 1.0; });
+  if (!followed) return std::nullopt;
+  return *std::move(followed);
+}
+
+/// How the wall looks by the calibration of before, or by installation.toml alone, and how it will.
+Result<SeamPhotographs> seams_before_and_after(const Installation& installation, const ScanSettings& settings,
+                                               const ScanDevices& devices, const std::filesystem::path& folder,
+                                               const std::vector<ScanView>& views, const Calibration* previous,
+                                               const Calibration& calibration,
+                                               const std::vector<CalibratedColour>& colours,
+                                               const ScanListener& listener, std::stop_token stop) {
+  std::vector<CalibratedColour> old_colours;
+  if (previous != nullptr) {
+    // Colours that cannot be read would not be drawn either.
+    if (auto read = read_colours(calibration_folder(folder, previous->date))) old_colours = *std::move(read);
+  }
+  double exposure_s = settings.view.exposure.longest.count();
+  for (const ScanView& view : views) {
+    if (view.exposure_s > 0.0) exposure_s = std::min(exposure_s, view.exposure_s);
+  }
+  const DrawnBy before{previous == nullptr ? "before, by installation.toml" : "before, of " + previous->date, previous,
+                       old_colours};
+  return photograph_seams(installation, before, {"after", &calibration, colours}, exposure_s, devices, listener,
+                          std::move(stop));
+}
+
+}  // namespace
+
+Result<CalibrationOutcome> run_calibration(const Installation& installation, const ScanSettings& settings,
+                                           const ScanDevices& devices, const std::filesystem::path& folder,
+                                           const std::string& date, const Clock& clock, const ScanListener& listener,
+                                           std::stop_token stop) {
+  const auto tell = [&](const std::string& step, double fraction) {
+    if (listener) listener({step, fraction, nullptr});
+  };
+  CalibrationOutcome outcome;
+  TimePoint begun = clock.now();
+  const auto part = [&](double from, double to) -> ScanListener {
+    return [&listener, from, to](const ScanProgress& progress) {
+      if (listener) listener({progress.step, from + (to - from) * progress.fraction, progress.newest});
+    };
+  };
+  TRY_ASSIGN(WallScan scan, scan_wall(installation, settings, devices, folder / "scan", part(0.0, kWallPart), stop));
+  TRY_ASSIGN(LightScan light,
+             scan_light(installation, scan.views, settings.view.exposure, devices, part(kWallPart, kLightPart), stop));
+  outcome.pictures = scan.pictures + light.pictures;
+  outcome.retries = scan.retries;
+  outcome.scan_s = to_seconds(clock.now() - begun);
+
+  tell("finds out where everything is", kLightPart);
+  begun = clock.now();
+  // One that cannot be read is no reason to have none: it is only not compared with.
+  std::optional<Calibration> previous;
+  if (auto read = read_calibration(folder)) {
+    previous = *std::move(read);
+  } else if (read.error().code() != ErrorCode::kNotFound) {
+    scan.remarks.push_back("the calibration of before was not compared with: " + read.error().message());
+  }
+  CalibrateOptions options;
+  options.with_wall = settings.with_wall;
+  options.previous = previous ? &*previous : nullptr;
+  TRY_ASSIGN(outcome.calibration, calibrate(scan.measurements, date, options));
+  outcome.registration = measured_registration(scan.measurements, outcome.calibration);
+  std::vector<CalibratedColour> colours;
+  std::optional<WallLighting> lighting;
+  if (auto found = photometry_of(std::move(light), outcome.calibration)) {
+    scan.remarks.insert(scan.remarks.end(), found->remarks.begin(), found->remarks.end());
+    colours = colours_of(*found, outcome.calibration);
+    if (found->lighting) lighting = *found->lighting;
+    outcome.light = *std::move(found);
+  } else if (auto kept = light_of_before(folder, previous, outcome.calibration)) {
+    scan.remarks.push_back(
+        fmt::format("brightness and colours are those of {}: {}", previous->date, found.error().message()));
+    colours = std::move(kept->colours);
+    lighting = std::move(kept->lighting);
+  } else {
+    scan.remarks.push_back("the wall is shown without measured brightness and colours: " + found.error().message());
+  }
+  outcome.solve_s = to_seconds(clock.now() - begun);
+  ReportFindings findings;
+  if (settings.with_seams) {
+    begun = clock.now();
+    auto seams = seams_before_and_after(installation, settings, devices, folder, scan.views, options.previous,
+                                        outcome.calibration, colours, part(kSolvePart, kSeamPart), stop);
+    outcome.seams_s = to_seconds(clock.now() - begun);
+    if (seams) {
+      outcome.pictures += seams->pictures;
+      findings.photographs = std::move(seams->photographs);
+    } else {
+      scan.remarks.push_back("the seams were not photographed: " + seams.error().message());
+    }
+  }
+  auto& remarks = outcome.calibration.remarks;
+  remarks.insert(remarks.begin(), scan.remarks.begin(), scan.remarks.end());
+  if (stop.stop_requested()) return cancelled();
+  tell("writes the calibration", kSeamPart);
+  std::vector<CalibrationPart> parts;
+  if (lighting) {
+    TRY_ASSIGN(CalibrationPart kept, light_part(outcome.calibration.projectors, *lighting));
+    parts.push_back(std::move(kept));
+  }
+  TRY(save_calibration(folder, outcome.calibration, colours, parts));
+  ScanFolder::end(folder / "scan");
+  findings.residuals = wall_residuals(scan.measurements, outcome.calibration);
+  findings.registration = {outcome.registration.mean_px, outcome.registration.p95_px, outcome.registration.places};
+  if (auto report = write_report(folder, outcome.calibration, findings)) {
+    outcome.report = *std::move(report);
+  } else {
+    remarks.push_back("there is no report page: " + report.error().message());
+  }
+  tell("is calibrated", 1.0);
+  return outcome;
+}
+
+std::string calibration_date() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%dT%H-%M-%SZ", &utc);
+  return {text, length};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What happened to a projector, by the wall and the lens that were fitted before: it was pushed, so that six numbers
+/// say all; or its lens was turned; or neither explains what is seen.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+
+#include "appliance/scan/realign/line_of_sight.h"
+#include "appliance/solve/map_fit.h"
+#include "appliance/solve/surface_fit.h"
+
+namespace cyclorama {
+
+enum class PushVerdict {
+  kPushed,       ///< Six numbers explain it.
+  kLensTurned,   ///< They do not; with another focal length and centre they do.
+  kUnexplained,  ///< The wall is another one there, or something stands in the light.
+};
+
+struct PushFinding {
+  PushVerdict verdict = PushVerdict::kUnexplained;
+  FittedProjector projector;  ///< As it stands now, with the covariance of its pose; its lens as before.
+  double turned_rad = 0.0;    ///< From where it stood,
+  double moved_m = 0.0;       ///< its centre.
+  double before_px = 0.0;     ///< Per axis: what wall and lens left unexplained of its map of before,
+  double after_px = 0.0;      ///< and leave of what is seen now.
+  double with_lens_px = 0.0;  ///< With a free focal length and centre; 0 where it was not tried.
+  double zoom = 1.0;          ///< The focal length in parts of the one of before, of that trial.
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< Of its centre, likewise.
+};
+
+/// `seen` are places of its picture as the sweet spot sees them now. Nothing where there are too few, or no pose goes
+/// with them. Reentrant.
+[[nodiscard]] std::optional<PushFinding> find_push(const FittedProjector& before, const MeasuredMap& map,
+                                                   std::span<const MapSample> seen, const NearnessAt& nearness);
+
+/// Where a projector of that pose and lens draws its pixel, by the wall. Nothing where it draws nowhere.
+[[nodiscard]] std::optional<Eigen::Vector3d> drawn_direction(const FittedProjector& projector, const BrownLens& lens,
+                                                             const Eigen::Vector2d& pixel, const NearnessAt& nearness);
+
+}  // namespace cyclorama

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/scan/realign/reference_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "appliance/structured_light/pattern_drawing.h"
+#include "appliance/structured_light/phase_reading.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kSteps = 4;             // A response's second harmonic is gone, and gammas have little of the third.
+constexpr float kExpected_px = 6.0f;  // Sigma of what is expected: a sine takes its place where it can be read.
+constexpr float kRead_px = 1.0f;      // Who is less sure was not read.
+constexpr float kSaturated = 0.98f;
+constexpr float kBright = 0.5f;
+constexpr float kLeastLight = 0.04f;
+constexpr double kMostSaturated = 0.01;
+constexpr int kMostExposures = 6;
+constexpr double kNoise = 0.006;  // Of one photograph at one pixel, as Photo; cells of many pixels find their own.
+
+class WitnessMeasuring {
+ public:
+  WitnessMeasuring(const std::vector<Witness>& witnesses, const WitnessExpectation& expected, PatternScreen& screen,
+                   ScanCamera& camera, const PhotographListener& listener, std::stop_token stop)
+      : witnesses_(witnesses),
+        expected_(expected),
+        screen_(screen),
+        camera_(camera),
+        listener_(listener),
+        stop_(std::move(stop)) {}
+
+  Result<WitnessView> run(double exposure_s, const ExposureLimits& limits) {
+    exposure_s_ = exposure_s;
+    auto view = measured(limits);
+    // Dark again, whatever happened; the first error counts.
+    for (const Witness& witness : witnesses_) {
+      const Status dark = screen_.show(witness.projector, RgbImage());
+      if (view && !dark) return dark.error();
+    }
+    return view;
+  }
+
+ private:
+  [[nodiscard]] bool is_expected(std::size_t pixel) const { return expected_.witness.data()[pixel] >= 0; }
+
+  Status show(const PatternPicture& picture) {
+    for (const Witness& witness : witnesses_) {
+      if (stop_.stop_requested()) return cancelled();
+      const PatternSet set{witness.width_px, witness.height_px, -1, kWitnessPeriod_px, kSteps, {}};
+      TRY(screen_.show(witness.projector, drawn(set, picture)));
+    }
+    return Done{};
+  }
+
+  Result<Photo> photographed(const PatternPicture& picture) {
+    TRY_ASSIGN(const ScanPhotograph photograph, take_photograph(camera_, exposure_s_, stop_));
+    ++view_.pictures;
+    if (listener_) listener_(name_of(picture), view_.pictures / 12.0, photograph);
+    return photo_of(photograph);
+  }
+
+  /// White that is not clipped.
+  Status find_exposure(const ExposureLimits& limits) {
+    const PatternPicture white{.kind = PatternKind::kWhite};
+    TRY(show(white));
+    for (int round = 0; round < kMostExposures; ++round) {
+      TRY_ASSIGN(white_, photographed(white));
+      std::vector<float> codes;
+      std::size_t clipped = 0;
+      for (std::size_t i = 0; i < white_.data().size(); ++i) {
+        if (!is_expected(i)) continue;
+        codes.push_back(white_.data()[i]);
+        clipped += static_cast<std::size_t>(white_.data()[i] >= kSaturated);
+      }
+      if (codes.empty()) return Done{};
+      const bool is_clipped = static_cast<double>(clipped) > kMostSaturated * static_cast<double>(codes.size());
+      const auto high = codes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(codes.size() - 1));
+      std::nth_element(codes.begin(), high, codes.end());
+      double next_s = exposure_s_;
+      if (is_clipped) {
+        next_s *= 0.6;
+      } else if (*high < kBright) {
+        next_s *= std::min(4.0, 0.8 / std::max(0.05, static_cast<double>(*high)));
+      }
+      // Whole refreshes, where it is one or more: a projector may show its colours one after the other.
+      const double period_s = limits.projector_period.count();
+      if (period_s > 0.0 && next_s >= period_s) next_s = std::floor(next_s / period_s + 1e-6) * period_s;
+      next_s = std::clamp(next_s, limits.shortest.count(), limits.longest.count());
+      if (std::abs(next_s - exposure_s_) < 0.05 * exposure_s_) return Done{};
+      exposure_s_ = next_s;
+    }
+    return Done{};
+  }
+
+  Result<WitnessView> measured(const ExposureLimits& limits) {
+    TRY(find_exposure(limits));
+    const PatternPicture black{.kind = PatternKind::kBlack, .level = 0.0};
+    TRY(show(black));
+    TRY_ASSIGN(const Photo dark, photographed(black));
+    std::array<PhaseReading, 2> phases{PhaseReading(kWitnessPeriod_px, kSteps),
+                                       PhaseReading(kWitnessPeriod_px, kSteps)};
+    for (const PatternAxis axis : {PatternAxis::kColumns, PatternAxis::kRows}) {
+      for (int step = 0; step < kSteps; ++step) {
+        const PatternPicture picture{.kind = PatternKind::kPhase, .axis = axis, .step = step};
+        TRY(show(picture));
+        TRY_ASSIGN(const Photo photo, photographed(picture));
+        phases.at(axis == PatternAxis::kColumns ? 0 : 1).add(step, photo);
+      }
+    }
+    std::array<AxisPlaces, 2> places;
+    for (std::size_t a = 0; a < 2; ++a) {
+      AxisPlaces& axis = places.at(a);
+      axis = {Image<float, 1>(dark.width(), dark.height(), 0.0f), Image<float, 1>(dark.width(), dark.height(), -1.0f)};
+      for (std::size_t i = 0; i < dark.data().size(); ++i) {
+        const float light = white_.data()[i] - dark.data()[i];
+        if (!is_expected(i) || white_.data()[i] >= kSaturated || light < kLeastLight) continue;
+        axis.position_px.data()[i] = expected_.place_px.data()[2 * i + a];
+        axis.sigma_px.data()[i] = kExpected_px;
+      }
+      phases.at(a).refine(kNoise, &axis);
+    }
+    take_places(places);
+    return std::move(view_);
+  }
+
+  void take_places(const std::array<AxisPlaces, 2>& places) {
+    for (int y = 0; y < white_.height(); ++y) {
+      for (int x = 0; x < white_.width(); ++x) {
+        const float sigma_x = *places[0].sigma_px.at(x, y);
+        const float sigma_y = *places[1].sigma_px.at(x, y);
+        if (!(sigma_x >= 0.0f && sigma_x < kRead_px && sigma_y >= 0.0f && sigma_y < kRead_px)) continue;
+        const auto witness = static_cast<std::size_t>(*expected_.witness.at(x, y));
+        Correspondence place;
+        place.camera_u = static_cast<float>(x) + 0.5f;
+        place.camera_v = static_cast<float>(y) + 0.5f;
+        place.projector_x = *places[0].position_px.at(x, y);
+        place.projector_y = *places[1].position_px.at(x, y);
+        const bool is_inside = place.projector_x > 0.0f && place.projector_y > 0.0f &&
+                               place.projector_x < static_cast<float>(witnesses_[witness].width_px) &&
+                               place.projector_y < static_cast<float>(witnesses_[witness].height_px);
+        if (!is_inside) continue;
+        place.sigma_px = std::max({sigma_x, sigma_y, 0.01f});
+        place.projector = static_cast<std::uint32_t>(witness);
+        view_.places.push_back(place);
+      }
+    }
+  }
+
+  const std::vector<Witness>& witnesses_;
+  const WitnessExpectation& expected_;
+  PatternScreen& screen_;
+  ScanCamera& camera_;
+  const PhotographListener& listener_;
+  std::stop_token stop_;
+  double exposure_s_ = 0.0;
+  Photo white_;
+  WitnessView view_;
+};
+
+}  // namespace
+
+Result<WitnessView> measure_witnesses(const std::vector<Witness>& witnesses, const WitnessExpectation& expected,
+                                      double exposure_s, const ExposureLimits& limits, PatternScreen& screen,
+                                      ScanCamera& camera, const PhotographListener& listener, std::stop_token stop) {
+  return WitnessMeasuring(witnesses, expected, screen, camera, listener, std::move(stop)).run(exposure_s, limits);
+}
+
+}  // namespace cyclorama

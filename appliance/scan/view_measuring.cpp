@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/scan/view_measuring.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "appliance/structured_light/pattern_drawing.h"
+
+namespace cyclorama {
+namespace {
+
+// A projector whose light falls on fewer of the camera's pixels is not seen: what is left comes by way of the wall, or
+// is noise.
+constexpr double kLeastLit = 0.002;
+constexpr int kMostExposures = 12;
+// A pattern and its inverse together are white and black together; cameras' curves bend that by a sixth at most.
+constexpr float kUneven = 0.3f;
+constexpr float kUnevenCodes = 0.03f;
+constexpr float kLitGain = 0.05f;
+
+class ViewMeasuring {
+ public:
+  ViewMeasuring(const ViewOrder& order, const ViewSettings& settings, PatternScreen& screen, ScanCamera& camera,
+                const PhotographListener& listener, std::stop_token stop)
+      : order_(order),
+        settings_(settings),
+        screen_(screen),
+        camera_(camera),
+        listener_(listener),
+        stop_(std::move(stop)) {}
+
+  Result<ScanView> run() {
+    PatternChoice choice;
+    choice.width_px = order_.width_px;
+    choice.height_px = order_.height_px;
+    choice.finest_bit = settings_.finest_bit;
+    choice.base_bit = settings_.base_bit;
+    choice.phase_period_px = settings_.phase_period_px;
+    choice.phase_steps = settings_.phase_steps;
+    TRY_ASSIGN(set_, structured_light(choice));
+    auto view = measured();
+    // Dark again, whatever happened; the first error counts.
+    const Status dark = screen_.show(order_.projector, RgbImage());
+    if (view && !dark) return dark.error();
+    return view;
+  }
+
+ private:
+  Result<ScanView> measured() {
+    ScanView view;
+    view.projector = order_.projector;
+    TRY_ASSIGN(const bool is_lit, find_exposure());
+    if (!is_lit) {
+      view.pictures = pictures_;
+      return view;
+    }
+    TRY_ASSIGN(Decoder decoder, Decoder::from(set_, settings_.decode, camera_.width_px(), camera_.height_px()));
+    // White and black come first in every set, and were photographed for the exposure.
+    Photo pattern;
+    TRY(decoder.add(white_));
+    TRY(decoder.add(black_));
+    for (std::size_t i = 2; i < set_.pictures.size(); ++i) {
+      const double fraction = static_cast<double>(i) / static_cast<double>(set_.pictures.size());
+      TRY_ASSIGN(Photo photo, photographed(set_.pictures[i], settings_.photographs, fraction));
+      TRY(decoder.add(photo));
+      if (set_.pictures[i].kind != PatternKind::kBit) continue;
+      if (set_.pictures[i].is_inverse) view.disturbed = std::max(view.disturbed, uneven_share(pattern, photo));
+      pattern = std::move(photo);
+    }
+    view.pictures = pictures_;
+    view.exposure_s = exposure_s_;
+    const auto decoded = decoder.finish();
+    if (!decoded) {  // It lights nothing directly: what was seen came by way of the wall.
+      if (decoded.error().code() != ErrorCode::kBadData) return decoded.error();
+      view.exposure_s = 0.0;
+      return view;
+    }
+    take_places(*decoded, &view);
+    return view;
+  }
+
+  /// Of the lit pixels, those where a pattern and its inverse do not add up: somebody is in the way of some of the
+  /// photographs. The decoder's own judgement cannot tell that from noise when no pixel was spared.
+  [[nodiscard]] double uneven_share(const Photo& pattern, const Photo& inverse) const {
+    std::size_t lit = 0;
+    std::size_t uneven = 0;
+    for (std::size_t i = 0; i < white_.data().size(); i += 3) {
+      const float gain = std::max(white_.data()[i] - black_.data()[i], std::abs(pattern.data()[i] - inverse.data()[i]));
+      if (gain < kLitGain) continue;
+      ++lit;
+      const float off = pattern.data()[i] + inverse.data()[i] - white_.data()[i] - black_.data()[i];
+      uneven += static_cast<std::size_t>(std::abs(off) > kUneven * gain + kUnevenCodes);
+    }
+    return lit == 0 ? 0.0 : static_cast<double>(uneven) / static_cast<double>(lit);
+  }
+
+  Result<Photo> photographed(const PatternPicture& picture, int times, double fraction) {
+    if (stop_.stop_requested()) return cancelled();
+    TRY(screen_.show(order_.projector, drawn(set_, picture)));
+    Photo mean(camera_.width_px(), camera_.height_px());
+    for (int i = 0; i < times; ++i) {
+      TRY_ASSIGN(const ScanPhotograph photograph, take_photograph(camera_, exposure_s_, stop_));
+      ++pictures_;
+      if (listener_) listener_(name_of(picture), fraction, photograph);
+      const Photo photo = photo_of(photograph);
+      if (times == 1) return photo;
+      for (std::size_t k = 0; k < mean.data().size(); ++k)
+        mean.data()[k] += photo.data()[k] / static_cast<float>(times);
+    }
+    return mean;
+  }
+
+  /// False: it lights nothing that the camera sees.
+  Result<bool> find_exposure() {
+    std::vector<ExposureSample> samples;
+    // Until one is known to be good, one photograph is enough.
+    ExposureTime next{order_.exposure_s.value_or(0.0)};
+    if (!order_.exposure_s) {
+      TRY_ASSIGN(const ExposureAdvice first, next_exposure(samples, settings_.exposure));
+      next = first.exposure;
+    }
+    for (int round = 0; round < kMostExposures; ++round) {
+      exposure_s_ = next.count();
+      TRY_ASSIGN(white_, photographed(set_.pictures[0], settings_.photographs, 0.0));
+      TRY_ASSIGN(black_, photographed(set_.pictures[1], settings_.photographs, 0.0));
+      samples.push_back(exposure_sample(next, white_, black_));
+      const auto advice = next_exposure(samples, settings_.exposure);
+      if (!advice) {
+        // At the longest exposure nothing gains light: it shines elsewhere, or is dark.
+        const ExposureSample& newest = samples.back();
+        if (newest.lit < kLeastLit && newest.saturated <= 0.0) return false;
+        return Error(advice.error()).while_doing(fmt::format("photographing projector '{}'", order_.name));
+      }
+      if (advice->is_good) return samples.back().lit >= kLeastLit;
+      next = advice->exposure;
+    }
+    return Error(ErrorCode::kBadData,
+                 fmt::format("no exposure was found for projector '{}': its light, or the room's, changes all the "
+                             "time; switch off what flickers",
+                             order_.name));
+  }
+
+  void take_places(const Decoded& decoded, ScanView* view) const {
+    for (int y = 0; y < decoded.fate.height(); ++y) {
+      for (int x = 0; x < decoded.fate.width(); ++x) {
+        if (*decoded.fate.at(x, y) != PixelFate::kDecoded) continue;
+        const float* position = decoded.position_px.at(x, y);
+        const float* sigma = decoded.sigma_px.at(x, y);
+        Correspondence place;
+        place.camera_u = static_cast<float>(x) + 0.5f;
+        place.camera_v = static_cast<float>(y) + 0.5f;
+        place.projector_x = std::clamp(position[0], 0.0f, static_cast<float>(order_.width_px));
+        place.projector_y = std::clamp(position[1], 0.0f, static_cast<float>(order_.height_px));
+        // One number for both: the solver weighs places, not axes. No place is surer than a hundredth.
+        place.sigma_px = std::max({sigma[0], sigma[1], 0.01f});
+        place.projector = static_cast<std::uint32_t>(order_.projector);
+        view->places.push_back(place);
+      }
+    }
+  }
+
+  const ViewOrder& order_;
+  const ViewSettings& settings_;
+  PatternScreen& screen_;
+  ScanCamera& camera_;
+  const PhotographListener& listener_;
+  std::stop_token stop_;
+  PatternSet set_;
+  Photo white_;
+  Photo black_;
+  double exposure_s_ = 0.0;
+  int pictures_ = 0;
+};
+
+}  // namespace
+
+std::string ViewSettings::text() const {
+  return fmt::format("finest bit {}, base bit {}, phase period {}, steps {}, photographs {}", finest_bit, base_bit,
+                     phase_period_px, phase_steps, photographs);
+}
+
+Photo photo_of(const ScanPhotograph& photograph) {
+  Photo photo(photograph.width(), photograph.height());
+  const auto codes = photograph.data();
+  for (std::size_t i = 0; i < photo.data().size(); ++i)
+    photo.data()[i] = (codes[3 * i] + codes[3 * i + 1] + codes[3 * i + 2]) * (1.0f / 3.0f);
+  return photo;
+}
+
+Result<ScanPhotograph> take_photograph(ScanCamera& camera, double exposure_s, const std::stop_token& stop) {
+  if (stop.stop_requested()) return cancelled();
+  TRY_ASSIGN(ScanPhotograph photograph, camera.photograph(exposure_s));
+  if (photograph.width() != camera.width_px() || photograph.height() != camera.height_px()) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("camera '{}' gave a photograph of {}x{} instead of {}x{}; plug it in again", camera.id(),
+                             photograph.width(), photograph.height(), camera.width_px(), camera.height_px()));
+  }
+  return photograph;
+}
+
+Result<ScanView> measure_view(const ViewOrder& order, const ViewSettings& settings, PatternScreen& screen,
+                              ScanCamera& camera, const PhotographListener& listener, std::stop_token stop) {
+  return ViewMeasuring(order, settings, screen, camera, listener, std::move(stop)).run();
+}
+
+Error cancelled() {
+  return {ErrorCode::kUnavailable, "the calibration was cancelled; resume it to go on where it was"};
+}
+
+}  // namespace cyclorama

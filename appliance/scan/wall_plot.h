@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "appliance/calibration/measured_map.h"
+
+namespace cyclorama {
+
+/// One value of a plot's scale: everything up to `most`.
+struct PlotStep {
+  double most;
+  const char* colour;
+  const char* text;
+};
+/// Errors and sigmas in projector pixels, from good to bad; the last step has no end.
+[[nodiscard]] std::span<const PlotStep> pixel_scale_steps();
+/// What projector number `i` is drawn in.
+[[nodiscard]] const char* projector_colour(std::size_t i);
+
+/// A plot of the wall as the sweet spot sees it, azimuth across and elevation up, in degrees, as inline SVG. Its reach
+/// is what the maps reach. A value; reentrant.
+class WallPlot {
+ public:
+  explicit WallPlot(std::span<const MeasuredMap* const> maps);
+
+  /// The part of the wall that a map covers.
+  void add_area(const MeasuredMap& map, const char* colour, std::string_view name);
+  /// How sure a map is, cell by cell.
+  void add_sigmas(const MeasuredMap& map);
+  struct Spot {
+    Eigen::Vector3d direction;
+    double value_px = 0.0;
+  };
+  /// Dots of the scale's colours.
+  void add_spots(std::span<const Spot> spots);
+  [[nodiscard]] std::string svg(std::string_view title) const;
+
+ private:
+  [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Eigen::Vector3d& direction) const;
+  template <typename Colour>
+  void add_cells(const MeasuredMap& map, const Colour& path_of);
+  void add_path(const std::string& path, const char* attributes, const char* colour);
+
+  Eigen::Vector2d least_deg_{0.0, 0.0};
+  Eigen::Vector2d most_deg_{1.0, 1.0};
+  double px_per_deg_ = 1.0;
+  std::string drawn_;
+};
+
+/// For text between tags and in attributes.
+[[nodiscard]] std::string html_text(std::string_view text);
+
+}  // namespace cyclorama

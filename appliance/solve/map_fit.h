@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// From pixels of a projector and the directions in which they are seen to the projector's map.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "appliance/calibration/measured_map.h"
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// That a projector's pixel is seen in a direction; the pixel has noise, the direction has none.
+struct MapSample {
+  Eigen::Vector2d projector_px;
+  Eigen::Vector3d direction;  ///< Eye frame, unit length.
+  double sigma_px = 0.1;      ///< In projector pixels, each way.
+};
+
+struct MapOptions {
+  int cell_px = 16;            ///< Of the control grid, about.
+  double most_sigma_px = 2.0;  ///< Past that a gap is not filled,
+  double most_gap_px = 240.0;  ///< nor farther than that from what was seen: smoothness is a guess there.
+  std::size_t least_samples = 60;
+  int left_out_every = 8;  ///< One block of samples in so many is held out while the stiffness is chosen.
+};
+
+/// Robust least squares with smoothness, by sparse Cholesky; control points' variances by selected inversion. Creases
+/// are allowed for: a bend counts less the sharper it is.
+/// kInvalidArgument  too few samples, all on a line, or all round the sweet spot: says what to add.
+/// kBadData  the least-squares problem has no solution. Reentrant.
+Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<const MapSample> samples,
+                                     const MapOptions& options = {});
+
+/// Of the samples, where the map has a direction: 0 to 1.
+[[nodiscard]] double known_part(const MeasuredMap& map, std::span<const MapSample> samples);
+
+/// Of samples, in projector pixels per axis, without the worst twentieth; nothing where the map has no direction for
+/// most of them.
+[[nodiscard]] std::optional<double> map_error_px(const MeasuredMap& map, std::span<const MapSample> samples);
+
+}  // namespace cyclorama

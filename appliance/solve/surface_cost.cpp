@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/solve/surface_cost.h"
+
+#include <ceres/jet.h>
+#include <ceres/rotation.h>
+
+#include <algorithm>
+
+namespace cyclorama {
+namespace {
+
+constexpr double kScaleSigma = 1e-5;  // Relative: the scale is a gauge, not a measurement.
+constexpr double kLeastDepth = 1e-4;  // Of what is before the projector, relative to its distance from the eye.
+
+}  // namespace
+
+LitProjector::LitProjector(const Eigen::Matrix3d& R_eye_projector, const double* numbers)
+    : place_(numbers[3], numbers[4], numbers[5]) {
+  using Jet = ceres::Jet<double, 3>;
+  const Jet back[3] = {-Jet(numbers[0], 0), -Jet(numbers[1], 1), -Jet(numbers[2], 2)};
+  Jet turn[9];  // Column-major, as Eigen's.
+  ceres::AngleAxisToRotationMatrix(back, turn);
+  Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
+  std::array<Eigen::Matrix3d, 3> slopes;
+  slopes.fill(Eigen::Matrix3d::Zero());
+  for (int i = 0; i < 9; ++i) {
+    R.data()[i] = turn[i].a;
+    for (int k = 0; k < 3; ++k) slopes[static_cast<std::size_t>(k)].data()[i] = turn[i].v[k];
+  }
+  R_projector_eye_ = R * R_eye_projector.transpose();
+  for (std::size_t k = 0; k < 3; ++k) R_slopes_[k] = slopes[k] * R_eye_projector.transpose();
+  std::copy_n(numbers + 6, lens_.size(), lens_.begin());
+}
+
+bool LitProjector::residuals(const SurfaceSample& sample, double nearness, Eigen::Vector2d* ret_residuals,
+                             Slopes* ret_slopes) const {
+  const Eigen::Vector3d moved = sample.direction - nearness * place_;
+  const Eigen::Vector3d point = R_projector_eye_ * moved;
+  if (!(point.z() > kLeastDepth)) return false;
+  if (ret_slopes == nullptr) {
+    Eigen::Vector2d pixel;
+    project_through_lens(lens_.data(), point.data(), pixel.data());
+    *ret_residuals = (pixel - sample.projector_px) / sample.sigma_px;
+    return true;
+  }
+  const LensSlopes lens = slopes_through_lens(lens_.data(), point);
+  *ret_residuals = (lens.pixel - sample.projector_px) / sample.sigma_px;
+  const Eigen::Matrix<double, 2, 3> by_point = lens.by_point / sample.sigma_px;
+  const Eigen::Matrix<double, 2, 3> by_moved = by_point * R_projector_eye_;
+  for (int k = 0; k < 3; ++k) {
+    ret_slopes->by_numbers.col(k) = by_point * (R_slopes_[static_cast<std::size_t>(k)] * moved);
+  }
+  ret_slopes->by_numbers.middleCols<3>(3) = -nearness * by_moved;
+  ret_slopes->by_numbers.rightCols<MeasuredLens::kParameters>() = lens.by_lens / sample.sigma_px;
+  ret_slopes->by_nearness = -by_moved * place_;
+  return true;
+}
+
+SplinePrior::SplinePrior(const Surface& shape, double bend_sigma) : weight_(shape.distance_m / bend_sigma) {
+  const int first = shape.rung == SurfaceRung::kProfile ? 2 : 0;
+  const int columns = shape.across.coefficients();
+  const int rows = shape.rung == SurfaceRung::kProfile ? 1 : shape.up.coefficients();
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) {
+      const int at = first + y * columns + x;
+      if (x + 2 < columns) bends_.push_back({at, at + 1, at + 2});
+      if (y + 2 < rows) bends_.push_back({at, at + columns, at + 2 * columns});
+    }
+  }
+}
+
+std::optional<double> SplinePrior::add(const Surface& shape, const double* parameters, Eigen::VectorXd* ret_gradient,
+                                       Eigen::MatrixXd* ret_normal) const {
+  constexpr double kFactors[] = {1.0, -2.0, 1.0};
+  const double square = weight_ * weight_;
+  double cost = 0.0;
+  for (const std::array<int, 3>& bend : bends_) {
+    const double sum = parameters[bend[0]] - 2.0 * parameters[bend[1]] + parameters[bend[2]];
+    cost += 0.5 * square * sum * sum;
+    if (ret_gradient == nullptr) continue;
+    for (std::size_t i = 0; i < 3; ++i) {  // They rise.
+      (*ret_gradient)[bend[i]] += square * kFactors[i] * sum;
+      for (std::size_t j = 0; j <= i; ++j) (*ret_normal)(bend[i], bend[j]) += square * kFactors[i] * kFactors[j];
+    }
+  }
+  NearnessSlopes slopes;
+  const auto nearness =
+      shape.nearness_at(parameters, -shape.R_eye_wall.col(2), ret_gradient == nullptr ? nullptr : &slopes);
+  if (!nearness) return std::nullopt;
+  const double scale = shape.distance_m / kScaleSigma;
+  const double error = scale * (*nearness - 1.0 / shape.distance_m);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(slopes.count); ++i) {
+    (*ret_gradient)[slopes.parameters[i]] += scale * slopes.slopes[i] * error;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(slopes.count); ++j) {
+      if (slopes.parameters[j] > slopes.parameters[i]) continue;
+      (*ret_normal)(slopes.parameters[i], slopes.parameters[j]) += scale * scale * slopes.slopes[i] * slopes.slopes[j];
+    }
+  }
+  return cost + 0.5 * error * error;
+}
+
+}  // namespace cyclorama

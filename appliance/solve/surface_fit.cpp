@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/solve/surface_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "appliance/solve/surface_problem.h"
+#include "appliance/solve/uncertainty.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kMissed_px = 100.0;
+
+void add_covariance(const SurfaceProblem& problem, SurfaceFit* fit) {
+  const std::vector<double> scales = problem.scales();
+  const Uncertainty uncertainty = uncertainty_of(problem.normal(false), problem.normal(true), scales);
+  fit->rank = uncertainty.rank;
+  fit->parameters = static_cast<int>(scales.size());
+  const int size = fit->surface.size();
+  for (int i = 0; i < size; ++i) fit->surface_sigmas.push_back(std::sqrt(uncertainty.covariance(i, i)));
+  Eigen::Index at = size;
+  const std::vector<int>& free = problem.free_of_lens();
+  for (FittedProjector& projector : fit->projectors) {
+    projector.pose_covariance = uncertainty.covariance.block<6, 6>(at, at);
+    projector.lens.covariance.setZero();
+    at += 6;
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      for (std::size_t j = 0; j < free.size(); ++j) {
+        projector.lens.covariance(free[i], free[j]) =
+            uncertainty.covariance(at + static_cast<Eigen::Index>(i), at + static_cast<Eigen::Index>(j));
+      }
+    }
+    at += static_cast<Eigen::Index>(free.size());
+  }
+}
+
+}  // namespace
+
+Result<SurfaceFit> fit_surface(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
+                               const SurfaceFit& start, const SurfaceFitOptions& options) {
+  CHECK(start.projectors.size() == projectors.size());
+  CHECK(static_cast<int>(start.surface.parameters.size()) == start.surface.size());
+  SurfaceProblem problem(projectors, samples, start, options.lens);
+  const auto cost = minimise_robustly(&problem, options.is_from_afar, {options.most_steps});
+  if (!cost) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("no {} fits from this start; give the projectors' places more exactly",
+                             name_of(start.surface.rung)));
+  }
+  SurfaceFit fit = problem.found(*cost);
+  if (options.with_covariance) add_covariance(problem, &fit);
+  return fit;
+}
+
+Result<SurfaceFit> surface_start(const std::vector<MeasuredProjector>& projectors,
+                                 std::span<const SurfaceSample> samples, double wall_distance_m) {
+  SurfaceFit start;
+  std::vector<std::size_t> seen(projectors.size(), 0);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const SurfaceSample& sample : samples) {
+    CHECK(sample.projector < projectors.size());
+    ++seen[sample.projector];
+    sum += sample.direction;
+  }
+  for (std::size_t p = 0; p < projectors.size(); ++p) {
+    constexpr std::size_t kLeast = 30;
+    if (!projectors[p].place) {
+      return Error(ErrorCode::kInvalidArgument,
+                   fmt::format("projector '{}' has no place in the installation, and a wall is found by them; measure "
+                               "about where it stands",
+                               projectors[p].name));
+    }
+    if (seen[p] < kLeast) {
+      return Error(ErrorCode::kInvalidArgument,
+                   fmt::format("projector '{}' was seen at {} places, {} are needed; look whether it shines",
+                               projectors[p].name, seen[p], kLeast));
+    }
+    FittedProjector projector;
+    projector.lens = projectors[p].place->lens;
+    projector.T_eye_projector = projectors[p].place->T_eye_projector;
+    start.projectors.push_back(projector);
+  }
+  Surface& surface = start.surface;
+  surface.distance_m = wall_distance_m;
+  Eigen::Vector3d back = Eigen::Vector3d::UnitZ();
+  if (sum.norm() > 1e-6 * static_cast<double>(samples.size())) back = -sum.normalized();
+  Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(back);
+  if (!(right.norm() > 1e-3)) right = Eigen::Vector3d::UnitX();  // Straight up or down: any will do.
+  right.normalize();
+  surface.R_eye_wall << right, back.cross(right), back;
+  surface.rung = SurfaceRung::kPlane;
+  surface.parameters = {0.0, 0.0};
+  return start;
+}
+
+double prediction_error_px(const SurfaceFit& fit, std::span<const SurfaceSample> samples) {
+  std::vector<double> squares;
+  for (const SurfaceSample& sample : samples) {
+    const FittedProjector& projector = fit.projectors[sample.projector];
+    const auto nearness = fit.surface.nearness_at(sample.direction);
+    const Eigen::Vector3d point = projector.T_eye_projector.rotation().conjugate() *
+                                  (sample.direction - nearness.value_or(0.0) * projector.T_eye_projector.translation());
+    double square = kMissed_px * kMissed_px;
+    if (nearness && point.z() > 1e-4) {
+      Eigen::Vector2d pixel;
+      project_through_lens(projector.lens.values.data(), point.data(), pixel.data());
+      square = std::min(square, 0.5 * (pixel - sample.projector_px).squaredNorm());
+    }
+    squares.push_back(square);
+  }
+  if (squares.empty()) return 0.0;
+  std::sort(squares.begin(), squares.end());
+  squares.resize(squares.size() - squares.size() / 20);
+  double sum = 0.0;
+  for (const double s : squares) sum += s;
+  return std::sqrt(sum / static_cast<double>(squares.size()));
+}
+
+}  // namespace cyclorama

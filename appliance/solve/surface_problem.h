@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The least-squares problem of surface_fit.cpp: a wall and all projectors at once. A sample knows one projector and
+/// the few numbers of the wall nearby, so its share of the normal equations is added where it belongs; Jacobians of all
+/// samples by all numbers are mostly zeros.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "appliance/solve/damped_steps.h"
+#include "appliance/solve/measurements.h"
+#include "appliance/solve/surface_cost.h"
+#include "appliance/solve/surface_fit.h"
+
+namespace cyclorama {
+
+/// Borrows all for its life. Thread-bound.
+class SurfaceProblem final : public DampedProblem {
+ public:
+  SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
+                 const SurfaceFit& start, LensRung lens);
+
+  void weigh_by(RobustLoss loss) override { loss_ = loss; }
+  std::optional<double> linearise() override;
+  std::optional<Attempt> attempt(double damping) override;
+  void accept() override { numbers_ = candidate_; }
+
+  /// The lower triangle of J'J where it stands, of all free numbers: the surface's, then each projector's turn, place
+  /// and what its lens has free. Without priors if `measured_alone`.
+  [[nodiscard]] Eigen::MatrixXd normal(bool measured_alone) const;
+  /// The priors' sigmas in that order.
+  [[nodiscard]] std::vector<double> scales() const;
+  /// Of the lens's numbers, those that are free.
+  [[nodiscard]] const std::vector<int>& free_of_lens() const { return free_of_lens_; }
+  [[nodiscard]] const Surface& surface() const { return surface_; }
+  /// What was found, without covariances.
+  [[nodiscard]] SurfaceFit found(double cost) const;
+
+ private:
+  [[nodiscard]] Eigen::Index first_of(std::size_t projector) const;
+  [[nodiscard]] std::array<double, LitProjector::kNumbers> numbers_of(const Eigen::VectorXd& at,
+                                                                      std::size_t projector) const;
+  /// Half the sum of robust squares; adds to gradient and normal matrix unless they are null.
+  std::optional<double> add_samples(const Eigen::VectorXd& at, Eigen::VectorXd* ret_gradient,
+                                    Eigen::MatrixXd* ret_normal) const;
+  std::optional<double> add_priors(const Eigen::VectorXd& at, Eigen::VectorXd* ret_gradient,
+                                   Eigen::MatrixXd* ret_normal) const;
+  std::optional<double> add_all(const Eigen::VectorXd& at, Eigen::VectorXd* ret_gradient,
+                                Eigen::MatrixXd* ret_normal) const;
+
+  const std::vector<MeasuredProjector>& projectors_;
+  std::span<const SurfaceSample> samples_;
+  const SurfaceFit& start_;
+  Surface surface_;  ///< Its parameters are the start's.
+  std::vector<int> free_of_lens_;
+  std::vector<Eigen::Matrix3d> axes_;  ///< Of each projector where the search begins: R_eye_projector.
+  std::optional<SplinePrior> spline_prior_;
+  Eigen::VectorXd prior_means_;   ///< Of the projectors' numbers;
+  Eigen::VectorXd prior_sigmas_;  ///< from first_of(0) on.
+  RobustLoss loss_ = RobustLoss::kHuber;
+  Eigen::VectorXd numbers_;
+  Eigen::VectorXd candidate_;
+  Eigen::VectorXd gradient_;
+  Eigen::MatrixXd normal_;
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/solve/turntable_adjustment.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace cyclorama {
+namespace {
+
+constexpr double kLoss_sigmas = 2.5;
+constexpr double kTurn_rad = 0.05;   // How far what is known of before may still be turned.
+constexpr double kWallTrust = 0.03;  // Of a fitted wall's nearness, relative to straight ahead.
+
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  const double least = 1e-24 + 1e-18 * std::max(0.0, eigen.eigenvalues().maxCoeff());
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).cwiseInverse().asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+/// Two unit vectors across `d`.
+Eigen::Matrix<double, 3, 2> tangent_of(const Eigen::Vector3d& d) {
+  Eigen::Index least = 0;
+  d.cwiseAbs().minCoeff(&least);
+  Eigen::Matrix<double, 3, 2> tangent;
+  tangent.col(0) = d.cross(Eigen::Vector3d::Unit(least)).normalized();
+  tangent.col(1) = d.cross(tangent.col(0));
+  return tangent;
+}
+
+bool is_definite(const Eigen::Matrix2d& m) { return m(0, 0) > 0.0 && m(1, 1) > 0.0 && m.determinant() > 0.0; }
+
+}  // namespace
+
+PlateAdjustment::PlateAdjustment(const PlateTask& task, const PlateHints& hints, bool with_offset,
+                                 const std::vector<const Track*>& tracks, PlateState* state)
+    : measurements_(task.measurements), options_(task.options), reference_(task.reference), state_(state) {
+  bool with_turn = false;
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    TrackData data;
+    data.first_sight = sights_.size();
+    data.sights = tracks[t]->cells.size();
+    data.wall_nearness = state->nearness.wall_at(Eigen::Vector3d(state->directions[t].data()));
+    for (const std::size_t i : tracks[t]->cells) {
+      const CellMean& cell = task.means.cells[i];
+      sights_.push_back({PlateSight(cell), static_cast<std::size_t>(cell.direction)});
+    }
+    const CellMean& cell = task.means.cells[tracks[t]->cells.front()];
+    if (with_offset && hints.known) {
+      data.known = hints.known(static_cast<std::size_t>(cell.projector), cell.projector_px);
+    }
+    with_turn = with_turn || data.known;
+    tracks_.push_back(data);
+  }
+  choose_shared(with_offset, with_turn);
+  const auto count = static_cast<Eigen::Index>(shared_.size());
+  prior_means_ = Eigen::VectorXd::Zero(count);
+  prior_normal_ = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Shared& shared = shared_[static_cast<std::size_t>(i)];
+    const double sigma = prior_sigma(shared);
+    prior_normal_(i, i) = 1.0 / (sigma * sigma);
+    if (shared.kind == Shared::kLens) prior_means_[i] = measurements_.camera.values[shared.index];
+    if (shared.kind == Shared::kMount && shared.index == 0) prior_means_[i] = measurements_.pitch_rad;
+    if (shared.kind == Shared::kAngle) prior_means_[i] = measurements_.directions[shared.index].angle_rad;
+    if (shared.kind == Shared::kNearness && shared.index == 0 && state->nearness.wall == nullptr) {
+      prior_means_[i] = 1.0 / measurements_.wall_distance_m;
+    }
+  }
+  if (!shared_.empty() && shared_.front().kind == Shared::kLens) {
+    prior_normal_.topLeftCorner<MeasuredLens::kParameters, MeasuredLens::kParameters>() =
+        inverse_of(measurements_.camera.covariance);
+  }
+}
+
+void PlateAdjustment::choose_shared(bool with_offset, bool with_turn) {
+  places_.assign(kSightAngle, -1);
+  const auto add = [&](Shared::Kind kind, int first, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      places_[static_cast<std::size_t>(first) + i] = static_cast<Eigen::Index>(shared_.size());
+      shared_.push_back({kind, i});
+    }
+  };
+  if (measurements_.camera.covariance.diagonal().maxCoeff() > 0.0) {
+    add(Shared::kLens, kSightLens, MeasuredLens::kParameters);
+  }
+  add(Shared::kMount, kSightMount, 2);
+  if (with_offset) add(Shared::kOffset, kSightOffset, 2);
+  if (with_offset) add(Shared::kNearness, kSightNearness, kNearnessTerms);
+  if (with_turn) {
+    turn_place_ = static_cast<Eigen::Index>(shared_.size());
+    for (std::size_t i = 0; i < 3; ++i) shared_.push_back({Shared::kTurn, i});
+  }
+  angle_places_.assign(state_->angles.size(), -1);
+  std::vector<bool> is_seen(state_->angles.size(), false);
+  for (const TrackSight& sight : sights_) is_seen[sight.direction] = true;
+  for (std::size_t d = 0; d < is_seen.size(); ++d) {
+    if (!is_seen[d] || d == reference_) continue;
+    angle_places_[d] = static_cast<Eigen::Index>(shared_.size());
+    shared_.push_back({Shared::kAngle, d});
+  }
+}
+
+double* PlateAdjustment::number(PlateState* state, const Shared& shared) const {
+  switch (shared.kind) {
+    case Shared::kLens:
+      return &state->lens[shared.index];
+    case Shared::kMount:
+      return &state->mount[shared.index];
+    case Shared::kOffset:
+      return &state->offset[shared.index];
+    case Shared::kNearness:
+      return &state->nearness.terms[shared.index];
+    case Shared::kTurn:
+      return &state->turn[shared.index];
+    case Shared::kAngle:
+      return &state->angles[shared.index];
+  }
+  CHECK(false);
+}
+
+double PlateAdjustment::prior_sigma(const Shared& shared) const {
+  const double distance = measurements_.wall_distance_m;
+  const auto i = static_cast<Eigen::Index>(shared.index);
+  switch (shared.kind) {
+    case Shared::kLens:
+      return std::max(1e-12, std::sqrt(measurements_.camera.covariance(i, i)));
+    case Shared::kMount:
+      return options_.mount_sigma_rad;
+    case Shared::kOffset:
+      return options_.offset_sigma_m;
+    case Shared::kNearness:
+      if (state_->nearness.wall != nullptr) return kWallTrust / distance;
+      return measurements_.wall_distance_sigma_m / (distance * distance);
+    case Shared::kTurn:
+      return kTurn_rad;
+    case Shared::kAngle:
+      return measurements_.directions[shared.index].sigma_rad;
+  }
+  CHECK(false);
+}
+
+Eigen::VectorXd PlateAdjustment::shared_numbers(PlateState* state) const {
+  Eigen::VectorXd numbers(static_cast<Eigen::Index>(shared_.size()));
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    numbers[static_cast<Eigen::Index>(i)] = *number(state, shared_[i]);
+  }
+  return numbers;
+}
+
+Eigen::Index PlateAdjustment::column_of(int sight_number, std::size_t direction) const {
+  return sight_number == kSightAngle ? angle_places_[direction] : places_[static_cast<std::size_t>(sight_number)];
+}
+
+std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with_known, Equations* ret) const {
+  using SightNormal = Eigen::Matrix<double, kSightNumbers, kSightNumbers>;
+  using SightGradient = Eigen::Matrix<double, kSightNumbers, 1>;
+  std::vector<SeenFrom> cameras;
+  for (const double angle : state->angles) cameras.emplace_back(state->mount, state->offset, angle);
+  // All sights of a direction know the same numbers: they are summed before they are put where they belong.
+  std::vector<SightNormal> normals;
+  std::vector<SightGradient> gradients;
+  if (ret != nullptr) {
+    normals.assign(cameras.size(), SightNormal::Zero());
+    gradients.assign(cameras.size(), SightGradient::Zero());
+    const auto count = static_cast<Eigen::Index>(shared_.size());
+    ret->gradient = Eigen::VectorXd::Zero(count);
+    ret->normal = Eigen::MatrixXd::Zero(count, count);
+    ret->tracks.assign(tracks_.size(), {});
+    ret->crosses.resize(sights_.size());
+  }
+  double cost = 0.0;
+  SeenFrom::Slopes slopes;
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    const TrackData& track = tracks_[t];
+    const Eigen::Vector3d direction(state->directions[t].data());
+    TrackEquations* own = ret != nullptr ? &ret->tracks[t] : nullptr;
+    if (own != nullptr) own->tangent = tangent_of(direction);
+    for (std::size_t s = track.first_sight; s < track.first_sight + track.sights; ++s) {
+      const TrackSight& seen = sights_[s];
+      Eigen::Vector2d error;
+      if (!cameras[seen.direction].residuals(seen.sight, state->lens.data(), state->nearness.terms, track.wall_nearness,
+                                             direction, &error, own != nullptr ? &slopes : nullptr)) {
+        return std::nullopt;
+      }
+      const WeighedSquare share = weighed(loss_, kLoss_sigmas, error.squaredNorm());
+      cost += share.cost;
+      if (own == nullptr) continue;
+      const Eigen::Matrix2d by_own = slopes.by_direction * own->tangent;
+      const Eigen::Matrix2d weighed_own = share.weight * by_own.transpose();
+      const SightCross weighed_numbers = share.weight * slopes.by_numbers;
+      own->own += weighed_own * by_own;
+      own->own_gradient += weighed_own * error;
+      ret->crosses[s] = weighed_own * slopes.by_numbers;
+      const SightGradient across = weighed_numbers.row(0);
+      const SightGradient down = weighed_numbers.row(1);
+      for (int j = 0; j < kSightNumbers; ++j) {
+        normals[seen.direction].col(j) += slopes.by_numbers(0, j) * across + slopes.by_numbers(1, j) * down;
+      }
+      gradients[seen.direction] += error[0] * across + error[1] * down;
+    }
+    if (!track.known || !with_known) continue;
+    // The turn is small: another one went before.
+    const Eigen::Vector3d& told = track.known->direction;
+    const Eigen::Vector3d turn(state->turn.data());
+    const double per_sigma = 1.0 / track.known->sigma_rad;
+    const Eigen::Vector3d error = per_sigma * (told + turn.cross(told) - direction);
+    const WeighedSquare share = weighed(loss_, kLoss_sigmas, error.squaredNorm());
+    cost += share.cost;
+    if (own == nullptr) continue;
+    Eigen::Matrix3d by_turn;
+    for (int i = 0; i < 3; ++i) by_turn.col(i) = per_sigma * Eigen::Vector3d::Unit(i).cross(told);
+    const Eigen::Matrix<double, 3, 2> by_own = -per_sigma * own->tangent;
+    own->own += share.weight * by_own.transpose() * by_own;
+    own->own_gradient += share.weight * by_own.transpose() * error;
+    own->by_turn = share.weight * by_own.transpose() * by_turn;
+    ret->normal.block<3, 3>(turn_place_, turn_place_) += share.weight * by_turn.transpose() * by_turn;
+    ret->gradient.segment<3>(turn_place_) += share.weight * by_turn.transpose() * error;
+  }
+  for (std::size_t d = 0; d < normals.size(); ++d) {
+    for (int i = 0; i < kSightNumbers; ++i) {
+      const Eigen::Index row = column_of(i, d);
+      if (row < 0) continue;
+      ret->gradient[row] += gradients[d][i];
+      for (int j = 0; j <= i; ++j) {  // Their places rise, and an angle's is the last.
+        const Eigen::Index column = column_of(j, d);
+        if (column >= 0) ret->normal(row, column) += normals[d](i, j);
+      }
+    }
+  }
+  return cost;
+}
+
+double PlateAdjustment::add_priors(PlateState* state, Eigen::VectorXd* ret_gradient,
+                                   Eigen::MatrixXd* ret_normal) const {
+  const Eigen::VectorXd off = shared_numbers(state) - prior_means_;
+  const Eigen::VectorXd slope = prior_normal_ * off;
+  if (ret_gradient != nullptr) *ret_gradient += slope;
+  if (ret_normal != nullptr) *ret_normal += prior_normal_;
+  return 0.5 * off.dot(slope);
+}
+
+std::optional<double> PlateAdjustment::linearise() {
+  const auto cost = add_measured(state_, true, &equations_);
+  if (!cost) return std::nullopt;
+  const double priors = add_priors(state_, &equations_.gradient, &equations_.normal);
+  return std::isfinite(*cost + priors) ? std::optional(*cost + priors) : std::nullopt;
+}
+
+void PlateAdjustment::cross_of(const Equations& equations, std::size_t track, std::vector<Eigen::Index>* ret_columns,
+                               Eigen::Matrix2Xd* ret_cross) const {
+  // What all sights know, the turn, and then an angle each.
+  const TrackData& data = tracks_[track];
+  ret_columns->clear();
+  for (const Eigen::Index place : places_) {
+    if (place >= 0) ret_columns->push_back(place);
+  }
+  const auto common = static_cast<Eigen::Index>(ret_columns->size());
+  for (Eigen::Index i = 0; turn_place_ >= 0 && i < 3; ++i) ret_columns->push_back(turn_place_ + i);
+  for (std::size_t s = data.first_sight; s < data.first_sight + data.sights; ++s) {
+    const Eigen::Index angle = angle_places_[sights_[s].direction];
+    if (angle >= 0) ret_columns->push_back(angle);
+  }
+  ret_cross->setZero(2, static_cast<Eigen::Index>(ret_columns->size()));
+  Eigen::Index next = common;
+  if (turn_place_ >= 0) ret_cross->middleCols<3>(next) = equations.tracks[track].by_turn;
+  if (turn_place_ >= 0) next += 3;
+  for (std::size_t s = data.first_sight; s < data.first_sight + data.sights; ++s) {
+    const SightCross& cross = equations.crosses[s];
+    Eigen::Index column = 0;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (places_[i] >= 0) ret_cross->col(column++) += cross.col(static_cast<Eigen::Index>(i));
+    }
+    if (angle_places_[sights_[s].direction] >= 0) ret_cross->col(next++) = cross.col(kSightAngle);
+  }
+}
+
+PlateAdjustment::Elimination PlateAdjustment::eliminated(const Equations& equations, double damping) const {
+  Elimination left{equations.normal, equations.gradient};
+  left.normal.diagonal() += damping_of(equations.normal.diagonal(), damping);
+  std::vector<Eigen::Index> columns;
+  Eigen::Matrix2Xd cross;
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    const TrackEquations& track = equations.tracks[t];
+    Eigen::Matrix2d own = track.own;
+    own.diagonal() += damping_of(track.own.diagonal(), damping);
+    if (!is_definite(own)) continue;
+    cross_of(equations, t, &columns, &cross);
+    const Eigen::Matrix2d inverse = own.inverse();
+    const Eigen::Matrix2Xd solved = inverse * cross;
+    const Eigen::Vector2d solved_gradient = inverse * track.own_gradient;
+    for (std::size_t i = 0; i < columns.size(); ++i) {  // They rise, but for angles, whose order is a track's.
+      const auto a = static_cast<Eigen::Index>(i);
+      left.gradient[columns[i]] -= cross.col(a).dot(solved_gradient);
+      for (std::size_t j = 0; j < columns.size(); ++j) {
+        if (columns[j] > columns[i]) continue;
+        left.normal(columns[i], columns[j]) -= cross.col(a).dot(solved.col(static_cast<Eigen::Index>(j)));
+      }
+    }
+  }
+  return left;
+}
+
+std::optional<DampedProblem::Attempt> PlateAdjustment::attempt(double damping) {
+  const Elimination left = eliminated(equations_, damping);
+  const Eigen::LLT<Eigen::MatrixXd> factor(left.normal);  // Reads the lower triangle.
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  const Eigen::VectorXd step = factor.solve(-left.gradient);
+  if (!step.allFinite()) return std::nullopt;
+  candidate_ = *state_;
+  for (std::size_t i = 0; i < shared_.size(); ++i) {
+    *number(&candidate_, shared_[i]) += step[static_cast<Eigen::Index>(i)];
+  }
+  // -g'x - x'Nx / 2, which is (x'Dx - g'x) / 2 for (N + D) x = -g.
+  const Eigen::VectorXd damped = damping_of(equations_.normal.diagonal(), damping);
+  double predicted = 0.5 * (step.dot(damped.cwiseProduct(step)) - equations_.gradient.dot(step));
+  double squares = step.squaredNorm();
+  std::vector<Eigen::Index> columns;
+  Eigen::Matrix2Xd cross;
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    const TrackEquations& track = equations_.tracks[t];
+    const Eigen::Vector2d damped_own = damping_of(track.own.diagonal(), damping);
+    Eigen::Matrix2d own = track.own;
+    own.diagonal() += damped_own;
+    if (!is_definite(own)) continue;
+    cross_of(equations_, t, &columns, &cross);
+    Eigen::Vector2d right = track.own_gradient;
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      right += step[columns[i]] * cross.col(static_cast<Eigen::Index>(i));
+    const Eigen::Vector2d aside = -own.inverse() * right;
+    Eigen::Map<Eigen::Vector3d> direction(candidate_.directions[t].data());
+    direction = (direction + track.tangent * aside).normalized();
+    predicted += 0.5 * (aside.dot(damped_own.cwiseProduct(aside)) - track.own_gradient.dot(aside));
+    squares += aside.squaredNorm();
+  }
+  const auto cost = add_measured(&candidate_, true, nullptr);
+  if (!cost) return std::nullopt;
+  const double size = std::hypot(shared_numbers(state_).norm(), std::sqrt(static_cast<double>(tracks_.size())));
+  return Attempt{*cost + add_priors(&candidate_, nullptr, nullptr), predicted, std::sqrt(squares) / size};
+}
+
+Eigen::MatrixXd PlateAdjustment::reduced_normal(bool measured_alone) const {
+  Equations equations;
+  if (!add_measured(state_, !measured_alone, &equations)) return prior_normal_;
+  if (!measured_alone) add_priors(state_, nullptr, &equations.normal);
+  return eliminated(equations, 0.0).normal;
+}
+
+std::vector<std::string> PlateAdjustment::names() const {
+  static constexpr const char* kLens[] = {"focal_px", "centre_u_px", "centre_v_px", "k1", "k2", "k3", "p1", "p2"};
+  static constexpr const char* kMount[] = {"pitch_rad", "roll_rad"};
+  static constexpr const char* kOffset[] = {"offset_right_m", "offset_forward_m"};
+  static constexpr const char* kTurn[] = {"turn_right_rad", "turn_up_rad", "turn_back_rad"};
+  std::vector<std::string> names;
+  for (const Shared& shared : shared_) {
+    switch (shared.kind) {
+      case Shared::kLens:
+        names.emplace_back(kLens[shared.index]);
+        break;
+      case Shared::kMount:
+        names.emplace_back(kMount[shared.index]);
+        break;
+      case Shared::kOffset:
+        names.emplace_back(kOffset[shared.index]);
+        break;
+      case Shared::kNearness:
+        names.push_back(fmt::format("nearness_{}_per_m", shared.index));
+        break;
+      case Shared::kTurn:
+        names.emplace_back(kTurn[shared.index]);
+        break;
+      case Shared::kAngle:
+        names.push_back(fmt::format("angle_{}_rad", shared.index));
+        break;
+    }
+  }
+  return names;
+}
+
+std::vector<double> PlateAdjustment::prior_sigmas() const {
+  std::vector<double> sigmas;
+  for (const Shared& shared : shared_) sigmas.push_back(prior_sigma(shared));
+  return sigmas;
+}
+
+}  // namespace cyclorama

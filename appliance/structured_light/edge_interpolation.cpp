@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/structured_light/edge_interpolation.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace cyclorama {
+namespace {
+
+constexpr int kLevels = 4;
+/// Pixels without a reading that an edge may lie among: where a base bit of XOR codes is open, none has one.
+constexpr std::size_t kWidestBridge = 4;
+/// Edges further apart than this many camera pixels say little about what is between them.
+constexpr double kFurthestEdges = 96.0;
+/// What interpolating between edges misses, in stripes: measured against planes on real captures
+/// (docs/design/structured-light.md).
+constexpr double kModelSigma = 0.02;
+/// And what a straight line between two camera pixels misses of an edge between them, in camera pixels.
+constexpr double kCrossingSigma = 0.05;
+
+struct Crossing {
+  double at = 0.0;     ///< In camera pixels along the line; the centre of its first pixel is 0.
+  double sigma = 0.0;  ///< Of that.
+  int boundary = 0;    ///< Between the cells boundary - 1 and boundary.
+  bool begins = true;  ///< Nothing is known between the crossing before and this one.
+};
+
+/// A row or a column of the photograph.
+class Line {
+ public:
+  Line(const AxisBits& axis, const StripeReading& reading, const Image<float, 1>& amplitude,
+       const Image<std::uint8_t, 1>& is_lit, double noise, int level)
+      : axis_(axis), reading_(reading), amplitude_(amplitude), is_lit_(is_lit), noise_(noise), level_(level) {}
+
+  void follow(std::size_t start, std::size_t stride, std::size_t count) {
+    start_ = start;
+    stride_ = stride;
+    crossings_.clear();
+    begins_ = true;
+    std::size_t before = count;  // None.
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t p = pixel(i);
+      if (is_lit_.data()[p] == 0) {
+        before = count;
+        continue;
+      }
+      if (!is_settled(reading_.place.data()[p], reading_.undecided.data()[p], level_)) continue;
+      if (before == count || i - before > kWidestBridge) {
+        begins_ = true;
+      } else {
+        add_between(before, i);
+      }
+      before = i;
+    }
+  }
+
+  void fill(AxisPlaces* places) const {
+    const double cell_px = std::ldexp(1.0, level_);
+    for (std::size_t k = 1; k < crossings_.size(); ++k) {
+      const Crossing& a = crossings_[k - 1];
+      const Crossing& b = crossings_[k];
+      const double gap = b.at - a.at;
+      if (b.begins || std::abs(a.boundary - b.boundary) != 1 || !(gap > 1e-3) || gap > kFurthestEdges) continue;
+      for (auto i = static_cast<std::size_t>(std::ceil(a.at)); static_cast<double>(i) <= b.at; ++i) {
+        const double share = (static_cast<double>(i) - a.at) / gap;
+        const double sigma =
+            cell_px * std::hypot(std::hypot((1.0 - share) * a.sigma, share * b.sigma) / gap, kModelSigma);
+        const double place = cell_px * (a.boundary + share * (b.boundary - a.boundary));
+        keep(pixel(i), place, sigma, places);
+      }
+    }
+  }
+
+  static void keep(std::size_t p, double place, double sigma, AxisPlaces* places) {
+    float& best = places->sigma_px.data()[p];
+    if (best >= 0.0f && static_cast<double>(best) <= sigma) return;
+    best = static_cast<float>(sigma);
+    places->position_px.data()[p] = static_cast<float>(place);
+  }
+
+ private:
+  [[nodiscard]] std::size_t pixel(std::size_t i) const { return start_ + i * stride_; }
+  /// Pattern less inverse in units of the pixel's own light, so that the wall's colour cannot move an edge.
+  [[nodiscard]] double profile(int bit, std::size_t i) const {
+    const std::size_t p = pixel(i);
+    const auto difference = static_cast<double>(axis_.differences[static_cast<std::size_t>(bit)].data()[p]);
+    return difference /
+           (static_cast<double>(kDifferenceScale) * std::max(1e-3, static_cast<double>(amplitude_.data()[p])));
+  }
+
+  /// The edges between two settled pixels of the line.
+  void add_between(std::size_t a, std::size_t b) {
+    const int from = reading_.place.data()[pixel(a)] >> level_;
+    const int to = reading_.place.data()[pixel(b)] >> level_;
+    if (from == to) return;
+    // Three edges would be those of one bit twice, whose order cannot be told.
+    if (std::abs(to - from) > 2) {
+      begins_ = true;
+      return;
+    }
+    const std::size_t first = crossings_.size();
+    const int step = to > from ? 1 : -1;
+    for (int cell = from; cell != to; cell += step) {
+      const int boundary = std::max(cell, cell + step);
+      if (!add_edge(a, b, boundary)) {
+        crossings_.resize(first);
+        begins_ = true;
+        return;
+      }
+    }
+    if (crossings_.size() == first + 2 && crossings_[first].at > crossings_[first + 1].at) {
+      // Blurred into each other: the stripe between them is nowhere.
+      crossings_.resize(first);
+      begins_ = true;
+    }
+  }
+
+  bool add_edge(std::size_t a, std::size_t b, int boundary) {
+    const int bit = level_ + std::countr_zero(static_cast<unsigned>(boundary));
+    if (bit >= axis_.bits) return false;
+    const bool rises = profile(bit, b) > 0.0;
+    if ((profile(bit, a) > 0.0) == rises) return false;
+    std::size_t i = a;
+    while ((profile(bit, i + 1) > 0.0) != rises) ++i;  // Ends at b at the latest.
+    const double low = profile(bit, i);
+    const double high = profile(bit, i + 1);
+    const double difference = high - low;
+    const double sigma_profile =
+        std::numbers::sqrt2 * noise_ / std::max(1e-3, static_cast<double>(amplitude_.data()[pixel(i)]));
+    crossings_.push_back({.at = static_cast<double>(i) - low / difference,
+                          .sigma = std::min(std::hypot(sigma_profile / std::abs(difference), kCrossingSigma), 0.5),
+                          .boundary = boundary,
+                          .begins = begins_});
+    begins_ = false;
+    return true;
+  }
+
+  const AxisBits& axis_;
+  const StripeReading& reading_;
+  const Image<float, 1>& amplitude_;
+  const Image<std::uint8_t, 1>& is_lit_;
+  double noise_;
+  int level_;
+  std::size_t start_ = 0;
+  std::size_t stride_ = 1;
+  bool begins_ = true;
+  std::vector<Crossing> crossings_;
+};
+
+}  // namespace
+
+AxisPlaces interpolate_edges(const AxisBits& axis, const StripeReading& reading, const Image<float, 1>& amplitude,
+                             const Image<std::uint8_t, 1>& is_lit, double noise) {
+  const int width = amplitude.width();
+  const int height = amplitude.height();
+  AxisPlaces places{Image<float, 1>(width, height, 0.0f), Image<float, 1>(width, height, -1.0f)};
+  const auto columns = static_cast<std::size_t>(width);
+  const auto rows = static_cast<std::size_t>(height);
+  for (int level = axis.finest_bit; level < std::min(axis.finest_bit + kLevels, axis.bits); ++level) {
+    const double cell_px = std::ldexp(1.0, level);
+    for (std::size_t p = 0; p < columns * rows; ++p) {
+      if (is_lit.data()[p] == 0 || !is_settled(reading.place.data()[p], reading.undecided.data()[p], level)) continue;
+      const double middle = cell_px * ((reading.place.data()[p] >> level) + 0.5);
+      Line::keep(p, middle, cell_px / std::sqrt(12.0), &places);
+    }
+    Line line(axis, reading, amplitude, is_lit, noise, level);
+    for (std::size_t y = 0; y < rows; ++y) {
+      line.follow(y * columns, 1, columns);
+      line.fill(&places);
+    }
+    for (std::size_t x = 0; x < columns; ++x) {
+      line.follow(x, columns, rows);
+      line.fill(&places);
+    }
+  }
+  return places;
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/structured_light/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace cyclorama {
+namespace {
+
+constexpr double kSaturated = 0.98;
+constexpr float kLitGain = 0.02f;
+constexpr double kBrightLow = 0.6;
+constexpr double kDimLow = 0.3;
+constexpr double kBrightHigh = 0.9;
+constexpr double kMostSaturated = 0.005;
+/// How far below the darkest saturated exposure one goes on, when nothing says how much too bright it is.
+constexpr double kStepDown = 4.0;
+constexpr double kStepUp = 8.0;
+
+bool is_too_bright(const ExposureSample& sample) {
+  return sample.saturated > kMostSaturated || sample.bright > kBrightHigh;
+}
+
+/// Within the limits, in whole periods where one fits.
+ExposureTime allowed(ExposureTime wanted, const ExposureLimits& limits) {
+  ExposureTime exposure = std::clamp(wanted, limits.shortest, limits.longest);
+  const ExposureTime period = limits.projector_period;
+  if (period.count() > 0.0 && exposure >= period) exposure = period * std::floor(exposure / period + 1e-9);
+  return std::max(exposure, limits.shortest);
+}
+
+}  // namespace
+
+ExposureSample exposure_sample(ExposureTime exposure, const Photo& white, const Photo& black) {
+  ExposureSample sample;
+  sample.exposure = exposure;
+  std::vector<float> lit;
+  const std::size_t count = std::min(white.data().size(), black.data().size());
+  std::size_t saturated = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool is_saturated = static_cast<double>(white.data()[i]) >= kSaturated;
+    if (!is_saturated && !(white.data()[i] - black.data()[i] >= kLitGain)) continue;
+    lit.push_back(white.data()[i]);
+    saturated += is_saturated ? 1 : 0;
+  }
+  if (lit.empty()) return sample;
+  const auto place = std::min(lit.size() - 1, static_cast<std::size_t>(0.995 * static_cast<double>(lit.size())));
+  const auto bright = lit.begin() + static_cast<std::ptrdiff_t>(place);
+  std::nth_element(lit.begin(), bright, lit.end());
+  sample.bright = static_cast<double>(*bright);
+  sample.saturated = static_cast<double>(saturated) / static_cast<double>(lit.size());
+  sample.lit = static_cast<double>(lit.size()) / static_cast<double>(count);
+  return sample;
+}
+
+Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, const ExposureLimits& limits) {
+  if (!(limits.shortest.count() > 0.0) || !(limits.longest >= limits.shortest) ||
+      !(limits.projector_period.count() >= 0.0) || !std::isfinite(limits.longest.count()) ||
+      !std::isfinite(limits.projector_period.count())) {
+    return Error(ErrorCode::kInvalidArgument,
+                 "exposures are longer than 0, and the longest is not shorter than the shortest");
+  }
+  for (const ExposureSample& sample : samples) {
+    if (!(sample.exposure.count() > 0.0) || !std::isfinite(sample.exposure.count())) {
+      return Error(ErrorCode::kInvalidArgument, "a photograph whose exposure is not known");
+    }
+  }
+  if (samples.empty()) {
+    return ExposureAdvice{allowed(ExposureTime(std::sqrt(limits.shortest.count() * limits.longest.count())), limits),
+                          false};
+  }
+  const ExposureSample& newest = samples.back();
+  // A period more or less, since exposures are whole ones.
+  const bool is_long = newest.exposure >= limits.patient - 1.001 * limits.projector_period;
+  const bool is_patient = limits.patient < limits.longest && is_long;
+  if (!is_too_bright(newest) && newest.bright >= (is_patient ? kDimLow : kBrightLow))
+    return ExposureAdvice{newest.exposure, true};
+
+  // Light is proportional to exposure: any sample that is neither black nor saturated tells the right one; the
+  // brightest best.
+  std::optional<ExposureTime> shortest_too_bright;
+  const ExposureSample* best = nullptr;
+  for (const ExposureSample& sample : samples) {
+    if (is_too_bright(sample)) {
+      shortest_too_bright = std::min(shortest_too_bright.value_or(sample.exposure), sample.exposure);
+    } else if (sample.bright > 0.02 && (best == nullptr || sample.bright > best->bright)) {
+      best = &sample;
+    }
+  }
+  ExposureTime wanted = newest.exposure * kStepUp;
+  if (best != nullptr) {
+    wanted = best->exposure * (kBrightAim / best->bright);
+    if (wanted > limits.patient) wanted = std::max(limits.patient, best->exposure * (kDimAim / best->bright));
+    // Ambient light or a response curve can mislead: never try again what is known to be too bright.
+    if (shortest_too_bright && wanted >= *shortest_too_bright) wanted = 0.5 * (best->exposure + *shortest_too_bright);
+  } else if (shortest_too_bright) {
+    wanted = *shortest_too_bright / kStepDown;
+  }
+  const ExposureTime next = allowed(wanted, limits);
+  const bool was_tried = std::any_of(samples.begin(), samples.end(), [next](const ExposureSample& sample) {
+    return std::abs(sample.exposure / next - 1.0) < 1e-6;
+  });
+  if (!was_tried) return ExposureAdvice{next, false};
+  // What the limits, or whole periods, leave: as long as it is not too bright, the longest of them does.
+  for (const ExposureSample& sample : samples) {
+    if (std::abs(sample.exposure / next - 1.0) >= 1e-6) continue;
+    if (is_too_bright(sample)) {
+      return Error(ErrorCode::kBadData,
+                   "too bright at the shortest exposure allowed: close the iris, or lower the camera's gain");
+    }
+    if (!(sample.bright > 0.08)) {
+      return Error(ErrorCode::kBadData,
+                   "too dark at the longest exposure allowed: open the iris, raise the camera's gain, or allow a "
+                   "longer exposure");
+    }
+  }
+  return ExposureAdvice{next, std::abs(newest.exposure / next - 1.0) < 1e-6};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "appliance/structured_light/pattern_set.h"
+#include "common/image/image.h"
+
+namespace cyclorama {
+
+/// The code value, 0 to 1, that a picture of the set shows at a projector's pixel. Reentrant.
+/// Precondition: the pixel is on the projector.
+[[nodiscard]] double level_at(const PatternSet& set, const PatternPicture& picture, int x, int y);
+
+/// The picture as code values of 8 bits, the same in all channels but those that its light leaves dark. Reentrant.
+[[nodiscard]] RgbImage drawn(const PatternSet& set, const PatternPicture& picture);
+
+}  // namespace cyclorama

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "appliance/structured_light/edge_interpolation.h"
+#include "appliance/structured_light/photo.h"
+
+namespace cyclorama {
+
+/// The shifted sines of one axis, summed as they come: the place within a period, whatever the wall's colour.
+class PhaseReading {
+ public:
+  PhaseReading() = default;
+  PhaseReading(double period_px, int steps) : period_px_(period_px), steps_(steps) {}
+
+  void add(int step, const Photo& photo);
+  [[nodiscard]] bool is_complete() const { return steps_ > 0 && seen_ == steps_; }
+  /// Puts the phase's place where the bits' own is uncertain by less than a quarter of a period and agrees; a pixel
+  /// whose phase and bits contradict each other by more loses its place.
+  void refine(double noise, AxisPlaces* places) const;
+
+ private:
+  double period_px_ = 0.0;
+  int steps_ = 0;
+  int seen_ = 0;
+  Image<float, 2> sums_;  ///< Light times cosine and sine of each step's angle.
+};
+
+}  // namespace cyclorama

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/tags/corner_refinement.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace cyclorama {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+constexpr int kPointsPerSide = 32;
+/// The ends of a side are blurred by the other side's edge.
+constexpr double kKeepClearOfCorners = 0.08;
+constexpr double kStepPx = 0.25;
+constexpr double kMostReachPx = 3.0;
+constexpr double kLeastReachPx = 0.75;
+/// A step that is drawn over two pixels is whole within this.
+constexpr double kBlurPx = 1.25;
+/// A step from black to white of less than this is noise.
+constexpr double kLeastContrastGrey = 12.0;
+constexpr double kMostMovePx = 2.0;
+/// Of a normal distribution's variance, what its middle three quarters have.
+constexpr double kTrimmedShare = 0.369;
+/// Steps are not placed better than this, however they agree: pixels are the same for neighbours.
+constexpr double kLeastDeviationPx = 0.02;
+
+/// Bilinear, between pixel centres at (0.5, 0.5); nothing outside of them.
+std::optional<double> grey_at(const GreyImage& picture, const Vector2d& place) {
+  const double x = place.x() - 0.5;
+  const double y = place.y() - 0.5;
+  if (!(x >= 0.0 && y >= 0.0 && x < picture.width() - 1 && y < picture.height() - 1)) return std::nullopt;
+  const int left = static_cast<int>(x);
+  const int top = static_cast<int>(y);
+  const double u = x - left;
+  const double v = y - top;
+  const std::uint8_t* const upper = picture.at(left, top);
+  const std::uint8_t* const lower = picture.at(left, top + 1);
+  return (1.0 - v) * ((1.0 - u) * upper[0] + u * upper[1]) + v * ((1.0 - u) * lower[0] + u * lower[1]);
+}
+
+struct EdgePoint {
+  Vector2d place;
+  double weight;
+};
+
+/// Where the step from inside (black) to outside (white) is on a line across the side.
+std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& middle, const Vector2d& outwards,
+                                   double reach_px) {
+  const int steps = static_cast<int>(reach_px / kStepPx);
+  double moment = 0.0;
+  double rise = 0.0;
+  std::optional<double> last;
+  for (int i = -steps; i <= steps; ++i) {
+    const auto grey = grey_at(picture, middle + i * kStepPx * outwards);
+    if (!grey) return std::nullopt;
+    // A fall is something else's edge.
+    if (last && *grey > *last) {
+      moment += (*grey - *last) * (i - 0.5) * kStepPx;
+      rise += *grey - *last;
+    }
+    last = grey;
+  }
+  if (rise < kLeastContrastGrey) return std::nullopt;
+  return EdgePoint{middle + (moment / rise) * outwards, rise};
+}
+
+/// A point of the line and its direction; and across the line, in px², the variance at that point and what the line's
+/// turn adds at each distance from it, squared.
+struct Line {
+  Vector2d point;
+  Vector2d direction;
+  double variance = TagDetection::kUnrefined(0, 0);
+  double turn_variance = 0.0;
+
+  [[nodiscard]] Vector2d normal() const { return {direction.y(), -direction.x()}; }
+  [[nodiscard]] double variance_at(const Vector2d& place) const {
+    const double along = (place - point).dot(direction);
+    return variance + turn_variance * along * along;
+  }
+};
+
+Line fit(const std::vector<EdgePoint>& points) {
+  Vector2d mean = Vector2d::Zero();
+  double sum = 0.0;
+  for (const EdgePoint& point : points) {
+    mean += point.weight * point.place;
+    sum += point.weight;
+  }
+  mean /= sum;
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  for (const EdgePoint& point : points) {
+    const Vector2d d = point.place - mean;
+    xx += point.weight * d.x() * d.x();
+    xy += point.weight * d.x() * d.y();
+    yy += point.weight * d.y() * d.y();
+  }
+  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  return {mean, {std::cos(angle), std::sin(angle)}, 0.0, 0.0};
+}
+
+double distance(const Line& line, const Vector2d& point) {
+  const Vector2d d = point - line.point;
+  return std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
+}
+
+/// Sets how surely `line` is known from the points that it was fitted to: the best three quarters of all.
+void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* line) {
+  double across = 0.0;
+  double along = 0.0;
+  for (const EdgePoint& point : points) {
+    const Vector2d d = point.place - line->point;
+    across += std::pow(d.dot(line->normal()), 2);
+    along += std::pow(d.dot(line->direction), 2);
+  }
+  const auto count = static_cast<double>(points.size());
+  const double each = std::max(across / (count * kTrimmedShare), kLeastDeviationPx * kLeastDeviationPx);
+  // Points that are less than a pixel apart see the same pixels.
+  const double independent = std::max(2.0, std::min(count, length_px * count / kPointsPerSide));
+  line->variance = each / independent;
+  line->turn_variance = each / (independent * std::max(along / count, 1e-6));
+}
+
+/// `thickness_px`: how far away the opposite side is.
+Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to, double thickness_px,
+             int cells_across) {
+  const Line unchanged{from, (to - from).normalized()};
+  const Vector2d outwards = unchanged.normal();  // Corners go clockwise in the picture.
+  // Half a cell; of a small tag more, so that the whole blurred step is in it, but not the code's own cells.
+  const double cell_px = thickness_px / cells_across;
+  const double reach_px = std::min(kMostReachPx, std::max(0.5 * cell_px, std::min(0.9 * cell_px, kBlurPx)));
+  if (!(reach_px >= kLeastReachPx)) return unchanged;
+  std::vector<EdgePoint> points;
+  for (int i = 0; i < kPointsPerSide; ++i) {
+    const double t = kKeepClearOfCorners + (1.0 - 2.0 * kKeepClearOfCorners) * (i + 0.5) / kPointsPerSide;
+    if (const auto point = find_step(picture, from + t * (to - from), outwards, reach_px)) points.push_back(*point);
+  }
+  if (points.size() < kPointsPerSide / 2) return unchanged;
+  Line line = fit(points);
+  // A finger or a reflection on the edge pulls: once more without the worst quarter.
+  std::sort(points.begin(), points.end(),
+            [&](const EdgePoint& a, const EdgePoint& b) { return distance(line, a.place) < distance(line, b.place); });
+  points.resize(points.size() * 3 / 4);
+  line = fit(points);
+  set_variance(points, (to - from).norm(), &line);
+  return line;
+}
+
+std::optional<Vector2d> crossing(const Line& a, const Line& b) {
+  const double determinant = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
+  if (!(std::abs(determinant) > 0.05)) return std::nullopt;
+  const Vector2d d = b.point - a.point;
+  const double along = (d.x() * b.direction.y() - d.y() * b.direction.x()) / determinant;
+  return Vector2d(a.point + along * a.direction);
+}
+
+/// Of a crossing: each line may be off along its normal, by what its points leave open there.
+Matrix2d covariance_at(const Vector2d& corner, const Line& a, const Line& b) {
+  Matrix2d normals;
+  normals << a.normal().transpose(), b.normal().transpose();
+  const Matrix2d inverse = normals.inverse();
+  return inverse * Vector2d(a.variance_at(corner), b.variance_at(corner)).asDiagonal() * inverse.transpose();
+}
+
+}  // namespace
+
+RefinedCorners refine_corners(const GreyImage& picture, const std::array<Vector2d, 4>& corners, int cells_across) {
+  constexpr auto& kUnrefined = TagDetection::kUnrefined;
+  const RefinedCorners unrefined{corners, {kUnrefined, kUnrefined, kUnrefined, kUnrefined}};
+  std::array<Line, 4> sides;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vector2d& from = corners[i];
+    const Vector2d& to = corners[(i + 1) % 4];
+    const Vector2d opposite = 0.5 * (corners[(i + 2) % 4] + corners[(i + 3) % 4]);
+    sides[i] = side_of(picture, from, to, distance({from, (to - from).normalized()}, opposite), cells_across);
+  }
+  RefinedCorners refined = unrefined;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Line& before = sides[(i + 3) % 4];
+    const auto corner = crossing(before, sides[i]);
+    if (!corner || !((*corner - corners[i]).norm() <= kMostMovePx)) return unrefined;
+    refined.places[i] = *corner;
+    const Matrix2d covariance = covariance_at(*corner, before, sides[i]);
+    if (covariance.allFinite()) refined.covariance[i] = covariance;
+  }
+  return refined;
+}
+
+}  // namespace cyclorama

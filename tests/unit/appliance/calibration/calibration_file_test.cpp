@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/calibration/calibration_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <random>
+
+#include "common/base/file.h"
+
+namespace cyclorama {
+namespace {
+
+Calibration small_calibration(const std::string& date) {
+  Calibration calibration;
+  calibration.date = date;
+  calibration.plate.camera = MeasuredLens::from_focal(1920, 1200, 1400.0);
+  calibration.plate.angles_rad = {-0.5, 0.0, 0.5};
+  calibration.plate.reference = 1;
+  calibration.plate.nearness[0] = 0.25;
+  calibration.plate.offset_reason = "not needed";
+  calibration.plate.parameters = {"pitch_rad", "roll_rad"};
+  calibration.plate.covariance = 1e-6 * Eigen::Matrix2d::Identity();
+  calibration.plate.heldout_rms_px = 0.1;
+  for (const char* name : {"left", "right"}) {
+    MeasuredMap map{1920, 1080, 2, 1, {}, {}, 0.2, 0.1, 500};
+    for (int i = 0; i < 6; ++i) map.directions.push_back(Eigen::Vector3d(0.1 * i, 0.05, -1.0).normalized());
+    map.sigma_px.assign(6, 0.05);
+    map.directions[3].setConstant(std::numeric_limits<double>::quiet_NaN());
+    map.sigma_px[3] = std::numeric_limits<double>::infinity();
+    calibration.projectors.push_back({name, map, false});
+  }
+  ModelChoice wall;
+  wall.fit.surface.rung = SurfaceRung::kCylinder;
+  wall.fit.surface.parameters = {0.01, 0.02, 0.03, 0.25};
+  wall.fit.surface_sigmas = {1e-3, 1e-3, 1e-3, 1e-3};
+  wall.fit.projectors.resize(2);
+  for (FittedProjector& p : wall.fit.projectors) {
+    p.lens = MeasuredLens::from_focal(1920, 1080, 2000.0);
+    p.T_eye_projector = {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {0.5, 1.0, 0.2}};
+  }
+  wall.surfaces = {{"plane", 2, 3.0, 3.1, 0.01, true}, {"cylinder", 4, 0.1, 0.11, 0.001, true}};
+  wall.reason = "the least that predicts";
+  calibration.wall = wall;
+  calibration.remarks = {"darken the room"};
+  return calibration;
+}
+
+class CalibrationFile : public testing::Test {
+ protected:
+  CalibrationFile() {
+    std::string name = (std::filesystem::temp_directory_path() / "calibration-XXXXXX").string();
+    CHECK(mkdtemp(name.data()) != nullptr);
+    folder_ = name;
+  }
+  ~CalibrationFile() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+TEST_F(CalibrationFile, comes_back_as_it_was) {
+  const Calibration written = small_calibration("2026-01-01T00-00-00Z");
+  const auto saved = save_calibration(folder_, written);
+  ASSERT_TRUE(saved) << saved.error().message();
+  const auto read = read_calibration(folder_);
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(calibration_json(*read), calibration_json(written));
+  ASSERT_EQ(read->projectors.size(), 2U);
+  const MeasuredMap& map = read->projectors[0].map;
+  EXPECT_LE((map.directions[1] - written.projectors[0].map.directions[1]).norm(), 1e-6);
+  EXPECT_FALSE(map.directions[3].allFinite());
+  EXPECT_TRUE(std::isinf(map.sigma_px[3]));
+}
+
+TEST_F(CalibrationFile, of_before_is_kept_and_can_be_gone_back_to) {
+  ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z")));
+  ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-02T00-00-00Z")));
+  EXPECT_EQ(kept_calibrations(folder_), (std::vector<std::string>{"2026-01-02T00-00-00Z", "2026-01-01T00-00-00Z"}));
+  EXPECT_EQ(read_calibration(folder_)->date, "2026-01-02T00-00-00Z");
+  ASSERT_TRUE(restore_calibration(folder_, "2026-01-01T00-00-00Z"));
+  EXPECT_EQ(read_calibration(folder_)->date, "2026-01-01T00-00-00Z");
+  EXPECT_FALSE(restore_calibration(folder_, "2025-01-01T00-00-00Z"));
+  EXPECT_FALSE(restore_calibration(folder_, "../../etc"));
+  EXPECT_FALSE(save_calibration(folder_, small_calibration("2026-01-02T00-00-00Z")));
+  EXPECT_FALSE(save_calibration(folder_, small_calibration("../x")));
+}
+
+TEST_F(CalibrationFile, keeps_the_newest_ten) {
+  for (int day = 10; day < 24; ++day) {
+    ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-" + std::to_string(day) + "T00-00-00Z")));
+  }
+  EXPECT_EQ(kept_calibrations(folder_).size(), 10U);
+  EXPECT_EQ(kept_calibrations(folder_).back(), "2026-01-14T00-00-00Z");
+}
+
+// A power cut falls between two files: whatever was not written before the last one is not there.
+TEST_F(CalibrationFile, counts_only_when_all_that_belongs_to_it_is_written) {
+  const CalibrationPart light{"light.json", "{}"};
+  ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z"), {}, {&light, 1}));
+  const auto own = folder_ / "calibrations/2026-01-01T00-00-00Z";
+  EXPECT_EQ(*read_text_file(own / "light.json", 100), "{}");
+  const auto written = [&](const char* name) { return std::filesystem::last_write_time(own / name); };
+  EXPECT_LE(written("2.sigma.pfm"), written("light.json"));
+  EXPECT_LE(written("light.json"), written("calibration.json"));
+
+  // The last step fails: a folder lies where the file belongs.
+  std::filesystem::rename(folder_ / "calibration.json", folder_ / "before.json");
+  std::filesystem::create_directories(folder_ / "calibration.json/in the way");
+  ASSERT_FALSE(save_calibration(folder_, small_calibration("2026-01-02T00-00-00Z"), {}, {&light, 1}));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "calibrations/2026-01-02T00-00-00Z/light.json"));
+
+  // A part fails: nothing of that date counts, and the one of before still does.
+  std::filesystem::remove_all(folder_ / "calibration.json");
+  std::filesystem::rename(folder_ / "before.json", folder_ / "calibration.json");
+  const CalibrationPart too_long{std::string(300, 'x'), ""};
+  ASSERT_FALSE(save_calibration(folder_, small_calibration("2026-01-03T00-00-00Z"), {}, {&too_long, 1}));
+  EXPECT_EQ(read_calibration(folder_)->date, "2026-01-01T00-00-00Z");
+  EXPECT_EQ(kept_calibrations(folder_).size(), 2U);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "calibrations/2026-01-03T00-00-00Z"));
+  ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-04T00-00-00Z"), {}, {&light, 1}));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "calibrations/2026-01-03T00-00-00Z")) << "the unfinished one is left";
+  for (const char* name : {"", ".", "..", "../light.json", "/tmp/light.json"}) {
+    const CalibrationPart elsewhere{name, ""};
+    EXPECT_FALSE(save_calibration(folder_, small_calibration("2026-01-05T00-00-00Z"), {}, {&elsewhere, 1})) << name;
+  }
+}
+
+TEST_F(CalibrationFile, whose_map_is_broken_is_refused_by_its_name) {
+  ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z")));
+  const auto map = folder_ / "calibrations/2026-01-01T00-00-00Z/2.map.pfm";
+  ASSERT_TRUE(write_file_atomically(map, std::string_view("PF\n1 1\n-1.0\n            ")));
+  const auto read = read_calibration(folder_);
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message().find("2.map.pfm"), std::string::npos) << read.error().message();
+}
+
+TEST(CalibrationJson, names_the_place_of_what_is_wrong) {
+  const std::string good = calibration_json(small_calibration("2026-01-01T00-00-00Z"));
+  struct Case {
+    std::string from, to, place;
+  };
+  const Case cases[] = {{"\"cells_x\": 2", "\"cells_x\": 0", "/projectors/0/cells_x"},
+                        {"\"pitch_rad\": 0.0", "\"pitch_rad\": \"low\"", "/plate/pitch_rad"},
+                        {"\"surface\": \"cylinder\"", "\"surface\": \"cube\"", "/wall/surface"},
+                        {"\"date\": \"2026", "\"date\": \"../..", "/date"},
+                        {"calibrations/2026-01-01T00-00-00Z/1.map.pfm", "/etc/passwd", "/projectors/0/map"},
+                        {"\"version\": 1", "\"version\": 2", "/version"},
+                        {"\"is_previous\": false", "\"is_previous\": false, \"more\": 1", "/projectors/0"},
+                        {"\"right\"", "\"left\"", "/projectors/1/name"}};
+  ASSERT_TRUE(parse_calibration(good, "c.json"));
+  for (const Case& c : cases) {
+    std::string bad = good;
+    const auto at = bad.find(c.from);
+    ASSERT_NE(at, std::string::npos) << c.from;
+    bad.replace(at, c.from.size(), c.to);
+    const auto parsed = parse_calibration(bad, "c.json");
+    ASSERT_FALSE(parsed) << c.to;
+    EXPECT_EQ(parsed.error().code(), ErrorCode::kBadData);
+    EXPECT_NE(parsed.error().message().find("c.json: " + c.place), std::string::npos) << parsed.error().message();
+    EXPECT_NE(parsed.error().message().find("; "), std::string::npos) << parsed.error().message();
+  }
+}
+
+TEST(CalibrationJson, that_is_cut_anywhere_is_refused) {
+  const std::string good = calibration_json(small_calibration("2026-01-01T00-00-00Z"));
+  for (std::size_t length = 0; length + 2 < good.size(); length += 37) {
+    const auto parsed = parse_calibration(std::string_view(good).substr(0, length), "c.json");
+    ASSERT_FALSE(parsed);
+    EXPECT_NE(parsed.error().message().find("byte"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/camera_calibration/lens_selection.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "common/board/tag_board.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr int kWidth = 1280;
+constexpr int kHeight = 960;
+
+BrownParameters true_lens() { return {kWidth, kHeight, 1105.0, 1105.0, 652.0, 471.0, -0.11, 0.05, 0.0, 0.0, 0.0}; }
+
+struct Shown {
+  double tilt_rad = 0.5;  ///< At most, about any level axis.
+  double aside = 0.45;    ///< Of the picture's half width and height, at most.
+  double near_m = 0.25;
+  double far_m = 0.5;
+  double noise_px = 0.05;
+};
+
+/// What a camera would see of a board that somebody shows to it.
+std::vector<LensView> shown(const BrownParameters& truth, int count, unsigned seed, const Shown& how = {}) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::normal_distribution<double> noise(0.0, how.noise_px);
+  const auto lens = BrownLens::from(truth);
+  CHECK(lens.has_value());
+  const TagBoard board;
+  const Eigen::Vector3d middle(0.5 * board.square_m * (board.columns - 2), 0.5 * board.square_m * (board.rows - 2),
+                               0.0);
+  std::vector<LensView> views;
+  while (static_cast<int>(views.size()) < count) {
+    const double angle = 3.14159 * unit(random);
+    const Eigen::Matrix3d R =
+        (Eigen::AngleAxisd(how.tilt_rad * unit(random), Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0)) *
+         Eigen::AngleAxisd(0.3 * unit(random), Eigen::Vector3d::UnitZ()))
+            .toRotationMatrix();
+    const double far = how.near_m + (how.far_m - how.near_m) * 0.5 * (1.0 + unit(random));
+    const Eigen::Vector3d at(far * how.aside * unit(random) * kWidth / truth.focal_u_px,
+                             far * how.aside * unit(random) * kHeight / truth.focal_u_px, far);
+    LensView view;
+    view.name = "view " + std::to_string(views.size());
+    for (int i = 0; i < board.corners(); ++i) {
+      const Eigen::Vector3d corner(board.corner_m(i).x(), board.corner_m(i).y(), 0.0);
+      const auto pixel = lens->pixel_of(R * (corner - middle) + at);
+      if (!pixel || !(pixel->x() > 4 && pixel->y() > 4 && pixel->x() < kWidth - 4 && pixel->y() < kHeight - 4))
+        continue;
+      view.board_m.push_back(board.corner_m(i));
+      view.camera_px.push_back(*pixel + Eigen::Vector2d(noise(random), noise(random)));
+    }
+    if (view.board_m.size() >= 12) views.push_back(view);
+  }
+  return views;
+}
+
+/// The largest distance over the picture between where two lenses image a direction, turned onto each other: what a
+/// lens calls straight ahead is a gauge that poses make up for.
+double apart_px(const MeasuredLens& found, const BrownParameters& truth) {
+  const auto a = BrownLens::from(truth);
+  const auto b = found.brown();
+  CHECK(a.has_value() && b.has_value());
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
+  Eigen::Matrix3d together = Eigen::Matrix3d::Zero();
+  for (int y = 0; y <= 8; ++y) {
+    for (int x = 0; x <= 8; ++x) {
+      const Eigen::Vector2d pixel(x * kWidth / 8.0, y * kHeight / 8.0);
+      const auto one = direction_through(*a, pixel);
+      const auto two = direction_through(*b, pixel);
+      CHECK(one && two);
+      pairs.emplace_back(one->normalized(), two->normalized());
+      together += pairs.back().second * pairs.back().first.transpose();
+    }
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(together, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d turn = svd.matrixV() * svd.matrixU().transpose();
+  double worst = 0.0;
+  for (const auto& [one, two] : pairs) worst = std::max(worst, (one - turn * two).norm() * truth.focal_u_px);
+  return worst;
+}
+
+TEST(LensChoice, finds_a_lens_within_what_it_claims) {
+  int within = 0;
+  constexpr int kSeeds = 4;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const auto choice = choose_lens(shown(true_lens(), 14, seed), kWidth, kHeight);
+    ASSERT_TRUE(choice) << choice.error().message();
+    const MeasuredLens& lens = choice->fit.lens;
+    const double sigma = std::sqrt(lens.covariance(MeasuredLens::kFocal, MeasuredLens::kFocal));
+    EXPECT_LE(sigma, 2.0);
+    within += std::abs(lens.values[MeasuredLens::kFocal] - 1105.0) <= 3.0 * sigma ? 1 : 0;
+    EXPECT_LE(apart_px(lens, true_lens()), 0.5) << name_of(choice->rung);
+    EXPECT_NEAR(choice->heldout_rms_px, 0.05, 0.015);
+    EXPECT_GE(freedom_of(choice->rung), freedom_of(LensRung::kRadial1));
+  }
+  EXPECT_GE(within, kSeeds - 1);
+}
+
+TEST(LensChoice, takes_no_more_than_predicts) {
+  BrownParameters pinhole = true_lens();
+  pinhole.k1 = pinhole.k2 = 0.0;
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    const auto choice = choose_lens(shown(pinhole, 14, seed), kWidth, kHeight);
+    ASSERT_TRUE(choice) << choice.error().message();
+    EXPECT_EQ(choice->rung, LensRung::kPinhole);
+  }
+}
+
+TEST(LensChoice, is_not_led_astray_by_corners_that_are_wrong) {
+  std::vector<LensView> views = shown(true_lens(), 14, 3);
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].camera_px[i % 12] += Eigen::Vector2d(15.0, -9.0);
+  const auto choice = choose_lens(views, kWidth, kHeight);
+  ASSERT_TRUE(choice) << choice.error().message();
+  EXPECT_LE(apart_px(choice->fit.lens, true_lens()), 0.6);
+}
+
+TEST(LensChoice, refuses_too_few_pictures_and_those_that_are_all_one) {
+  const std::vector<LensView> views = shown(true_lens(), 4, 1);
+  const auto few = choose_lens(views, kWidth, kHeight);
+  ASSERT_FALSE(few);
+  EXPECT_EQ(few.error().code(), ErrorCode::kBadData);
+  EXPECT_THAT(few.error().message(), testing::HasSubstr("4 of 4 pictures"));
+  EXPECT_THAT(few.error().message(), testing::HasSubstr("; move it"));
+  const auto same = choose_lens(std::vector<LensView>(20, views.front()), kWidth, kHeight);
+  ASSERT_FALSE(same);
+  EXPECT_THAT(same.error().message(), testing::HasSubstr("1 of 20 pictures"));
+}
+
+TEST(LensChoice, refuses_boards_that_all_face_the_camera) {
+  Shown flat;
+  flat.tilt_rad = 0.0;
+  const auto choice = choose_lens(shown(true_lens(), 14, 2, flat), kWidth, kHeight);
+  ASSERT_FALSE(choice);
+  EXPECT_EQ(choice.error().code(), ErrorCode::kBadData);
+  EXPECT_THAT(choice.error().message(), testing::HasSubstr("turned by 20 to 45 degrees"));
+}
+
+TEST(LensChoice, says_which_part_of_the_picture_is_not_known) {
+  Shown middle;
+  middle.aside = 0.12;
+  middle.near_m = 0.7;
+  middle.far_m = 1.3;
+  middle.noise_px = 0.5;
+  const auto choice = choose_lens(shown(true_lens(), 10, 5, middle), kWidth, kHeight);
+  const std::string words =
+      choice ? (choice->remarks.empty() ? "" : choice->remarks.front()) : choice.error().message();
+  EXPECT_THAT(words, testing::HasSubstr("; add pictures with the board"));
+}
+
+TEST(LensChoice, refuses_what_is_no_number) {
+  std::vector<LensView> views = shown(true_lens(), 8, 1);
+  views[3].camera_px[2].x() = std::nan("");
+  const auto choice = choose_lens(views, kWidth, kHeight);
+  ASSERT_FALSE(choice);
+  EXPECT_EQ(choice.error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(choice.error().message(), testing::HasSubstr("view 3"));
+}
+
+}  // namespace
+}  // namespace cyclorama

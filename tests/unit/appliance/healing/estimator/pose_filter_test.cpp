@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/healing/estimator/pose_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <random>
+
+namespace cyclorama {
+namespace {
+
+PoseMatrix random_information(std::mt19937* random, double scale) {
+  std::normal_distribution<double> normal;
+  PoseMatrix a;
+  for (double& v : a.reshaped()) v = normal(*random);
+  return scale * (a * a.transpose() + 0.1 * PoseMatrix::Identity());
+}
+
+PoseStep random_step(std::mt19937* random, double scale) {
+  std::normal_distribution<double> normal;
+  PoseStep step;
+  for (double& v : step) v = scale * normal(*random);
+  return step;
+}
+
+TEST(PoseStep, stepping_and_the_step_between_are_inverses) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 100; ++i) {
+    const PoseStep place = random_step(&random, 1.0);
+    const auto from = stepped(RigidTransform<frame::Room, frame::Projector>(), place);
+    const PoseStep step = random_step(&random, 0.5);
+    EXPECT_LT((step_between(from, stepped(from, step)) - step).norm(), 1e-12);
+  }
+}
+
+TEST(PoseStep, half_of_the_way_and_its_rest_are_the_whole) {
+  std::mt19937 random(4);
+  const auto from = stepped(RigidTransform<frame::Room, frame::Projector>(), random_step(&random, 1.0));
+  PoseStep turn = random_step(&random, 0.3);
+  turn.tail<3>().setZero();
+  const auto to = stepped(from, turn);
+  const auto middle = between(from, to, 0.5);
+  EXPECT_LT((step_between(middle, to) - 0.5 * turn).norm(), 1e-12);
+}
+
+/// The textbook's filter, with inverses of whole matrices, where numbers are kind.
+TEST(PoseFilter, agrees_with_the_information_filter) {
+  std::mt19937 random(5);
+  PoseFilter filter(1.0, 1.0, {0.1, 0.2});
+  PoseMatrix covariance = PoseMatrix::Identity();
+  PoseStep walk;
+  walk << Eigen::Vector3d::Constant(0.01), Eigen::Vector3d::Constant(0.04);
+  for (int i = 0; i < 50; ++i) {
+    filter.predict(2.0);
+    covariance += PoseMatrix((2.0 * walk).asDiagonal());
+    const PoseFilter::Measured measured{random_step(&random, 1.0), random_information(&random, 3.0)};
+    const PoseMatrix posterior = (covariance.inverse() + measured.information).inverse();
+    const PoseStep mean = posterior * measured.information * measured.step;
+    const double squared = measured.step.dot((covariance + measured.information.inverse()).inverse() * measured.step);
+    EXPECT_NEAR(filter.innovation(measured).squared, squared, 1e-9 * squared);
+    EXPECT_EQ(filter.innovation(measured).directions, 6);
+    EXPECT_LT((filter.update(measured) - mean).norm(), 1e-9);
+    covariance = posterior;
+    EXPECT_LT((filter.covariance() - covariance).norm(), 1e-9 * covariance.norm());
+  }
+}
+
+TEST(PoseFilter, leaves_directions_alone_that_were_not_measured) {
+  PoseFilter filter(1e-3, 1e-2, {});
+  PoseFilter::Measured measured;
+  measured.step << 5e-4, 7.0, 7.0, 7.0, 7.0, 7.0;
+  measured.information(0, 0) = 1e8;
+  EXPECT_EQ(filter.innovation(measured).directions, 1);
+  const PoseStep step = filter.update(measured);
+  EXPECT_NEAR(step[0], 5e-4, 1e-5);
+  EXPECT_LT(step.tail<5>().norm(), 1e-12);
+  EXPECT_NEAR(filter.covariance()(1, 1), 1e-6, 1e-15);
+}
+
+TEST(PoseFilter, stays_positive_and_consistent_however_unequal_noise_and_knowledge_are) {
+  for (const double ratio : {1e-12, 1e-6, 1.0, 1e6, 1e12}) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    const double walk = 1e-5;
+    PoseFilter filter(walk, walk, {walk, walk});
+    PoseStep truth = random_step(&random, walk);
+    PoseStep believed = PoseStep::Zero();
+    double nees = 0.0;
+    constexpr int kSteps = 4000;
+    for (int i = 0; i < kSteps; ++i) {
+      filter.predict(1.0);
+      truth += random_step(&random, walk);
+      const double variance = ratio * walk * walk;
+      PoseFilter::Measured measured;
+      measured.information = PoseMatrix::Identity() / variance;
+      measured.step = truth - believed + random_step(&random, std::sqrt(variance));
+      believed += filter.update(measured);
+      const PoseStep whitened = filter.root().fullPivLu().solve(truth - believed);
+      nees += whitened.squaredNorm();
+    }
+    const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(filter.covariance());
+    EXPECT_GT(parts.eigenvalues().minCoeff(), 0.0) << ratio;
+    // With R/P of 1e12 nothing is ever learned, and all errors are one long walk's: only its size can be asked for.
+    const double mean = nees / kSteps;
+    if (ratio <= 1e6) {
+      EXPECT_GT(mean, 4.0) << ratio;
+      EXPECT_LT(mean, 8.0) << ratio;
+    }
+  }
+}
+
+TEST(PoseFilter, without_prior_gives_back_what_was_measured) {
+  std::mt19937 random(8);
+  const PoseMatrix information = random_information(&random, 1e6);
+  const PoseMatrix prior = random_information(&random, 1e5);
+  const PoseStep measured = random_step(&random, 1e-3);
+  const PoseStep posterior = (information + prior).inverse() * (information * measured);
+  EXPECT_LT((without_prior(posterior, information, prior).step - measured).norm(), 1e-10);
+}
+
+TEST(PoseFilter, its_limit_is_hardly_above_that_of_the_chi_squared_distribution) {
+  // Of one in 1e9: chi squared of 1 and 6 degrees of freedom. So far out the cube root is on the safe side.
+  EXPECT_GT(innovation_limit(1), 37.3);
+  EXPECT_LT(innovation_limit(1), 50.0);
+  EXPECT_GT(innovation_limit(6), 54.4);
+  EXPECT_LT(innovation_limit(6), 60.0);
+  EXPECT_EQ(innovation_limit(0), 0.0);
+}
+
+TEST(InnovationWindow, is_surprised_by_several_that_are_each_no_wonder) {
+  InnovationWindow window;
+  const PoseFilter::Innovation each{25.0, 6};
+  EXPECT_LT(each.squared, innovation_limit(each.directions));
+  for (int i = 0; i < 3; ++i) {
+    window.add(each);
+    EXPECT_FALSE(window.is_surprising()) << i;
+  }
+  window.add(each);
+  EXPECT_TRUE(window.is_surprising());
+  window.forget();
+  EXPECT_FALSE(window.is_surprising());
+  // One alone is the filter's own business, however large.
+  window.add({1e6, 6});
+  EXPECT_FALSE(window.is_surprising());
+  InnovationWindow nothing;
+  for (int i = 0; i < 20; ++i) nothing.add({0.0, 0});
+  EXPECT_FALSE(nothing.is_surprising());
+}
+
+TEST(InnovationWindow, is_not_surprised_by_what_is_undisturbed) {
+  std::mt19937_64 random(11);
+  std::chi_squared_distribution<double> six(6.0);
+  InnovationWindow window;
+  for (int i = 0; i < 200000; ++i) {
+    window.add({six(random), 6});
+    ASSERT_FALSE(window.is_surprising()) << i;
+  }
+}
+
+TEST(PoseFilter, a_step_is_as_many_deviations_as_its_covariance_says) {
+  PoseFilter filter(2e-3, 5e-2, {});
+  PoseStep step = PoseStep::Zero();
+  EXPECT_EQ(filter.squared_deviations(step), 0.0);
+  step[1] = 4e-3;
+  step[5] = 1.5e-1;
+  EXPECT_NEAR(filter.squared_deviations(step), 4.0 + 9.0, 1e-9);
+  EXPECT_LT(innovation_limit(6, 4.0), innovation_limit(6));
+  EXPECT_NEAR(innovation_limit(1, 4.0), 17.3, 2.0);  // One direction: as much lies beyond on both sides together.
+}
+
+}  // namespace
+}  // namespace cyclorama

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/photometry/response_solve.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/doubles/even_light.h"
+
+namespace cyclorama {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The worst difference of a measured point from the truth, in parts of full scale.
+double worst_error(const EvenLight& light) {
+  const auto solved = solve_responses(even_light({light}));
+  EXPECT_TRUE(solved) << (solved ? "" : solved.error().message());
+  if (!solved) return 1.0;
+  double worst = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (const ResponsePoint& point : solved->channels[0].at(c))
+      worst = std::max(worst, std::abs(point.light - light.projector.at(c)(point.level)));
+  }
+  return std::isfinite(worst) ? worst : 1.0;
+}
+
+EvenLight of_gamma(double gamma) {
+  EvenLight light;
+  light.projector.fill([gamma](double x) { return std::pow(x, gamma); });
+  return light;
+}
+
+TEST(SolveResponses, finds_gammas_from_1_to_4_with_a_linear_camera) {
+  for (const double gamma : {1.0, 1.8, 2.2, 4.0}) EXPECT_LT(worst_error(of_gamma(gamma)), 5e-4) << gamma;
+}
+
+TEST(SolveResponses, finds_them_whatever_the_cameras_own_curve) {
+  for (const double camera : {0.45, 0.8, 1.05, 1.2}) {
+    EvenLight light = of_gamma(2.2);
+    light.camera = [camera](double x) { return std::pow(x, camera); };
+    EXPECT_LT(worst_error(light), 4e-3) << camera;
+    light.camera = [](double x) { return x + 0.08 * x * (1.0 - x) * (1.0 - 2.0 * x); };
+    EXPECT_LT(worst_error(light), 4e-3);
+  }
+}
+
+TEST(SolveResponses, tells_the_cameras_light_up_to_its_unit) {
+  EvenLight light;
+  light.camera = [](double x) { return std::pow(x, 0.8); };
+  const auto solved = solve_responses(even_light({light}));
+  ASSERT_TRUE(solved);
+  const auto truth = [&light](double code) { return std::pow(code, 1.25) - light.pedestal; };
+  for (const double code : {0.05, 0.2, 0.4, 0.6, 0.8})
+    EXPECT_NEAR(solved->camera.light_of(code), truth(code) / truth(1.0), 6e-3) << code;
+  EXPECT_NEAR(solved->camera.dark_code(), std::pow(light.pedestal, 0.8), 3e-3);
+}
+
+TEST(SolveResponses, three_channels_may_differ_and_two_projectors_too) {
+  EvenLight left;
+  left.projector = {[](double x) { return std::pow(x, 1.6); },
+                    [](double x) { return std::pow(x, 2.2) + 0.1 * x * (1.0 - x) * (1.0 - 2.0 * x); },
+                    [](double x) { return x; }};
+  EvenLight right = of_gamma(3.0);
+  right.brightness = 0.1;
+  const auto solved = solve_responses(even_light({left, right}));
+  ASSERT_TRUE(solved);
+  for (std::size_t p = 0; p < 2; ++p) {
+    const EvenLight& truth = p == 0 ? left : right;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (const ResponsePoint& point : solved->channels[p].at(c))
+        EXPECT_NEAR(point.light, truth.projector.at(c)(point.level), 1e-3) << p << ' ' << c << ' ' << point.level;
+    }
+  }
+}
+
+TEST(SolveResponses, noise_and_eight_bits_cost_less_than_half_a_percent) {
+  EvenLight light;
+  light.noise = 1e-3;
+  EXPECT_LT(worst_error(light), 2e-3);
+  light.noise = 3e-4;
+  light.bits = 8;
+  EXPECT_LT(worst_error(light), 5e-3);
+}
+
+TEST(SolveResponses, a_person_who_walks_through_changes_little) {
+  EvenLight light;
+  light.noise = 3e-4;
+  light.disturbed = 0.03;
+  EXPECT_LT(worst_error(light), 5e-3);
+}
+
+TEST(SolveResponses, a_dark_projector_is_measured_as_long_as_it_is_seen) {
+  EvenLight light;
+  light.brightness = 0.02;
+  light.noise = 1e-4;
+  EXPECT_LT(worst_error(light), 5e-3);
+}
+
+std::string refusal(const PhotometryInput& input) {
+  const auto solved = solve_responses(input);
+  return solved ? "solved" : solved.error().message();
+}
+
+TEST(SolveResponses, refuses_a_channel_without_light_by_its_name) {
+  EvenLight light;
+  light.channel_light = {1.0, 0.0, 1.0};
+  EXPECT_THAT(refusal(even_light({EvenLight{}, light})),
+              HasSubstr("projector 'right' gives no green light; look after"));
+  light.channel_light = {0.0, 0.0, 0.0};
+  EXPECT_THAT(refusal(even_light({light})), HasSubstr("projector 'left' gives no light"));
+}
+
+TEST(SolveResponses, refuses_what_cannot_be_told_and_says_what_to_photograph) {
+  EvenLight light;
+  light.exposures = {1.0};
+  EXPECT_THAT(refusal(even_light({light})), HasSubstr("with a second one"));
+  light = {};
+  light.brightness = 30.0;
+  EXPECT_THAT(refusal(even_light({light})), HasSubstr("shorten the exposure"));
+  PhotometryInput input = even_light({EvenLight{}});
+  input.views.clear();
+  EXPECT_THAT(refusal(input), HasSubstr("there is no ramp of its red, green and blue"));
+}
+
+}  // namespace
+}  // namespace cyclorama

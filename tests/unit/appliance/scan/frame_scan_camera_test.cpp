@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/scan/frame_scan_camera.h"
+
+#include <gmock/gmock.h>
+
+#include <vector>
+
+#include "tests/doubles/manual_clock.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr Duration kPeriod = std::chrono::milliseconds(33);
+
+/// One frame per period of a clock that moves itself; each is as bright as its exposure is long.
+class SteadyCamera final : public Camera {
+ public:
+  SteadyCamera(ManualClock* clock, double exposure_s, bool* is_unplugged)
+      : clock_(clock), exposure_s_(exposure_s), is_unplugged_(is_unplugged) {}
+  [[nodiscard]] const std::string& id() const override { return id_; }
+  Status start() override { return Done{}; }
+  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override {
+    if (*is_unplugged_) return Error(ErrorCode::kUnavailable, "unplugged");
+    // What comes out now was exposed a period ago: the driver's queue.
+    const TimePoint captured_at = clock_->now() - kPeriod;
+    clock_->wait_until(std::min(deadline, clock_->now() + kPeriod));
+    auto frame = std::make_shared<Frame>();
+    frame->pixels = GreyImage(8, 6, static_cast<std::uint8_t>(1000.0 * exposure_s_));
+    frame->captured_at = captured_at;
+    frame->exposure =
+        holds_exposure_
+            ? std::chrono::duration_cast<Duration>(std::chrono::duration<double>(std::min(exposure_s_, kLongest_s)))
+            : Duration::zero();
+    captured_.push_back(captured_at);
+    return std::shared_ptr<const Frame>(std::move(frame));
+  }
+  void stop() override {}
+  static inline std::vector<TimePoint> captured_;
+  static inline bool holds_exposure_ = true;
+  static constexpr double kLongest_s = 0.08;
+
+ private:
+  ManualClock* clock_;
+  double exposure_s_;
+  bool* is_unplugged_;
+  std::string id_ = "steady";
+};
+
+TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_exposure_asked_for) {
+  ManualClock clock;
+  bool is_unplugged = false;
+  std::vector<double> opened;
+  const FrameScanCamera::Opener opener = [&](double exposure_s) -> Result<std::unique_ptr<Camera>> {
+    opened.push_back(exposure_s);
+    return std::unique_ptr<Camera>(std::make_unique<SteadyCamera>(&clock, exposure_s, &is_unplugged));
+  };
+  auto camera = FrameScanCamera::open(opener, 0.05, clock);
+  ASSERT_TRUE(camera.has_value()) << camera.error().message();
+  EXPECT_EQ((*camera)->width_px(), 8);
+  EXPECT_EQ((*camera)->height_px(), 6);
+  EXPECT_EQ((*camera)->id(), "steady");
+  EXPECT_FALSE((*camera)->has_colour());
+  for (const double exposure : {0.05, 0.05, 0.1, 0.1}) {
+    const TimePoint asked_at = clock.now();
+    const auto photograph = (*camera)->photograph(exposure);
+    ASSERT_TRUE(photograph.has_value()) << photograph.error().message();
+    EXPECT_GE(SteadyCamera::captured_.back(), asked_at);
+    EXPECT_NEAR((*camera)->exposed_s(exposure), std::min(exposure, SteadyCamera::kLongest_s), 1e-9) << "not as asked";
+    EXPECT_NEAR(static_cast<double>(photograph->at(3, 3)[2]), exposure * 1000.0 / 255.0, 1e-6);
+  }
+  EXPECT_EQ(opened, (std::vector<double>{0.05, 0.1})) << "opened again only for another exposure";
+  EXPECT_EQ((*camera)->photograph(-1.0).error().code(), ErrorCode::kInvalidArgument);
+  is_unplugged = true;
+  EXPECT_EQ((*camera)->photograph(0.1).error().code(), ErrorCode::kUnavailable);
+  is_unplugged = false;  // It is back, and so is the scan.
+  EXPECT_TRUE((*camera)->photograph(0.1).has_value());
+  SteadyCamera::holds_exposure_ = false;
+  const auto automatic = (*camera)->photograph(0.1);
+  ASSERT_FALSE(automatic.has_value());
+  EXPECT_THAT(automatic.error().message(), ::testing::HasSubstr("exposure can be set by hand"));
+}
+
+/// Its pictures have colours.
+class ColourCamera final : public Camera {
+ public:
+  explicit ColourCamera(ManualClock* clock) : clock_(clock) {}
+  [[nodiscard]] const std::string& id() const override { return id_; }
+  Status start() override { return Done{}; }
+  Result<std::shared_ptr<const Frame>> next_frame(TimePoint) override {
+    auto frame = std::make_shared<Frame>();
+    frame->captured_at = clock_->now();
+    frame->exposure = kPeriod;
+    clock_->wait_until(clock_->now() + kPeriod);
+    frame->pixels = GreyImage(4, 2, 100);
+    frame->colour = RgbImage(4, 2, 51);
+    frame->colour.at(3, 1)[1] = 255;
+    return std::shared_ptr<const Frame>(std::move(frame));
+  }
+  void stop() override {}
+
+ private:
+  ManualClock* clock_;
+  std::string id_ = "colour";
+};
+
+TEST(FrameScanCamera, photographs_colours_where_the_camera_has_them) {
+  ManualClock clock;
+  const auto camera = FrameScanCamera::open(
+      [&](double) -> Result<std::unique_ptr<Camera>> {
+        return std::unique_ptr<Camera>(std::make_unique<ColourCamera>(&clock));
+      },
+      0.05, clock);
+  ASSERT_TRUE(camera.has_value()) << camera.error().message();
+  EXPECT_TRUE((*camera)->has_colour());
+  const auto photograph = (*camera)->photograph(0.05);
+  ASSERT_TRUE(photograph.has_value());
+  EXPECT_FLOAT_EQ(photograph->at(3, 1)[0], 0.2f);
+  EXPECT_FLOAT_EQ(photograph->at(3, 1)[1], 1.0f);
+}
+
+}  // namespace
+}  // namespace cyclorama

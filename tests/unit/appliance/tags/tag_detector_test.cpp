@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/tags/tag_detector.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "appliance/tracker/tag_pose.h"
+#include "tests/doubles/painted_tag.h"
+
+namespace cyclorama {
+namespace {
+
+const Pinhole kLens = Pinhole::from_field_of_view(640, 480, 1.0472);
+
+TagDetector detector_of(const DetectorSettings& settings) {
+  auto detector = TagDetector::create(settings);
+  EXPECT_TRUE(detector.has_value()) << detector.error().message();
+  return *std::move(detector);
+}
+
+std::vector<TagDetection> found_in(const GreyImage& picture, TagDetector* detector) {
+  auto found = detector->detect(picture);
+  EXPECT_TRUE(found.has_value()) << found.error().message();
+  return found ? *std::move(found) : std::vector<TagDetection>{};
+}
+
+struct Precision {
+  double decimate;
+  bool refine_corners;
+  double most_error_px;
+};
+class Decimation : public testing::TestWithParam<Precision> {};
+
+/// What our pixels and corner order promise, whatever libapriltag's are.
+TEST_P(Decimation, a_corner_lands_where_it_was_painted) {
+  DetectorSettings settings;
+  settings.decimate = GetParam().decimate;
+  settings.refine_corners = GetParam().refine_corners;
+  TagDetector detector = detector_of(settings);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  constexpr int kPoses = 100;
+  Eigen::Vector2d bias = Eigen::Vector2d::Zero();
+  double squares = 0.0;
+  for (int i = 0; i < kPoses; ++i) {
+    const Eigen::Quaterniond turn = Eigen::AngleAxisd(0.4 * any(random), Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(0.4 * any(random), Eigen::Vector3d::UnitX()) *
+                                    Eigen::AngleAxisd(0.8 * any(random), Eigen::Vector3d::UnitZ());
+    const T_CameraTag pose(turn, {0.15 * any(random), 0.1 * any(random), 0.8 + 0.2 * any(random)});
+    const auto found = found_in(painted_tag(7, pose, kLens), &detector);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].id, 7);
+    EXPECT_GT(doubled_area_px2(found[0].corners), 0.0);
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      const auto truth = kLens.pixel_of((pose * Point<frame::Tag>{corners_of_tag(0.12)[corner]}).xyz);
+      ASSERT_TRUE(truth.has_value());
+      const Eigen::Vector2d error = found[0].corners[corner] - *truth;
+      EXPECT_LT(error.norm(), 0.5);
+      bias += error / (4.0 * kPoses);
+      squares += error.squaredNorm() / (4.0 * kPoses);
+    }
+  }
+  // A convention that is half a pixel off would show as 0.5.
+  EXPECT_LT(bias.norm(), 0.01);
+  EXPECT_LT(std::sqrt(squares), GetParam().most_error_px);
+}
+INSTANTIATE_TEST_SUITE_P(All, Decimation,
+                         testing::Values(Precision{1.0, false, 0.12}, Precision{3.0, false, 0.12},
+                                         Precision{1.0, true, 0.04}, Precision{1.5, true, 0.04},
+                                         Precision{2.0, true, 0.04}, Precision{3.0, true, 0.04}));
+
+TEST(TagDetector, finds_nothing_in_pictures_that_can_hold_nothing) {
+  for (const double decimate : {1.0, 1.5, 2.0, 8.0}) {
+    DetectorSettings settings;
+    settings.decimate = decimate;
+    TagDetector detector = detector_of(settings);
+    for (const auto& [width, height] :
+         {std::pair{0, 0}, {1, 1}, {1, 5000}, {5000, 1}, {7, 7}, {8, 8}, {9, 12}, {17, 16}, {31, 33}}) {
+      for (const std::uint8_t grey : {std::uint8_t{0}, std::uint8_t{255}}) {
+        EXPECT_TRUE(found_in(GreyImage(width, height, grey), &detector).empty()) << width << "x" << height;
+      }
+    }
+  }
+}
+
+TEST(TagDetector, refuses_a_picture_whose_half_pixels_do_not_fit_16_bits) {
+  TagDetector detector = detector_of({});
+  EXPECT_FALSE(detector.detect(GreyImage(TagDetector::kLongestSidePx + 1, 64)).has_value());
+  EXPECT_TRUE(detector.detect(GreyImage(TagDetector::kLongestSidePx, 64)).has_value());
+}
+
+TEST(TagDetector, finds_a_tag_in_the_far_corner_of_a_huge_picture) {
+  const Pinhole far{9000, 7000, 6000.0, 4500.0, 3500.0};
+  DetectorSettings settings;
+  settings.decimate = 4.0;
+  TagDetector detector = detector_of(settings);
+  const T_CameraTag pose(Eigen::Quaterniond::Identity(), {0.65, 0.40, 1.0});
+  const auto found = found_in(painted_tag(11, pose, far), &detector);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].corners[0].x(), 4500 + 6000 * 0.59, 0.5);
+  EXPECT_NEAR(found[0].corners[0].y(), 3500 + 6000 * 0.34, 0.5);
+}
+
+TEST(TagDetector, finds_a_tag_that_fills_the_picture_and_none_that_leaves_it) {
+  TagDetector detector = detector_of({});
+  const double z = 0.12 * kLens.focal_px / 380.0;  // 380 of 480 pixels, with the white border just inside.
+  EXPECT_EQ(found_in(painted_tag(5, {Eigen::Quaterniond::Identity(), {0, 0, z}}, kLens), &detector).size(), 1U);
+  EXPECT_TRUE(found_in(painted_tag(5, {Eigen::Quaterniond::Identity(), {0, 0, 0.06}}, kLens), &detector).empty());
+}
+
+TEST(TagDetector, survives_noise) {
+  TagDetector detector = detector_of({});
+  std::mt19937 random(1);
+  for (int i = 0; i < 10; ++i) {
+    GreyImage noise(300 + i, 200);
+    for (std::uint8_t& grey : noise.data()) grey = static_cast<std::uint8_t>(random() % 256);
+    EXPECT_TRUE(found_in(noise, &detector).empty());
+  }
+}
+
+TEST(TagDetector, refuses_wrong_settings_and_lists_the_families) {
+  const auto refusal = [](auto change) {
+    DetectorSettings settings;
+    change(&settings);
+    const auto detector = TagDetector::create(settings);
+    EXPECT_FALSE(detector.has_value());
+    return detector ? "" : detector.error().message();
+  };
+  EXPECT_THAT(refusal([](DetectorSettings* s) { s->family = "tag99"; }),
+              testing::HasSubstr("tag36h11, tag25h9, tag16h5"));
+  refusal([](DetectorSettings* s) { s->decimate = std::nan(""); });
+  refusal([](DetectorSettings* s) { s->decimate = 0.5; });
+  refusal([](DetectorSettings* s) { s->threads = 0; });
+  refusal([](DetectorSettings* s) { s->most_hamming = 3; });
+}
+
+}  // namespace
+}  // namespace cyclorama

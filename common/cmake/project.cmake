@@ -43,7 +43,7 @@ if(CYCLORAMA_FUZZ)
   target_link_options(cyclorama_options INTERFACE -fsanitize=address,undefined)
 endif()
 
-# Which top folder may link which. The include rule is checked by tests/lint/check_layers.py.
+# Top folders that a top folder may link. tests/lint/check_layers.py has the rows of second-level folders.
 set(CYCLORAMA_MAY_USE_common      common)
 set(CYCLORAMA_MAY_USE_drivers     common drivers)
 set(CYCLORAMA_MAY_USE_renderfarm  common renderfarm)

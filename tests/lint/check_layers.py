@@ -1,34 +1,96 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fails if a file includes a folder that its own folder may not include.
+"""Fails if a second-level folder includes one that its row does not name, or if folders include each other in a circle.
 
-The rule is the table below; docs/architecture.md draws it. Run: check_layers.py SOURCE_ROOT
+The rows are below; docs/architecture.md draws them. Run: check_layers.py SOURCE_ROOT
 """
 import pathlib
 import re
 import sys
 
-MAY_INCLUDE = {
-    "common/base": ["common/base"],
-    "common/geometry": ["common/base", "common/geometry"],
-    "common/image": ["common/base", "common/image"],
-    "common/http": ["common/base", "common/http"],
-    "common/board": ["common/base", "common/board", "common/geometry"],
-    "common/config": ["common/base", "common/config"],
-    "common/opening": ["common/base", "common/config", "common/opening"],
-    "common/process": ["common/base", "common/process"],
-    "common/room": ["common/base", "common/config", "common/geometry", "common/room"],
-    "common/update": ["common/base", "common/update"],
-    "common/wand": ["common/base", "common/config", "common/geometry", "common/wand"],
-    "common/wire": ["common/base", "common/geometry", "common/image", "common/wire"],
-    "common": ["common"],
-    "drivers/simulated": ["common", "drivers"],
-    "drivers": ["common", "drivers"],
-    "renderfarm": ["common", "renderfarm"],
-    "appliance": ["common", "drivers", "appliance"],
-    "kiosk": ["common", "renderfarm/client", "kiosk"],
-    "tests": ["common", "drivers", "renderfarm", "appliance", "kiosk", "tests"],
-}
+# FOLDER: the other folders that its files may include. Folders of tests may include all of the product, too.
+ROWS = """
+common/base:
+common/board:
+common/config: common/base
+common/geometry: common/base
+common/http: common/base
+common/image: common/base
+common/json: common/base
+common/opening: common/base common/config
+common/process: common/base
+common/room: common/base common/config common/geometry
+common/update: common/base
+common/wand: common/base common/config common/geometry
+common/wire: common/base common/geometry common/image
+
+drivers/camera: common/base common/config common/image
+drivers/devices: common/base drivers/camera drivers/simulated
+drivers/input: common/base
+drivers/output: common/base common/image common/opening common/process common/room common/wire
+drivers/simulated: common/base common/config common/geometry common/image common/process common/room common/wand
+    common/wire drivers/camera drivers/output drivers/turnplate
+drivers/turnplate: common/base
+
+renderfarm/balance: common/base common/image
+renderfarm/client: common/base common/geometry common/wire
+renderfarm/coordinator: common/base common/config common/image common/process common/update common/wire
+    renderfarm/balance renderfarm/governor renderfarm/scene_distribution renderfarm/trust renderfarm/watch
+renderfarm/denoise: common/base common/geometry common/image renderfarm/render renderfarm/scene
+renderfarm/governor: common/base common/config renderfarm/render
+renderfarm/node: common/base common/config common/image common/process common/wire renderfarm/balance
+    renderfarm/denoise renderfarm/governor renderfarm/render renderfarm/scene renderfarm/scene_distribution
+renderfarm/quality: common/base common/image
+renderfarm/render: common/base common/geometry common/image renderfarm/scene
+renderfarm/scene: common/base common/config common/geometry common/image
+renderfarm/scene_distribution: common/base common/wire
+renderfarm/tools: common/base common/geometry common/image common/process common/wire renderfarm/balance
+    renderfarm/client renderfarm/denoise renderfarm/governor renderfarm/quality renderfarm/render renderfarm/scene
+    renderfarm/trust renderfarm/walkable
+renderfarm/trust: common/base common/config common/wire
+renderfarm/walkable: common/base common/image renderfarm/render renderfarm/scene
+renderfarm/watch: common/base common/config common/http common/image common/process common/wire
+
+appliance/calibration: appliance/interchange appliance/warp common/base common/geometry common/image common/json
+    common/room
+appliance/calibrator: appliance/calibration appliance/healing appliance/scan common/base common/config common/image
+    common/process common/wire drivers/camera drivers/devices drivers/simulated drivers/turnplate
+appliance/camera_calibration: appliance/calibration appliance/solve appliance/structured_light appliance/tags
+    common/base common/board common/geometry common/image common/process drivers/devices
+appliance/display: appliance/calibration appliance/interchange appliance/warp common/base common/config
+    common/geometry common/image common/opening common/process common/room common/wire drivers/output
+appliance/hand: appliance/tracker common/base common/process common/wire drivers/input
+appliance/healing: appliance/calibration appliance/scan appliance/solve appliance/structured_light common/base
+    common/image common/json common/room common/wire drivers/camera drivers/devices drivers/simulated
+appliance/interchange: appliance/warp common/base common/geometry common/image common/process common/room
+appliance/photometry: appliance/calibration appliance/solve appliance/structured_light appliance/warp common/base
+    common/image common/json
+appliance/scan: appliance/calibration appliance/photometry appliance/solve appliance/structured_light appliance/warp
+    common/base common/image common/json common/room common/wire drivers/camera drivers/simulated drivers/turnplate
+appliance/solve: appliance/calibration common/base common/geometry
+appliance/structured_light: common/base common/image
+appliance/tags: appliance/calibration common/base common/image common/room
+appliance/tracker: appliance/calibration appliance/tags common/base common/config common/geometry common/image
+    common/process common/room common/wand common/wire drivers/camera drivers/devices
+appliance/warp: common/base common/geometry common/image common/room
+
+kiosk/operator: common/base common/board common/config common/http common/image common/opening common/process
+    common/wand common/wire kiosk/provision kiosk/update
+kiosk/provision: common/base common/config common/image common/opening common/process common/room common/wand
+    common/wire kiosk/tour kiosk/update
+kiosk/tour: common/base common/config common/geometry common/process common/wire renderfarm/client
+kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour
+    renderfarm/client
+
+tests/bench: tests/doubles
+tests/compile_fail:
+tests/doubles:
+tests/fuzz: tests/doubles tests/unit
+tests/scenario: tests/doubles
+tests/tools: tests/doubles
+tests/unit: tests/bench tests/doubles
+"""
+PRODUCT = ("common", "drivers", "renderfarm", "appliance", "kiosk")
 # The truth of a simulated museum. Who calibrates may meet neither these headers, also by way of others, nor the file's
 # name; the appliance and the kiosk hold all that a museum runs.
 TRUTH_HEADERS = {f"drivers/simulated/museum/{name}.h" for name in ("truth", "true_museum", "presets", "flaws", "simulated_show")}
@@ -38,8 +100,39 @@ BLIND = ("appliance", "kiosk")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"')
 
 
-def under(path, folder):
-    return path == folder or path.startswith(folder + "/")
+def second_level(path):
+    return "/".join(path.split("/")[:2]) if path.count("/") > 1 else None
+
+
+def read_rows(text):
+    """{folder: the folders that it may include}"""
+    rows = {}
+    for row in re.sub(r"\n +", " ", text).splitlines():
+        folder, _, others = row.partition(":")
+        if folder:
+            rows[folder] = set(others.split())
+    return rows
+
+
+def circle(graph):
+    """One circle of {node: nodes}, as the nodes on it with the first one repeated, or nothing."""
+    done = set()
+
+    def search(node, way):
+        if node in way:
+            return way[way.index(node):] + [node]
+        if node in done:
+            return []
+        done.add(node)
+        for other in sorted(graph.get(node, ())):
+            if found := search(other, way + [node]):
+                return found
+        return []
+
+    for node in sorted(graph):
+        if found := search(node, []):
+            return found
+    return []
 
 
 def includes(root, path):
@@ -82,19 +175,37 @@ def told_truths(root):
     return bad
 
 
-def main(root):
-    root = pathlib.Path(root)
-    bad = told_truths(root)
-    for top in sorted({k.split("/")[0] for k in MAY_INCLUDE}):
+def broken_rows(root, rows):
+    """Includes that no row allows, folders that have no row, and circles."""
+    bad, graph = [], {}
+    for top in sorted({folder.split("/")[0] for folder in rows}):
         for f in sorted((root / top).rglob("*")):
             if f.suffix not in (".h", ".cpp"):
                 continue
             here = f.relative_to(root).as_posix()
-            rule = max((k for k in MAY_INCLUDE if under(here, k)), key=len)
-            for n, line in enumerate(f.read_text(encoding="utf-8").splitlines(), 1):
-                m = INCLUDE.match(line)
-                if m and not any(under(m[1], a) for a in MAY_INCLUDE[rule]):
-                    bad.append(f"{here}:{n}: {rule}/ may not include {m[1]}")
+            own = second_level(here)
+            if own not in rows:
+                bad.append(f"{here}: {own or top}/ has no row in tests/lint/check_layers.py; add one or move the file")
+                continue
+            for n, header in includes(root, here):
+                if "/" not in header:
+                    continue
+                other = second_level(header)
+                if other == own:
+                    continue
+                graph.setdefault(own, set()).add(other or header)
+                is_test = own.startswith("tests/") and header.split("/")[0] in PRODUCT
+                if not is_test and other not in rows[own]:
+                    bad.append(f"{here}:{n}: {own}/ may not include {header}")
+    for graph, of in ((rows, "the rows of tests/lint/check_layers.py"), (graph, "the includes")):
+        if way := circle(graph):
+            bad.append(f"a circle in {of}: {' -> '.join(way)}")
+    return bad
+
+
+def main(root):
+    root = pathlib.Path(root)
+    bad = told_truths(root) + broken_rows(root, read_rows(ROWS))
     print("\n".join(bad) or "layers: ok")
     return 1 if bad else 0
 

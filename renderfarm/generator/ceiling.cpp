@@ -11,13 +11,13 @@ constexpr float kRise = kTopHeight - kWallHeight;
 constexpr float kArc = 3.85f;  ///< Length of the cove's profile, a quarter of an ellipse.
 constexpr float kLoss = 0.10f;
 
-/// Rock under the ceiling's plaster, positive downwards into the room.
+/// Height of the rock under the ceiling's plaster, positive downwards into the room.
 float height_of(const Vec3& p3, const Vec2& p, const Age& age, std::uint32_t seed) {
   return 0.06f * fractal_noise(p3 * 0.5f, 3, seed + 111u) + 0.008f * noise(p3 * 4.0f, seed + 112u) -
          age.plaster_lost * (0.012f + 0.03f * chisel_marks(p, seed + 113u));
 }
 
-/// `s` metres up the profile of a cove.
+/// Colour at `s` metres up the profile of a cove.
 Vec3 cove_colour(float x, float s, float spacing) {
   constexpr float kGridTo = 0.24f + 5.0f * kCellHeight;
   constexpr float kBandTo = kGridTo + 0.26f;
@@ -29,13 +29,13 @@ Vec3 cove_colour(float x, float s, float spacing) {
   return scroll_band({x, std::min(s - kSkyTo, 0.24f)}, 0.24f, spacing);
 }
 
-/// All four have the same number of rows, by which they meet at the hips to the bit.
+/// All four coves have the same number of rows, so that their vertices at the hips are identical.
 constexpr float kCoveDensity = 0.34f;
 
-/// How much of the rock's roughness is left at `edge` metres from where a patch meets another.
+/// Part of the rock's roughness that remains at `edge` metres from where a patch meets another.
 float freedom(float edge) { return smooth_step(0.0f, 0.25f, edge); }
 
-/// One of four: `along` runs along its wall, `inward` from the wall into the room.
+/// One of four coves: `along` runs along its wall, `inward` from the wall into the room.
 Patch cove(const Vec3& origin, const Vec3& along, const Vec3& inward, float half_length, std::uint32_t seed) {
   Patch patch;
   patch.width_m = 2.0f * half_length;
@@ -70,7 +70,7 @@ Patch top(std::uint32_t seed) {
   patch.at = [=](float u, float v, float spacing) {
     const Vec2 p{mix(-kHalfX, kHalfX, u), mix(-kHalfZ, kHalfZ, v)};
     const Vec3 plane{p.x(), kTopHeight, p.y()};
-    // Five lanterns side by side, a little longer than wide.
+    // Five lanterns side by side, slightly longer than wide.
     constexpr float kStep = 2.0f * kHalfX / 5.0f;
     const float x = repeat(p.x() + 0.5f * kStep, kStep).offset * 2.0f * kHalfZ / kStep;
     const Age age = age_of(plane, kLoss, seed);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The hollow in the rock: walls with niches, coved ceiling, floor, altar, entrance corridor. It is closed whatever the
-/// grids' finenesses are: walls and ceiling end on the same straight edges (at the hips, on the same vertices), where the
-/// rock's roughness fades away; floor, altar and corridor run on through what they meet. All patches face inwards.
+/// The chamber in the rock: walls with niches, coved ceiling, floor, altar, entrance corridor. It is closed at any grid
+/// density: walls and ceiling end on the same straight edges (at the hips, on the same vertices), where the rock's
+/// roughness fades out; floor, altar and corridor extend through the surfaces that they meet. All patches face inwards.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace cyclorama::grotto {
 inline constexpr float kHalfLength = 9.0f;
 inline constexpr float kHalfDepth = 3.6f;
 inline constexpr float kWallHeight = 4.3f;
-inline constexpr float kCoveDepth = 2.3f;  ///< How far the coves lean in before the ceiling is flat.
+inline constexpr float kCoveDepth = 2.3f;  ///< Horizontal depth of the coves.
 inline constexpr float kTopHeight = 6.9f;
 inline constexpr float kAltarFront = -0.80f;
 inline constexpr float kAltarHeight = 0.80f;
@@ -23,7 +23,7 @@ inline constexpr float kDoorHalfWidth = 1.15f;
 inline constexpr float kDoorHeight = 2.7f;
 inline constexpr float kCorridorEnd = 6.6f;
 
-/// Into a wall, for a seated figure.
+/// A recess in a wall for a seated figure.
 struct Niche {
   float centre = 0.0f;  ///< Along the wall.
   float sill = 0.0f;    ///< Height of its floor.
@@ -32,15 +32,15 @@ struct Niche {
   float depth = 0.6f;
 };
 
-/// A wall's own frame: `along` runs to the right for somebody who faces it; `inward` points into the room.
+/// A wall's own frame: `along` points to the right for a viewer who faces it; `inward` points into the room.
 struct WallFrame {
-  Vec3 origin;  ///< At the floor, where along = 0.
+  Vec3 origin;  ///< On the floor, at along = 0.
   Vec3 along;
   Vec3 inward;
   std::vector<Niche> niches;
-  bool has_door = false;  ///< In the middle.
+  bool has_door = false;  ///< In the middle of the wall.
 
-  /// On the floor of niche `i`, `forward` metres into the room from the undisturbed face of the wall.
+  /// Returns a point on the floor of niche `i`, `forward` metres into the room from the undisturbed face of the wall.
   [[nodiscard]] Vec3 in_niche(std::size_t i, float forward) const;
 };
 

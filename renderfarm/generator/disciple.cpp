@@ -28,7 +28,7 @@ const Robes& robes_of(std::uint32_t variety) {
   return all[variety % all.size()];
 }
 
-/// In prayer the palms meet before the breast; in grief one hand goes to the cheek.
+/// In prayer the palms meet before the breast; in grief one hand touches the cheek.
 float hands(const Vec3& p, bool grief) {
   if (!grief) return ellipsoid(p, {0.0f, 0.665f, 0.175f}, {0.026f, 0.065f, 0.030f});
   return std::min(ellipsoid(p, {0.062f, 0.80f, 0.10f}, {0.024f, 0.050f, 0.028f}),
@@ -69,7 +69,7 @@ Sculpture trunk(const Robes& robes, bool grief) {
     return (0.016f * fold(p) - 0.006f) * smooth_step(0.0f, 0.02f, bare(p)) * shown(kFold, spacing);
   };
   s.colour = [robes, bare](const Vec3& p, float spacing) {
-    // The upper robe is thrown over one shoulder; the under robe shows on the other side.
+    // The upper robe covers one shoulder; the under robe shows on the other side.
     Spot spot(robes.outer);
     const float edge = p.y() - 0.68f - 0.9f * p.x();
     spot.lay(robes.inner, coverage(-edge, spacing) * (p.z() > -0.05f ? 1.0f : 0.0f));

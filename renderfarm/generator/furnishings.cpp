@@ -19,7 +19,7 @@ constexpr std::array<float, 3> kInGroup = {-0.24f, 0.0f, 0.24f};
 constexpr float kStandHeight = 1.02f;
 const std::array<Vec3, 2> kStands = {Vec3(-6.7f, 0.0f, 0.05f), Vec3(6.7f, 0.0f, 0.05f)};
 
-/// A bowl on a foot with a flame, turned on a lathe; `stem` lifts the bowl.
+/// A bowl on a foot with a flame, a solid of revolution; `stem` is the height of the bowl.
 Patch lamp_body(const Vec3& position, float stem, float scale) {
   Sculpture s;
   s.distance = [stem](const Vec3& p) {
@@ -51,7 +51,7 @@ std::vector<Patch> lamp_bodies() {
 
 std::vector<Lamp> lamp_lights() {
   std::vector<Lamp> lamps;
-  // A flame is lit by its own lamp, which hangs a hand above it: a light inside it would be shut in.
+  // Each flame is lit by a lamp a hand's breadth above it; a light inside the flame would be enclosed.
   for (std::size_t i = 0; i < kGroups.size(); ++i) {
     lamps.push_back({.name = "butter lamps " + std::to_string(i + 1),
                      .kind = "point",

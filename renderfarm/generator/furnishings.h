@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lamps: what they look like, and what light they give.
+/// Lamps: their geometry and their light.
 #pragma once
 
 #include <string>
@@ -20,14 +20,14 @@ struct Lamp {
   float radius_m = 0.0f;
   float inner_cone_deg = 0.0f;
   float outer_cone_deg = 45.0f;
-  float side_m = 0.0f;            ///< Rectangle: a square.
+  float side_m = 0.0f;            ///< Rectangle: side of a square.
   Vec3 luminance = Vec3::Zero();  ///< Rectangle: radiance.
 };
 
 /// Butter lamps on the altar's ledge and on two stands before it.
 [[nodiscard]] std::vector<Patch> lamp_bodies();
 
-/// The light of those lamps, of the day in the corridor, and of what the museum adds.
+/// Light of those lamps, of the daylight in the corridor, and of the museum's lighting.
 [[nodiscard]] std::vector<Lamp> lamp_lights();
 
 }  // namespace cyclorama::grotto

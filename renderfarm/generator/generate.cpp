@@ -14,7 +14,7 @@ namespace {
 
 constexpr auto kAskEvery = std::chrono::milliseconds(100);
 
-/// Parts, largest first, handed to whichever thread is free: every file is written by one thread, in one order.
+/// Distributes parts, largest first, among the threads. Each file is written by one thread, in a fixed order.
 class Workshop {
  public:
   Workshop(const Grotto& grotto, GeometrySink& sink) : sink_(sink), all_(grotto.counts().triangles) {
@@ -37,7 +37,7 @@ class Workshop {
     changed_.notify_all();
   }
 
-  /// Returns once `threads` threads have left.
+  /// Reports progress until `threads` threads have finished.
   void watch(int threads, const KeepGoing& keep_going) {
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, kAskEvery, [&] { return gone_ == threads; })) {
@@ -65,7 +65,7 @@ class Workshop {
     });
   }
 
-  /// The first error is the reason; the others follow from it.
+  /// Keeps only the first error, since the others follow from it.
   void fail(const Error& error) {
     const std::lock_guard lock(mutex_);
     if (!error_ && !stop_.load(std::memory_order_relaxed)) error_ = error;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where geometry goes as it is made. The program writes PLY files; tests count.
+/// Destination of generated geometry. The program writes PLY files; tests count.
 #pragma once
 
 #include <array>

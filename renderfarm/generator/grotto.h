@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A painted cave temple of any number of triangles, in the spirit of Mogao cave 158 at Dunhuang (eighth to ninth
-/// century): the Buddha entering nirvana on a long altar, mourned by his disciples. Everything is made from formulas.
+/// A painted cave temple with any number of triangles, modelled on Mogao cave 158 at Dunhuang (eighth to ninth
+/// century): the Buddha entering nirvana on a long altar, mourned by his disciples. Everything is computed from
+/// formulas.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ inline constexpr std::uint64_t kMostTriangles = 60'000'000;
 
 enum class Kind { kGrotto, kInterior, kRelic };
 
-/// A value: what will be made, without a vertex of it.
+/// A value: a description of the geometry without any vertices.
 struct Grotto {
   Kind kind = Kind::kGrotto;
   std::vector<Part> parts;
@@ -28,18 +29,18 @@ struct Grotto {
   [[nodiscard]] GeometryCounts counts() const;
 };
 
-/// kInvalidArgument outside [kFewestTriangles, kMostTriangles].
+/// Errors: kInvalidArgument outside [kFewestTriangles, kMostTriangles].
 Status check_triangles(std::uint64_t triangles);
 
-/// At most `triangles` triangles, and at least 98 % of them. The seed decides where the rock is broken, where paint has
-/// flaked, and who stands where. kInvalidArgument outside [kFewestTriangles, kMostTriangles].
+/// Plans at most `triangles` triangles, and at least 98 % of them. The seed determines where the rock is broken and
+/// paint has flaked off, and the order of the figures. Errors as check_triangles().
 Result<Grotto> plan_grotto(std::uint64_t triangles, std::uint32_t seed);
 
-/// Asked about ten times a second, on the calling thread, with the fraction done; false stops the work.
+/// Called about ten times a second, on the calling thread, with the fraction done; returns false to stop the work.
 using KeepGoing = std::function<bool(double)>;
 
-/// Computes all parts and gives each to a file of `sink`. What arrives there depends on the grotto alone, not on
-/// `threads` (at least 1); memory is some rows per thread. Blocks. The sink's errors; kUnavailable when stopped.
+/// Computes all parts and writes each to a file of `sink`. The output depends on the grotto alone, not on `threads` (at
+/// least 1); memory is some rows per thread. Blocks. Errors: those of the sink; kUnavailable if stopped.
 Status generate(const Grotto& grotto, GeometrySink& sink, int threads, const KeepGoing& keep_going);
 
 }  // namespace cyclorama::grotto

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
       "cyclorama-grotto",
       "Makes a painted cave temple, a museum hall or a relic, of any number of triangles, as a scene package.");
   grotto::PackageOrder order;
-  // More threads than large files bring nothing.
+  // More threads than there are large files gain nothing.
   order.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
   CLI::App& options = program.options();
   std::string kind = "grotto";

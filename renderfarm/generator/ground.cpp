@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is underfoot: floor, corridor, altar.
+/// Floor, corridor and altar.
 #include <array>
 
 #include "renderfarm/generator/chamber.h"
@@ -28,7 +28,7 @@ Surfel ground(const Vec2& p, float spacing, std::uint32_t seed) {
   return {plane + height * Vec3::UnitY(), spot.colour()};
 }
 
-/// A flat piece of rough rock from `corner`, spanned by `across` and `up`; rough only away from its edge at up = 0.
+/// A flat piece of rough rock from `corner`, spanned by `across` and `up`; smooth at its edge at up = 0.
 Patch rough_face(const Vec3& corner, const Vec3& across, const Vec3& up, const Vec3& inward, const Vec3& tint,
                  std::uint32_t seed) {
   Patch patch;
@@ -49,10 +49,10 @@ Patch rough_face(const Vec3& corner, const Vec3& across, const Vec3& up, const V
 }
 
 const Vec3 kDarkRock{0.40f, 0.34f, 0.28f};
-const Vec3 kDaylit{0.70f, 0.75f, 0.78f};  ///< Where the corridor ends in the open, a white cloth hangs.
+const Vec3 kDaylit{0.70f, 0.75f, 0.78f};  ///< A white cloth hangs at the open end of the corridor.
 
 void add_corridor(std::uint32_t seed, std::vector<Patch>& patches) {
-  // The mouth's edges are straight and shared with the wall to the bit, so that there is no crack round the door.
+  // The mouth's edges are straight and identical to the wall's, so that there is no crack around the door.
   const float mouth = kHalfDepth;
   const float length = kCorridorEnd - mouth + 0.2f;
   const Vec3 down{0.0f, -0.2f, 0.0f};
@@ -68,7 +68,7 @@ void add_corridor(std::uint32_t seed, std::vector<Patch>& patches) {
       rough_face({-kDoorHalfWidth - 0.3f, -0.2f, kCorridorEnd}, wide, rise, -Vec3::UnitZ(), kDaylit, seed + 3u));
 }
 
-/// The altar's profile from its foot to its top, as (forward, up).
+/// Profile of the altar from its foot to its top, as (forward, up).
 struct Knot {
   float forward;
   float up;
@@ -86,7 +86,7 @@ constexpr std::array<Knot, 12> kProfile = {{{0.16f, -0.12f},
                                             {0.14f, 0.79f},
                                             {0.12f, 0.80f}}};
 
-/// The place on the profile at the fraction `v` of its length.
+/// Point of the profile at the fraction `v` of its length.
 Knot profile_at(float v) {
   const auto length_of = [](std::size_t i) {
     return std::hypot(kProfile[i + 1].forward - kProfile[i].forward, kProfile[i + 1].up - kProfile[i].up);
@@ -105,7 +105,7 @@ Vec3 front_colour(float x, float up, float spacing) {
   if (up < 0.25f) return petal_band({x, 0.25f - up}, 0.13f, spacing);
   if (up > 0.685f) return scroll_band({x, up - 0.685f}, 0.115f, spacing);
   if (up > 0.56f) return petal_band({x, up - 0.56f}, 0.13f, spacing);
-  // Arched panels, a jewel in flames in each.
+  // Arched panels with a flaming jewel in each.
   const auto [i, dx] = repeat(x, 0.72f);
   Spot spot(kRust);
   const float y = up - 0.26f;
@@ -131,7 +131,7 @@ Patch altar_front(std::uint32_t seed) {
     const float loss = 0.20f + 0.25f * smooth_step(0.3f, 0.0f, knot.up);
     const Age age = age_of(plane, loss, seed);
     Spot spot(aged(front_colour(plane.x(), knot.up, spacing), age, plane, loss, seed));
-    const float shelter = smooth_step(0.12f, 0.0f, knot.forward);  // Under the ledge it is darker.
+    const float shelter = smooth_step(0.12f, 0.0f, knot.forward);  // Shadow under the ledge.
     spot.darken(0.30f * shelter + 0.3f * smooth_step(0.15f, 0.0f, knot.up));
     const float height = 0.012f * fractal_noise(plane * 2.0f, 3, seed + 141u) - 0.012f * age.plaster_lost;
     return Surfel{plane + height * Vec3::UnitZ(), spot.colour()};
@@ -143,7 +143,7 @@ Patch altar_front(std::uint32_t seed) {
 Patch altar_top(std::uint32_t seed) {
   constexpr float kHalf = kHalfLength + 0.3f;
   constexpr float kFront = kAltarFront + kProfile.back().forward + 0.005f;
-  constexpr float kBack = -kHalfDepth - 0.9f;  // Through the niches' backs.
+  constexpr float kBack = -kHalfDepth - 0.9f;  // Extends through the niches' backs.
   Patch patch;
   patch.width_m = 2.0f * kHalf;
   patch.height_m = kFront - kBack;
@@ -184,7 +184,7 @@ std::vector<Patch> floor_and_corridor(std::uint32_t seed) {
     Surfel surfel =
         ground({mix(-kDoorHalfWidth - 0.2f, kDoorHalfWidth + 0.2f, u), mix(kHalfDepth - 0.1f, kCorridorEnd + 0.2f, v)},
                spacing, seed);
-    surfel.position.y() -= 0.012f;  // Under the room's floor where they overlap.
+    surfel.position.y() -= 0.012f;  // Below the room's floor where they overlap.
     return surfel;
   };
   turn_towards(way, Vec3(0.0f, 2.0f, 5.0f));

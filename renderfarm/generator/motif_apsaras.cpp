@@ -18,7 +18,7 @@ struct Stroke {
   float to_radius;
 };
 
-/// In a box 2.6 wide and 1.2 high, flying to the left: trunk up front, legs trailing.
+/// Half the width of a figure, in a box 2.6 wide and 1.2 high, flying to the left: trunk in front, legs trailing.
 constexpr float kReach = 1.25f;
 
 float nearest(const Vec2& p, std::span<const Stroke> strokes) {
@@ -81,7 +81,7 @@ Vec3 flying_apsaras(const Vec2& p, float height, float spacing) {
   const auto [i, x] = repeat(p.x(), kApsaraWidth);
   const float y = p.y() - 0.5f * height;
   Spot spot(mix(kPaleBlue, kPlaster, smooth_step(-0.5f * height, 0.5f * height, y) * 0.8f));
-  // Cloud scrolls: contour lines of a slow noise.
+  // Cloud scrolls: contour lines of a low-frequency noise.
   const float cloud = noise({p.x() * 1.6f, p.y() * 2.6f, 3.0f}, 77u);
   spot.lay(kWhite, smooth_step(0.12f, 0.2f, cloud) * 0.8f);
   spot.lay(kMalachite, line_coverage((cloud - 0.12f) * 0.5f, 0.03f, spacing) * 0.8f);

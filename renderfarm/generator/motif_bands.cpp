@@ -28,7 +28,7 @@ Vec3 scroll_band(const Vec2& p, float height, float spacing) {
   const auto [i, x] = repeat(p.x(), 0.5f * period);
   const float side = cycle(i, 2) == 0 ? 1.0f : -1.0f;
   const Vec2 local{x, (p.y() - middle) * side};
-  // A blossom in each bend, leaves curling round it.
+  // A blossom in each bend, with leaves curling around it.
   const Vec2 heart{0.0f, -0.10f * height};
   const Vec2 q = local - heart;
   const float r = q.norm();
@@ -63,7 +63,7 @@ Vec3 petal_band(const Vec2& p, float height, float spacing) {
 
 Vec3 valance(const Vec2& p, float height, float spacing) {
   const std::array<Vec3, 4> flags = {kCinnabar, kMalachite, kAzurite, kOchre};
-  const float drop = height - p.y();  // From the rail down.
+  const float drop = height - p.y();  // Distance down from the rail.
   const float width = 0.95f * height;
   Spot spot(mix(kRust, kInk, 0.3f));
   // Pleated cloth behind.

@@ -18,7 +18,7 @@ struct Scheme {
   Vec3 robe;
 };
 
-/// Eight colourings; one step to the right is one step on, one row up is three: the eye sees slanting rays.
+/// Eight colour schemes; one column to the right advances by one, one row up by three, which gives diagonal rays.
 const Scheme& scheme_of(int column, int row) {
   static const std::array<Scheme, 8> schemes = {{
       {kGround, kPaleGreen, kWhite, kCinnabar},
@@ -52,7 +52,7 @@ void lay_figure(const Vec2& p, const Scheme& scheme, float spacing, Spot& spot) 
   spot.lay(mix(scheme.robe, kInk, 0.45f), shape(0.0f, -0.101f, 0.075f, 0.006f));
   spot.lay(kFlesh, shape(0.0f, 0.020f, 0.021f, 0.034f));
   spot.lay(kFlesh, shape(0.0f, -0.062f, 0.027f, 0.012f));
-  // Head, hair, knob.
+  // Head, hair, topknot.
   spot.lay(kIndigo, shape(0.0f, 0.078f, 0.031f, 0.035f));
   spot.lay(kIndigo, shape(0.0f, 0.112f, 0.013f, 0.013f));
   spot.lay(kFlesh, shape(0.0f, 0.067f, 0.027f, 0.029f));
@@ -65,7 +65,7 @@ Vec3 thousand_buddhas(const Vec2& p, float spacing) {
   const auto [row, y] = repeat(p.y(), kCellHeight);
   const Scheme& scheme = scheme_of(column, row);
   Spot spot(scheme.ground);
-  // A canopy over the head, and the strip on which the name stands.
+  // A canopy over the head, and the strip for the name.
   const Vec2 local{x, y};
   spot.lay(kMalachite, coverage(ellipse(local, {0.0f, 0.146f}, {0.075f, 0.016f}), spacing));
   const float beside = std::abs(x) - 0.5f * kCellWidth;

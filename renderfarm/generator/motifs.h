@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What is painted on walls, ceilings, floors and robes of a cave temple. Each motif is a pure function of a place `p`
-/// on the face in metres (x to the right, y up) and of the distance between vertices. Drawn after the repertoire of the
-/// Mogao caves (fifth to ninth century): thousand Buddhas, scrolls, valances, lantern ceilings, apsaras, nimbuses.
+/// Painted motifs for the walls, ceilings, floors and robes of a cave temple. Each motif is a pure function of a
+/// position `p` on the face in metres (x to the right, y up) and of the distance between vertices. Based on the
+/// repertoire of the Mogao caves (fifth to ninth century): thousand Buddhas, scrolls, valances, lantern ceilings,
+/// apsaras, nimbuses.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +11,11 @@
 
 namespace cyclorama::grotto {
 
-/// One small seated Buddha of the thousand has this size.
+/// Size of one of the thousand small seated Buddhas.
 inline constexpr float kCellWidth = 0.27f;
 inline constexpr float kCellHeight = 0.33f;
 
-/// Rows and columns of small seated Buddhas, whose colours step from cell to cell so that diagonals of light appear.
+/// Rows and columns of small seated Buddhas, whose colours step from cell to cell so that light diagonals appear.
 [[nodiscard]] Vec3 thousand_buddhas(const Vec2& p, float spacing);
 
 /// A band of height `height` (p.y in [0, height]): a wavy stem with leaves and blossoms between two pearled borders.
@@ -26,18 +27,18 @@ inline constexpr float kCellHeight = 0.33f;
 /// The hanging of a canopy: pleats, overlapping pointed flags with tassels. p.y in [0, height], hanging from the top.
 [[nodiscard]] Vec3 valance(const Vec2& p, float height, float spacing);
 
-/// A lotus seen from above, of the given radius, centred at the origin, on `ground`.
+/// A lotus seen from above, with the given radius, centred at the origin, on `ground`.
 [[nodiscard]] Vec3 lotus(const Vec2& p, float radius, int petals, const Vec3& ground, float spacing);
 
-/// A square of a lantern ceiling with half side `half`: squares turned by 45 degrees, one in the other, round a lotus.
+/// A square of a lantern ceiling with half side `half`: nested squares, each turned by 45 degrees, around a lotus.
 [[nodiscard]] Vec3 lantern(const Vec2& p, float half, float spacing);
 
 /// Sky with clouds and flying apsaras, one every `kApsaraWidth` metres; p.y in [0, height].
 inline constexpr float kApsaraWidth = 2.6f;
 [[nodiscard]] Vec3 flying_apsaras(const Vec2& p, float height, float spacing);
 
-/// Rings of a nimbus round a head or a body. `r` counts from 0 in the middle to 1 at the rim, `angle` round it;
-/// `metres` is the length of one unit of `r`.
+/// Rings of a nimbus around a head or a body. `r` is 0 in the middle and 1 at the rim, `angle` runs around it; `metres`
+/// is the length of one unit of `r`.
 [[nodiscard]] Vec3 nimbus(float r, float angle, float metres, int scheme, float spacing);
 
 /// Floor tiles with lotus reliefs. `ret_relief` is the height of the relief, in [0, 1].
@@ -46,8 +47,8 @@ inline constexpr float kApsaraWidth = 2.6f;
 /// A carpet or brocade of roundels on `ground`.
 [[nodiscard]] Vec3 brocade(const Vec2& p, const Vec3& ground, const Vec3& figure, float spacing);
 
-/// What a thousand years do to a painting at `p3` (place in the room) on a face with coordinates `p`: fading, dust,
-/// soot, cracks, and flakes that show plaster and rock. `loss` in [0, 1] says how much is gone.
+/// Ageing of a painting over a thousand years at `p3` (position in the room): fading, dust, soot, cracks, and flakes
+/// that expose plaster and rock. `loss` in [0, 1] is the part that is lost.
 struct Age {
   float plaster_lost = 0.0f;  ///< 1 where rock is bare.
   float crack = 0.0f;

@@ -10,7 +10,7 @@ Patch nimbus_disc(const Pose& pose, const Vec2& radii, int scheme, float density
   patch.height_m = 2.0f * radii.y() * pose.scale;
   patch.density = density;
   patch.at = [pose, radii, scheme](float u, float v, float spacing) {
-    // A square becomes a disc without a pole. Source: M. Fong, "Analytical methods for squaring the disc", 2014.
+    // Maps a square to a disc without a pole. Source: M. Fong, "Analytical methods for squaring the disc", 2014.
     const float x = 2.0f * u - 1.0f;
     const float y = 2.0f * v - 1.0f;
     const Vec2 disc{x * std::sqrt(1.0f - 0.5f * y * y), y * std::sqrt(1.0f - 0.5f * x * x)};

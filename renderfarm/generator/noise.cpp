@@ -16,7 +16,7 @@ Lattice lattice(float x) {
 
 float fade(float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
 
-/// The dot product of (x, y, z) with one of the 12 edge directions of a cube.
+/// Dot product of (x, y, z) with one of the 12 edge directions of a cube.
 float gradient(std::uint32_t h, float x, float y, float z) {
   h &= 15u;
   const float a = h < 8u ? x : y;
@@ -27,7 +27,7 @@ float gradient(std::uint32_t h, float x, float y, float z) {
 }  // namespace
 
 std::uint32_t hash(int x, int y, int z, std::uint32_t seed) {
-  // Constants and finish of xxHash32 (Y. Collet), whose avalanche is good for small integers.
+  // Constants and final mix of xxHash32 (Y. Collet), whose avalanche is good for small integers.
   std::uint32_t h = seed + 0x165667b1u;
   h = (h ^ static_cast<std::uint32_t>(x)) * 0x85ebca77u;
   h = (h ^ (h >> 15) ^ static_cast<std::uint32_t>(y)) * 0xc2b2ae3du;
@@ -66,7 +66,7 @@ float fractal_noise(const Vec3& p, int octaves, std::uint32_t seed) {
   for (int octave = 0; octave < octaves; ++octave) {
     sum += height * noise(p * frequency, seed + static_cast<std::uint32_t>(octave) * 7919u);
     height *= 0.5f;
-    frequency *= 2.03f;  // Not 2: the octaves' lattices would share their zeros.
+    frequency *= 2.03f;  // With a factor of 2 the octaves' lattices would share their zeros.
   }
   return sum * 1.4f;
 }
@@ -75,7 +75,7 @@ float crack_lines(const Vec3& p, std::uint32_t seed) {
   const Vec3 bent =
       p + 0.35f * Vec3(noise(p * 1.7f, seed + 1u), noise(p * 1.7f, seed + 2u), noise(p * 1.7f, seed + 3u));
   const float line = 1.0f - std::abs(noise(bent, seed)) * 30.0f;
-  // Most of a face has no crack: keep them where a second, slower noise is high.
+  // Most of a face has no cracks: they remain only where a second, lower-frequency noise is high.
   return unit_clamp(line) * smooth_step(0.12f, 0.35f, noise(p * 0.45f, seed + 4u));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Repeatable randomness: pure functions of place and seed, so that a grotto does not depend on who computes which row.
+/// Repeatable randomness: pure functions of position and seed, so that the result does not depend on the thread that
+/// computes a row.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,7 @@
 
 namespace cyclorama::grotto {
 
-/// Scrambles the integers well enough that neighbours look unrelated.
+/// Hashes the integers so that neighbouring inputs give unrelated values.
 [[nodiscard]] std::uint32_t hash(int x, int y, int z, std::uint32_t seed);
 
 /// Uniform in [0, 1).
@@ -17,14 +18,15 @@ namespace cyclorama::grotto {
 /// Gradient noise, about [-1, 1], zero mean, with cells of 1. Source: K. Perlin, "Improving Noise", SIGGRAPH 2002.
 [[nodiscard]] float noise(const Vec3& p, std::uint32_t seed);
 
-/// A sum of `octaves` of noise, each of twice the frequency and half the height of the one before; about [-1, 1].
+/// Sum of `octaves` of noise, each with about twice the frequency and half the amplitude of the previous one; about
+/// [-1, 1].
 [[nodiscard]] float fractal_noise(const Vec3& p, int octaves, std::uint32_t seed);
 
-/// Near 1 on thin, branching lines, falling to 0 away from them: cracks.
+/// Near 1 on thin, branching lines, falling to 0 away from them; used for cracks.
 [[nodiscard]] float crack_lines(const Vec3& p, std::uint32_t seed);
 
-/// The marks of a pointed chisel, in [0, 1], on a face with the coordinates `p` in metres: parallel furrows whose
-/// direction changes from one hand's breadth of work to the next.
+/// Marks of a pointed chisel, in [0, 1], on a face with the coordinates `p` in metres: parallel furrows whose direction
+/// changes every hand's breadth.
 [[nodiscard]] float chisel_marks(const Vec2& p, std::uint32_t seed);
 
 }  // namespace cyclorama::grotto

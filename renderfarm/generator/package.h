@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A grotto on disk: a scene package, there whole or not at all.
+/// A grotto on disk: a scene package, written completely or not at all.
 #pragma once
 
 #include <filesystem>
@@ -12,9 +12,9 @@ struct PackageOrder {
   Kind kind = Kind::kGrotto;
   std::uint64_t triangles = 1'000'000;
   std::uint32_t seed = 1;
-  int lamps = 4;  ///< Of an interior; a grotto has its own.
+  int lamps = 4;  ///< Only for an interior; a grotto has its own.
   std::filesystem::path folder;
-  bool replace = false;  ///< An older grotto at `folder` may be replaced. Anything else there never is.
+  bool replace = false;  ///< Allows replacing an older grotto at `folder`; anything else there is never replaced.
   int threads = 1;
 };
 
@@ -23,13 +23,15 @@ struct PackageReport {
   std::uint64_t bytes = 0;
 };
 
-/// Writes into a new folder beside the target and renames it, so that a stopped or failed run leaves what was there.
+/// Writes into a new folder beside the target and renames it, so that a stopped or failed run leaves the target
+/// unchanged.
 ///
-/// kInvalidArgument  the number of triangles.
+/// Errors:
+/// kInvalidArgument  the number of triangles is out of range.
 /// kBusy             `folder` exists and is not an empty folder or, with `replace`, not a grotto.
-/// kNotFound         the folder above does not exist.
+/// kNotFound         the parent folder does not exist.
 /// kUnavailable      `keep_going` returned false.
-/// kSystem           the disk is full or refuses.
+/// kSystem           the disk is full or reports an error.
 Result<PackageReport> write_package(const PackageOrder& order, const KeepGoing& keep_going);
 
 }  // namespace cyclorama::grotto

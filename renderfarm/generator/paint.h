@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The brush and the pigments. Shapes are signed distances in metres; edges are blurred by the distance between
-/// vertices, so that a pattern too fine for the grid turns into its mean colour instead of noise.
+/// Painting and pigments. Shapes are signed distances in metres; edges are blurred by the distance between vertices, so
+/// that a pattern too fine for the grid becomes its mean colour instead of noise.
 #pragma once
 
 #include "renderfarm/generator/vec.h"
@@ -24,15 +24,15 @@ inline const Vec3 kFlesh{0.84f, 0.65f, 0.47f};
 inline const Vec3 kInk{0.15f, 0.11f, 0.09f};
 }  // namespace pigment
 
-/// How much of a vertex's surroundings lies inside a shape at `distance` (negative inside).
+/// Part of a vertex's surroundings that lies inside a shape at `distance` (negative inside).
 [[nodiscard]] inline float coverage(float distance, float spacing) { return unit_clamp(0.5f - distance / spacing); }
 
-/// The same for a line of width `width` along distance 0.
+/// Coverage by a line of width `width` along distance 0.
 [[nodiscard]] inline float line_coverage(float distance, float width, float spacing) {
   return coverage(std::abs(distance) - 0.5f * width, spacing) * std::min(1.0f, width / spacing + 0.25f);
 }
 
-/// A spot of a picture on which one colour is laid over another.
+/// A point of a picture on which colours are laid over each other.
 class Spot {
  public:
   explicit Spot(const Vec3& ground) : colour_(ground) {}
@@ -44,7 +44,7 @@ class Spot {
   Vec3 colour_;
 };
 
-/// Nearly a distance: exact on the outline, off it within the ratio of the radii.
+/// Approximate distance: exact on the outline, elsewhere within the ratio of the radii.
 [[nodiscard]] inline float ellipse(const Vec2& p, const Vec2& centre, const Vec2& radii) {
   const Vec2 q = (p - centre).cwiseQuotient(radii);
   return (q.norm() - 1.0f) * radii.minCoeff();
@@ -55,14 +55,14 @@ class Spot {
   return q.cwiseMax(0.0f).norm() + std::min(q.maxCoeff(), 0.0f);
 }
 
-/// A brush stroke whose width changes from `ra` to `rb`.
+/// A brush stroke whose radius changes from `ra` to `rb`.
 [[nodiscard]] inline float stroke(const Vec2& p, const Vec2& a, float ra, const Vec2& b, float rb) {
   const Vec2 ab = b - a;
   const float t = unit_clamp((p - a).dot(ab) / ab.squaredNorm());
   return (p - a - t * ab).norm() - mix(ra, rb, t);
 }
 
-/// The place of `x` in its repeat of length `period`: which repeat, and where in it, in [-period/2, period/2).
+/// Number of the repeat of length `period` that contains `x`, and the position in it, in [-period/2, period/2).
 struct Repeat {
   int index;
   float offset;
@@ -72,7 +72,7 @@ struct Repeat {
   return {static_cast<int>(cell), x - (cell + 0.5f) * period};
 }
 
-/// Non-negative remainder: for cycles of colours.
+/// Non-negative remainder, for cycles of colours.
 [[nodiscard]] inline int cycle(int i, int length) { return ((i % length) + length) % length; }
 
 }  // namespace cyclorama::grotto

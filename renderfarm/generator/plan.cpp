@@ -33,7 +33,7 @@ std::vector<Patch> niche_figures(std::uint32_t seed) {
   return patches;
 }
 
-/// Behind the reclining figure, where it leaves them room to be seen; each turned towards its head.
+/// Disciples behind the reclining figure, where they remain visible; each faces its head.
 std::vector<Patch> disciples(std::uint32_t seed) {
   std::vector<Patch> patches;
   constexpr int kCount = 10;

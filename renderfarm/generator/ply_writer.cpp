@@ -61,7 +61,7 @@ class PlyFile final : public GeometryFile {
 
   Status finish() override {
     TRY(flush());
-    // Some file systems report a full disk only now.
+    // Some file systems report a full disk only here.
     if (::fdatasync(fd_.get()) != 0) return Error::from_errno(fmt::format("writing '{}'", path_.string()));
     fd_.reset();
     return Done{};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Binary PLY, little-endian, written as it comes: float x y z, nx ny nz if smooth, uchar red green blue; faces
-/// of three int.
+/// Writer of binary PLY, little-endian: float x y z, nx ny nz if smooth, uchar red green blue; faces of three int.
 /// Source: G. Turk, "The PLY Polygon File Format", 1994.
 #pragma once
 
@@ -10,13 +9,14 @@
 
 namespace cyclorama::grotto {
 
-/// Flat: the file has no normals, and whoever reads it takes the triangles'.
+/// Flat: the file has no normals, and readers use the triangles'.
 enum class Shading { kSmooth, kFlat };
 
-/// The size of the file that these counts make.
+/// Size of a file with these counts.
 [[nodiscard]] std::uint64_t ply_bytes(const GeometryCounts& counts, Shading shading);
 
-/// Makes files in one existing folder. kSystem when the disk is full or refuses, with the file's name.
+/// Creates files in one existing folder. Errors: kSystem, with the file's name, if the disk is full or reports an
+/// error.
 class PlySink final : public GeometrySink {
  public:
   PlySink(std::filesystem::path folder, Shading shading) : folder_(std::move(folder)), shading_(shading) {}

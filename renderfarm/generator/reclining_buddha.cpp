@@ -27,7 +27,7 @@ float left_arm(const Vec3& p) {
   return blend(limb(p, kLeftShoulder, 0.40f, kLeftElbow, 0.29f), limb(p, kLeftElbow, 0.29f, kLeftWrist, 0.20f), 0.12f);
 }
 
-/// The body proper, as if it floated.
+/// The body without its contact to the bed.
 float torso_and_legs(const Vec3& p) {
   float d = ellipsoid(p, {-2.40f, 1.03f, 0.0f}, {1.00f, 0.92f, 0.62f});               // Chest.
   d = blend(d, ellipsoid(p, {-1.00f, 0.86f, 0.08f}, {1.20f, 0.76f, 0.60f}), 0.40f);   // Waist.
@@ -40,16 +40,16 @@ float torso_and_legs(const Vec3& p) {
 }
 
 float body(const Vec3& p) {
-  // From where the body is widest the robe falls straight to the bed, spreading a little.
+  // Below its widest point the robe falls straight to the bed, spreading slightly.
   const float widest = mix(0.55f, 0.28f, smooth_step(1.5f, 4.5f, p.x()));
   const float below = std::max(0.0f, widest - p.y());
   const Vec3 q{p.x(), std::max(p.y(), widest), p.z() / (1.0f + 0.18f * below)};
   const float right_arm = limb(p, kRightShoulder, 0.42f, kRightElbow, 0.36f);
   const float whole = blend(blend(torso_and_legs(q), right_arm, 0.22f), left_arm(p), 0.14f);
-  return std::max(whole, -0.05f - p.y());  // Nothing of it is seen under the bed.
+  return std::max(whole, -0.05f - p.y());  // Cut off below the bed, where it is not visible.
 }
 
-/// Distance from the throat over the breast: the robe's neckline is one of its circles.
+/// Distance from the throat over the breast; the robe's neckline is a circle of this distance.
 float from_throat(const Vec3& p) {
   const Vec3 q = p - Vec3(-3.42f, 1.12f, 0.18f);
   return std::sqrt(q.x() * q.x() + 1.3f * q.y() * q.y() + 0.5f * q.z() * q.z());
@@ -59,7 +59,7 @@ constexpr float kNeckline = 0.66f;
 
 constexpr float kFold = 0.215f;
 
-/// Folds hang in circles round the throat, run along the legs, and wind round the arm.
+/// Folds hang in circles around the throat, run along the legs, and wind around the arm.
 float fold_phase(const Vec3& p) {
   const float torso = from_throat(p) / kFold;
   const float middle = mix(1.0f, 0.52f, smooth_step(0.0f, 4.6f, p.x()));
@@ -89,7 +89,7 @@ float fold_height(const Vec3& p, float spacing) {
   return cloth * calm * 0.058f * (fold(p) - 0.45f) * shown(kFold, spacing) + collar;
 }
 
-/// The patchwork of a monk's robe: panels in tones of red, parted by bands; gold roundels.
+/// Patchwork of a monk's robe: panels in shades of red, separated by bands; gold roundels.
 void lay_patchwork(const Vec3& p, float spacing, Spot& spot) {
   const float along = p.x() + 0.25f * std::sin(1.1f * p.x());
   const float around = std::atan2(p.y() - 0.6f, p.z() + 0.4f) * 0.95f + 0.10f * p.x();
@@ -119,8 +119,8 @@ void lay_hem(float across, float along, float width, float spacing, Spot& spot) 
   spot.lay(kGold, line_coverage(std::abs(middle) - 0.5f * width, 0.035f, spacing));
 }
 
-constexpr float kCollar = 0.20f;     ///< Width of the under robe's hem round the breast.
-constexpr float kOuterRobe = 1.36f;  ///< From the throat to the outer robe's hem, which crosses the breast.
+constexpr float kCollar = 0.20f;     ///< Width of the under robe's hem around the breast.
+constexpr float kOuterRobe = 1.36f;  ///< Distance from the throat to the outer robe's hem, which crosses the breast.
 
 Vec3 robe_colour(const Vec3& p, float spacing) {
   Spot spot(kCinnabar);
@@ -169,7 +169,7 @@ Sculpture robe() {
   return s;
 }
 
-/// A limb of bare skin, wrapped round the axis from `from` to `to`.
+/// A limb of bare skin, wrapped around the axis from `from` to `to`.
 Sculpture skin_part(std::function<float(const Vec3&)> distance, const Vec3& from, const Vec3& to, const Vec3& front,
                     float reach, float girth) {
   Sculpture s;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One figure before nothing, for measuring: nearly all that the picture costs is in a part of it.
+/// A single figure before an empty background, for measurements: nearly all of the rendering cost is in a part of the
+/// picture.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,7 @@
 
 namespace cyclorama::grotto {
 
-/// As plan_grotto(): a Buddha in meditation, about 1.2 m high, between two lamps.
+/// As plan_grotto(), but for a Buddha in meditation, about 1.2 m high, between two lamps.
 Result<Grotto> plan_relic(std::uint64_t triangles, std::uint32_t seed);
 
 }  // namespace cyclorama::grotto

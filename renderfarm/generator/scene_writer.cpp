@@ -72,7 +72,7 @@ struct Stop {
   float heading_deg;
 };
 
-/// What of scene.toml does not follow from parts and lamps.
+/// Values of scene.toml that do not follow from parts and lamps.
 struct Setting {
   const char* title;
   const char* credits;

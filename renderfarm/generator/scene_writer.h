@@ -7,10 +7,10 @@
 
 namespace cyclorama::grotto {
 
-/// The first line of every grotto's scene.toml: by it a folder is known as one that may be replaced.
+/// First line of every grotto's scene.toml; identifies a folder that may be replaced.
 inline constexpr const char* kSceneMark = "# Made by cyclorama-grotto";
 
-/// The scene.toml of the package. `seed` is for the record.
+/// Returns the scene.toml of the package. `seed` is for the record.
 [[nodiscard]] std::string scene_toml(const Grotto& grotto, std::uint32_t seed);
 
 }  // namespace cyclorama::grotto

@@ -4,7 +4,7 @@
 namespace cyclorama::grotto {
 namespace {
 
-/// A place to look from, on the axis, and the direction to look in.
+/// A viewing position on the axis, and the viewing direction.
 struct Outlook {
   Vec3 origin;
   Vec3 direction;
@@ -26,7 +26,7 @@ class Grid {
     const float turn = 2.0f * kPi * (u - 0.5f);
     const float angle = turn - focus_ * std::sin(turn);
     const Vec3 around = std::cos(angle) * front_ + std::sin(angle) * side_;
-    // Not quite to the poles, where a grid has no normal.
+    // Stops short of the poles, where a grid has no normal.
     constexpr float kPole = 0.497f * kPi;
     const float at = v * height_;
     if (at < cap_) return {from_, tilted(around, -kPole * (1.0f - at / cap_))};
@@ -50,7 +50,7 @@ class Grid {
   float height_;
 };
 
-/// Walks from outside towards the axis until the solid is met.
+/// Steps from outside towards the axis until it meets the solid.
 float outermost(const Sculpture& s, const Outlook& look) {
   constexpr int kMostSteps = 48;
   const float close = 2e-4f * s.reach;

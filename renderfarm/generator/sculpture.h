@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A solid, modelled as a signed distance, with a grid drawn over it: what all figures are made of.
+/// A solid, defined by a signed distance, with a grid wrapped around it; all figures are made of these.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace cyclorama::grotto {
 
-/// Where a sculpture stands: p_room = position + scale * rotation * p.
+/// Pose of a sculpture: p_room = position + scale * rotation * p.
 struct Pose {
   Vec3 position = Vec3::Zero();
   Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();
@@ -18,25 +18,25 @@ struct Pose {
   [[nodiscard]] Vec3 to_room(const Vec3& p) const { return position + scale * (rotation * p); }
 };
 
-/// Turned by `heading` about the vertical: 0 looks along +z, positive to +x.
+/// Pose rotated by `heading` about the vertical: 0 faces +z, positive turns to +x.
 [[nodiscard]] Pose standing_at(const Vec3& position, float heading, float scale);
 
-/// A solid in its own frame (y up, face along +z, for most of them).
+/// A solid in its own frame; for most of them y is up and the face along +z.
 struct Sculpture {
-  /// Negative inside. The solid should be seen whole from its axis; what another part hides there is bridged.
+  /// Negative inside. The solid should be wholly visible from its axis; hidden parts are bridged.
   std::function<float(const Vec3&)> distance;
-  /// How far the chisel goes beyond the solid at a place on it, for folds and curls; may be empty. What is finer than
-  /// the distance between vertices is to be left out.
+  /// Height of folds and curls beyond the solid at a point on it; may be empty. Leaves out detail finer than the
+  /// distance between vertices.
   std::function<float(const Vec3& p, float spacing_m)> relief;
   std::function<Vec3(const Vec3& p, float spacing_m)> colour;
-  /// The grid's axis: half a sphere of directions at each end, and around in between.
+  /// The grid's axis: half a sphere of directions at each end, and full circles in between.
   Vec3 from = Vec3::Zero();
   Vec3 to = Vec3::UnitY();
-  Vec3 front = Vec3::UnitZ();  ///< Across the axis; the seam is opposite.
-  float reach = 1.0f;          ///< No part is farther from the axis.
-  float front_focus = 0.0f;    ///< 0 spreads columns evenly, towards 1 gathers them at the front.
+  Vec3 front = Vec3::UnitZ();  ///< Perpendicular to the axis; the seam is opposite.
+  float reach = 1.0f;          ///< Maximum distance of any part from the axis.
+  float front_focus = 0.0f;    ///< 0 distributes columns evenly; values towards 1 gather them at the front.
   float ends = 1.0f;           ///< Rows for the two ends, relative to those along the axis.
-  float girth = 1.0f;          ///< Length round it, in its own unit: with the axis it decides the share of triangles.
+  float girth = 1.0f;          ///< Circumference in its own unit; with the axis it determines the share of triangles.
 };
 
 /// `density` as in Patch.

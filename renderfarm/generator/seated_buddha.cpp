@@ -48,7 +48,7 @@ float body(const Vec3& p) {
   return blend(d, hands(p), 0.015f);
 }
 
-/// How open the robe is at the breast: negative is skin, around 0 the hem.
+/// Opening of the robe at the breast: negative on skin, about 0 at the hem.
 float opening(const Vec3& p) {
   if (p.z() < 0.02f || p.y() < 0.33f) return 1.0f;
   return ellipse({p.x() + 0.018f, p.y()}, {0.0f, 0.60f}, {0.105f, 0.20f});
@@ -56,7 +56,7 @@ float opening(const Vec3& p) {
 
 constexpr float kFold = 0.052f;
 
-/// Folds: rings hung from the shoulders over the trunk, rings round the knees over the legs.
+/// Folds: rings from the shoulders over the trunk, rings around the knees over the legs.
 float fold_phase(const Vec3& p) {
   const float trunk = std::hypot(p.x() * 0.75f + 0.04f, p.y() - 0.74f) / kFold;
   const float legs = std::hypot(std::abs(p.x()) - 0.05f, (p.y() - 0.30f) * 1.2f) / kFold;
@@ -93,7 +93,7 @@ Sculpture trunk(const Robes& robes) {
   return s;
 }
 
-/// Two rows of petals on a waist.
+/// A waist with two rows of petals.
 Sculpture throne(std::uint32_t variety) {
   Sculpture s;
   constexpr int kPetals = 16;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Heads of statues: of a Buddha (curls, knob of wisdom, long lobes, half-closed eyes) and of a monk (shaven).
+/// Heads of statues: of a Buddha (curls, ushnisha, long earlobes, half-closed eyes) and of a monk (shaven).
 #pragma once
 
 #include "renderfarm/generator/sculpture.h"
@@ -9,11 +9,11 @@ namespace cyclorama::grotto {
 struct StatueHeadStyle {
   bool buddha = true;
   Vec3 skin = Vec3::Ones();
-  float sorrow = 0.0f;  ///< 0 calm; 1 draws the inner ends of the brows up and the corners of the mouth down.
+  float sorrow = 0.0f;  ///< 0 is calm; 1 raises the inner ends of the brows and lowers the corners of the mouth.
   float age = 0.0f;     ///< 1 is gaunt.
 };
 
-/// One unit is half the height from chin to crown; the origin lies between the eyes, inside. The neck goes down to
+/// One unit is half the height from chin to crown; the origin lies inside, between the eyes. The neck extends down to
 /// -1.6.
 [[nodiscard]] Sculpture statue_head(const StatueHeadStyle& style);
 

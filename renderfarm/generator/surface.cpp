@@ -8,7 +8,7 @@
 namespace cyclorama::grotto {
 namespace {
 
-constexpr int kFewestQuads = 4;  ///< Along either side of a patch: an arch or a head is still one.
+constexpr int kFewestQuads = 4;  ///< Along either side of a patch; an arch or a head is still recognisable with these.
 
 std::uint64_t triangles_of(const Patch& patch) {
   return 2u * static_cast<std::uint64_t>(patch.columns) * static_cast<std::uint64_t>(patch.rows);
@@ -35,7 +35,7 @@ std::uint64_t set_resolution(std::vector<Part>& parts, double scale) {
   return sum;
 }
 
-/// What rounding left over goes into further rows of the largest patch, where one row matters least.
+/// Adds what rounding left over as rows to the largest patch, where one row matters least.
 void spend_rest(std::vector<Part>& parts, std::uint64_t rest) {
   Patch* largest = nullptr;
   for (Part& part : parts) {
@@ -47,7 +47,7 @@ void spend_rest(std::vector<Part>& parts, std::uint64_t rest) {
   largest->rows += static_cast<int>(rest / (2u * static_cast<std::uint64_t>(largest->columns)));
 }
 
-/// Three rows of a patch: what the normals of the middle one need.
+/// Three rows of a patch, as required for the normals of the middle one.
 class RowWindow {
  public:
   explicit RowWindow(const Patch& patch) : patch_(patch), spacing_(patch.spacing_m()) {
@@ -56,7 +56,7 @@ class RowWindow {
     compute(1, rows_[2]);
   }
 
-  /// Vertices of `row`, which counts up from 0 call by call.
+  /// Computes the vertices of `row`, which increases by 1 from call to call, from 0.
   void next(int row, std::vector<Vertex>& ret_vertices) {
     const bool first = row == 0;
     const bool last = row == patch_.rows;
@@ -74,7 +74,7 @@ class RowWindow {
   void compute(int row, std::vector<Surfel>& ret_row) const {
     const float v = static_cast<float>(row) / static_cast<float>(patch_.rows);
     for (int i = 0; i <= patch_.columns; ++i) {
-      // The last column of a closed patch is the first one, to the bit: no crack at the seam.
+      // The last column of a closed patch is the first one exactly, so that the seam has no crack.
       const int column = patch_.closed && i == patch_.columns ? 0 : i;
       const float u = static_cast<float>(column) / static_cast<float>(patch_.columns);
       ret_row[static_cast<std::size_t>(i)] = patch_.at(u, v, spacing_);
@@ -88,7 +88,7 @@ class RowWindow {
     const std::size_t right = i < last ? i + 1 : (patch_.closed ? 1 : last);
     Vec3 normal = (row[right].position - row[left].position).cross(below[i].position - above[i].position);
     const float length = normal.norm();
-    // Where a grid folds to a point there is no normal; any unit vector is as good.
+    // A grid that folds to a point has no normal there; any unit vector will do.
     normal =
         length > std::numeric_limits<float>::min() ? Vec3(normal / (patch_.flipped ? -length : length)) : Vec3::UnitY();
     Vertex vertex;

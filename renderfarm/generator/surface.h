@@ -19,13 +19,14 @@ struct Surfel {
 };
 
 /// One grid. `at` is a pure function of (u, v) in [0, 1]^2 and of the distance between vertices in metres, by which it
-/// blurs what it paints. A value; reentrant.
+/// blurs the paint. A value; reentrant.
 struct Patch {
-  float width_m = 1.0f;   ///< Along u, roughly; with height and density it decides the patch's share of the triangles.
-  float height_m = 1.0f;  ///< Along v.
+  /// Approximate length along u; with height and density it determines the patch's share of the triangles.
+  float width_m = 1.0f;
+  float height_m = 1.0f;  ///< Approximate length along v.
   float density = 1.0f;   ///< Vertices per metre, relative to the other patches.
-  bool closed = false;    ///< u = 0 and u = 1 meet: shading runs across the seam.
-  bool flipped = false;   ///< Faces the other way than (d/du x d/dv).
+  bool closed = false;    ///< u = 0 and u = 1 meet; shading continues across the seam.
+  bool flipped = false;   ///< Faces opposite to (d/du x d/dv).
   std::function<Surfel(float u, float v, float spacing_m)> at;
   int columns = 1;  ///< Quads along u.
   int rows = 1;     ///< Quads along v.
@@ -35,7 +36,7 @@ struct Patch {
   }
 };
 
-/// Sets `flipped` so that the middle of the patch faces `point` or, with `away`, looks away from it.
+/// Sets `flipped` so that the middle of the patch faces `point` or, with `away`, faces away from it.
 void turn_towards(Patch& patch, const Vec3& point, bool away = false);
 
 /// The patches of one file.
@@ -47,14 +48,14 @@ struct Part {
 };
 
 /// Chooses columns and rows so that all patches together have at most `triangles` triangles and, from some thousands
-/// on, at least 98 % of them. kInvalidArgument when even the coarsest grids have more.
+/// on, at least 98 % of them. Errors: kInvalidArgument if even the coarsest grids have more.
 Status share_triangles(std::vector<Part>& parts, std::uint64_t triangles);
 
-/// Called after some rows with the number of triangles' worth of work done since the last call; false stops the work.
+/// Called after some rows with the triangles computed since the last call; returns false to stop the work.
 using RowsDone = std::function<bool(std::uint64_t triangles)>;
 
-/// Computes a part and gives it to `file`, vertices first. kUnavailable when `rows_done` stopped it; else file's
-/// errors.
+/// Computes a part and writes it to `file`, vertices first. Errors: kUnavailable if `rows_done` stopped it; otherwise
+/// those of `file`.
 Status write_part(const Part& part, GeometryFile& file, const RowsDone& rows_done);
 
 }  // namespace cyclorama::grotto

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Small vectors and blends that the whole generator speaks. Metres; y up; colours are sRGB code values in [0, 1].
+/// Small vectors and interpolation for the generator. Metres; y up; colours are sRGB code values in [0, 1].
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@ using Vec3 = Eigen::Vector3f;
 
 inline constexpr float kPi = std::numbers::pi_v<float>;
 
-/// Exactly `a` at 0 and `b` at 1: patches meet there to the bit.
+/// Exactly `a` at 0 and `b` at 1, so that patches meet without rounding errors.
 [[nodiscard]] inline float mix(float a, float b, float t) { return a * (1.0f - t) + b * t; }
 [[nodiscard]] inline Vec3 mix(const Vec3& a, const Vec3& b, float t) { return a + (b - a) * t; }
 [[nodiscard]] inline float unit_clamp(float x) { return std::clamp(x, 0.0f, 1.0f); }

@@ -13,7 +13,7 @@ using namespace pigment;  // NOLINT(google-build-using-namespace): colours by na
 
 constexpr float kValanceFrom = 3.78f;
 constexpr float kBandFrom = 3.50f;
-constexpr float kGridFrom = 0.86f;  ///< Thousand Buddhas stand on this line...
+constexpr float kGridFrom = 0.86f;  ///< The thousand Buddhas begin at this height.
 constexpr float kPetalsFrom = 0.60f;
 
 /// Distance to the outline of a niche in the face of the wall: an arch on straight sides. Negative inside.
@@ -39,13 +39,13 @@ Nearest nearest_niche(const WallFrame& frame, const Vec2& p) {
   return nearest;
 }
 
-/// How far back the face lies at `distance` into a niche: steep at the rim, flat at the back.
+/// Depth of the face at `distance` into a niche: steep at the rim, flat at the back.
 float recess(const Niche& niche, float distance) {
   const float t = unit_clamp(-distance / (0.30f * niche.width));
   return niche.depth * std::sqrt(1.0f - (1.0f - t) * (1.0f - t));
 }
 
-/// The back of a niche: bands of colour that follow the arch, darker the deeper.
+/// Back of a niche: bands of colour that follow the arch, darker with depth.
 Vec3 niche_colour(const Niche& niche, const Vec2& p, float distance, float spacing) {
   const std::array<Vec3, 6> bands = {kPaleGreen, kWhite, kRust, kPaleBlue, kOchre, kRust};
   const float step = 0.085f * niche.width;
@@ -63,7 +63,7 @@ Vec3 niche_colour(const Niche& niche, const Vec2& p, float distance, float spaci
 /// Signed distance to the outline of the door.
 float door(const Vec2& p) { return box(p, {0.0f, 0.0f}, {kDoorHalfWidth, kDoorHeight}); }
 
-/// The bands of the wall, from the floor to the cove.
+/// Colour bands of the wall, from the floor to the cove.
 Vec3 bands_colour(const Vec2& p, float spacing) {
   const float y = p.y();
   if (y > kValanceFrom)
@@ -110,7 +110,7 @@ float to_edge(const WallFrame& frame, const Vec2& p, float half_width) {
   return std::min({edge, std::abs(post), post > 0.0f ? edge : std::abs(p.y() - kDoorHeight)});
 }
 
-/// Rough rock under plaster: how far the face lies from its plane, positive into the room; nothing at its edges.
+/// Rough rock under plaster: distance of the face from its plane, positive into the room; 0 at its edges.
 float face_height(const WallFrame& frame, const Vec2& p, const Vec3& p3, const Age& age, float half_width,
                   std::uint32_t seed) {
   float height = 0.055f * fractal_noise(p3 * 0.55f, 3, seed + 101u) + 0.006f * noise(p3 * 5.0f, seed + 102u);
@@ -129,7 +129,7 @@ float face_height(const WallFrame& frame, const Vec2& p, const Vec3& p3, const A
   return height - recess(*near.niche, near.distance);
 }
 
-/// Paint is lost near the floor, where damp and visitors reach, and in the corners.
+/// Paint is lost near the floor, through damp and visitors, and in the corners.
 float loss_at(const Vec2& p, float half_width) {
   return 0.14f + 0.5f * smooth_step(0.7f, 0.0f, p.y()) + 0.30f * smooth_step(0.6f, 0.0f, half_width - std::abs(p.x()));
 }
@@ -141,7 +141,7 @@ struct Extent {
   float top;
 };
 
-/// Rows are spent where one looks: `rows_low` of them (a fraction) below `knee`.
+/// Rows are concentrated at viewing height: the fraction `rows_low` of them lies below `knee`.
 Patch face(const WallFrame& frame, const Extent& extent, float knee, float rows_low, float half_width, float density,
            std::uint32_t seed) {
   Patch patch;
@@ -156,14 +156,15 @@ Patch face(const WallFrame& frame, const Extent& extent, float knee, float rows_
     const float loss = loss_at(p, half_width) * smooth_step(0.0f, 0.3f, nearest_niche(frame, p).distance);
     const Age age = age_of(p3, loss, seed);
     Spot spot(aged(face_colour(frame, p, spacing), age, p3, loss, seed));
-    spot.darken(0.40f * smooth_step(0.35f, 0.0f, half_width - std::abs(p.x())));  // Corners see less of the room.
+    // Corners receive less light from the room.
+    spot.darken(0.40f * smooth_step(0.35f, 0.0f, half_width - std::abs(p.x())));
     return Surfel{p3 + face_height(frame, p, p3, age, half_width, seed) * frame.inward, spot.colour()};
   };
   turn_towards(patch, Vec3(0.0f, 2.0f, 0.0f));
   return patch;
 }
 
-/// The wall with the door: left and right of it, and above.
+/// The wall with the door: pieces to the left, to the right and above.
 std::vector<Patch> entrance(const WallFrame& frame, std::uint32_t seed) {
   constexpr float kDensity = 0.38f;
   return {face(frame, {-kHalfLength, -kDoorHalfWidth, -0.2f, kWallHeight}, 0.8f, 0.15f, kHalfLength, kDensity, seed),

@@ -16,7 +16,7 @@ constexpr Duration kFirstRetry = std::chrono::milliseconds(100);
 constexpr Duration kSlowestRetry = std::chrono::seconds(2);
 }  // namespace
 
-/// One call. Read by the farm thread, written by the views thread.
+/// One session's call. The farm thread reads from it, the views thread writes to it.
 class FarmClient::Visit {
  public:
   explicit Visit(const std::shared_ptr<grpc::Channel>& channel)
@@ -75,7 +75,7 @@ void FarmClient::run() {
     const Error reason = visit(channels_[head], &opened);
     lose(std::move(Error(reason)).while_doing(options_.heads[head]));
     if (opened) {
-      // It worked a moment ago: the same head first, and at once.
+      // The session had been open, so the same coordinator is tried first, after the shortest delay.
       delay = kFirstRetry;
       head = (head + channels_.size() - 1) % channels_.size();
     }

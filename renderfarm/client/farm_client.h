@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A museum's link to the render farm: views go out, frames come in, and it heals by itself.
+/// A museum's connection to the render farm: sends views, receives frames and reconnects by itself.
 #pragma once
 
 #include <condition_variable>
@@ -24,37 +24,40 @@ class ClientContext;
 namespace cyclorama {
 
 struct FarmClientOptions {
-  std::vector<std::string> heads{};  ///< "[::1]:7401"; tried in this order, the first again after the last.
-  std::string scene{};               ///< Empty: the farm's first.
-  std::string museum{};              ///< Shown to the farm's operator, where no certificate says it.
-  std::optional<TlsFiles> tls{};     ///< Nothing: not encrypted, for a head on this machine.
-  /// A head that owes an answer and says nothing for this long is given up. Longer than any tile takes to render.
+  /// Addresses of coordinators, such as "[::1]:7401"; tried in this order, cyclically.
+  std::vector<std::string> heads{};
+  std::string scene{};            ///< Empty for the farm's first scene.
+  std::string museum{};           ///< Shown to the farm's operator if no certificate states the name.
+  std::optional<TlsFiles> tls{};  ///< Empty for an unencrypted connection to a coordinator on this machine.
+  /// Timeout for a coordinator that owes an answer; longer than any tile takes to render.
   Duration patience = std::chrono::seconds(30);
-  /// As wire::OpenVisit: with a budget, the farm chooses the quality, and refines while no new view is requested.
+  /// As wire::OpenVisit: with a budget, the farm chooses the quality and refines the picture until a new view is
+  /// requested.
   double frame_budget_ms = 0.0;
   int reference_samples = 0;
 };
 
-/// What the farm says. Every call comes on the client's own thread, one at a time, in this order:
+/// Receives the farm's replies. All calls come from the client's own thread, one at a time, in this order:
 ///
 ///   ( on_lost* on_opened ( on_begin on_tile* on_end )* )*
 ///
-/// With a frame budget, on_begin() says how large the picture is, and a frame that was ended may come again, refined:
-/// same number, more samples. A begun frame always ends: when the head goes away, with `complete` false and the reason.
-/// While a call runs nothing more is read, so a slow listener slows the farm and never fills memory. May call
+/// With a frame budget, on_begin() states the size of the picture, and an ended frame may come again, refined: same
+/// number, more samples. A begun frame always ends; if the coordinator is lost, with `complete` false and the reason.
+/// Nothing is read during a call, so a slow listener slows the farm down and never fills memory. May call
+/// FarmClient::request(), never stop().
 /// FarmClient::request(), never stop().
 class FarmListener {
  public:
   virtual ~FarmListener() = default;
-  /// A visit is open. Comes again, perhaps with another scene, after each on_lost().
+  /// A session is open. Called again, perhaps with another scene, after each on_lost().
   virtual void on_opened(const wire::SceneDescription& scene) = 0;
-  /// No visit is open, and why. Comes again when the reason changes, not at each vain attempt.
+  /// No session is open, for this reason. Called again if the reason changes, not at each failed attempt.
   virtual void on_lost(const Error& reason) = 0;
   virtual void on_begin(const wire::View& view) = 0;
-  /// Checked: belongs to the open frame, lies inside it, was not sent before. The JPEG's bytes are as the node made
-  /// them.
+  /// The tile is checked: it belongs to the open frame, lies inside it, and was not sent before. The JPEG's bytes are
+  /// those from the node.
   virtual void on_tile(wire::Tile tile) = 0;
-  /// When `complete`, the tiles cover the whole picture.
+  /// If `complete`, the tiles cover the whole picture.
   virtual void on_end(const wire::FrameEnd& end) = 0;
 
  protected:
@@ -63,23 +66,23 @@ class FarmListener {
   FarmListener& operator=(const FarmListener&) = default;
 };
 
-/// Keeps one visit open as long as it lives. Threads: `farm` (dials, reads, calls the listener) and, while a visit is
-/// open, `views` (writes, and watches the patience). Thread-safe.
+/// Keeps one session open during its lifetime. Threads: `farm` (connects, reads, calls the listener) and, while a
+/// session is open, `views` (writes, and watches the timeout). Thread-safe.
 class FarmClient {
  public:
-  /// The listener is borrowed until stop() has returned. Does not wait for a connection.
-  /// kInvalidArgument  no head, or an address that is none.     With `tls` also as check(TlsFiles).
+  /// Borrows the listener until stop() has returned. Does not wait for a connection. Errors: kInvalidArgument if an
+  /// address is missing or malformed; with `tls`, also as check(TlsFiles).
   static Result<std::unique_ptr<FarmClient>> start(FarmClientOptions options, FarmListener& listener);
   ~FarmClient();
   FarmClient(const FarmClient&) = delete;
   FarmClient& operator=(const FarmClient&) = delete;
 
-  /// Asks for a picture; never blocks. With two frames in flight, or without a visit, the view waits in one slot;
-  /// returns true if it took the place of an older one. Precondition: the view is valid and its number larger than all
+  /// Requests a picture; never blocks. With two frames in flight, or without a session, the view waits in one slot;
+  /// returns true if it replaced an older one. Precondition: the view is valid and its number is larger than all
   /// before.
   bool request(wire::View view);
 
-  /// Ends the visit and joins the threads; the listener is not called any more. Idempotent.
+  /// Ends the session and joins the threads; the listener is not called afterwards. Idempotent.
   void stop();
 
  private:
@@ -95,16 +98,16 @@ class FarmClient {
   const FarmClientOptions options_;
   const std::vector<std::shared_ptr<grpc::Channel>> channels_;
   FarmListener& listener_;
-  std::string last_reason_;  ///< Farm thread only.
+  std::string last_reason_;  ///< Used by the farm thread only.
 
   std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
   bool stopping_ = false;
-  TimePoint heard_at_{};  ///< When the farm last said something, or was last asked while it owed nothing.
+  TimePoint heard_at_{};  ///< Last reply, or last request while no answer was due.
   ViewWindow window_;
-  grpc::ClientContext* context_ = nullptr;  ///< Of the current call, so that stop() can cancel it.
+  grpc::ClientContext* context_ = nullptr;  ///< Current call's, so that stop() can cancel it.
 
-  std::thread farm_;  ///< Last: started when everything else is made.
+  std::thread farm_;  ///< Last member: started when all others exist.
 };
 
 }  // namespace cyclorama

@@ -19,22 +19,22 @@ class Channel;
 
 namespace cyclorama {
 
-/// What a farm has of an appliance's image. Nothing of it is believed here: who asks checks the signature.
-/// Thread-bound.
+/// Reads versions of an appliance's image from a farm. Verifies nothing: the caller checks the signature. Thread-bound.
 class UpdateClient {
  public:
-  /// Pieces of a file, in order; an error ends it.
+  /// Receives the pieces of a file in order; an error ends the transfer.
   using Sink = std::function<Status(std::span<const std::byte>)>;
 
-  /// Does not dial yet. Errors as make_channel().
+  /// Does not connect yet. Errors as make_channel().
   static Result<UpdateClient> make(const std::vector<std::string>& heads, const std::optional<TlsFiles>& tls);
 
-  /// Of the first head that answers; open for it from then on. kUnavailable, kTimedOut  none does.     Else what it
-  /// answers: kNotFound  it has no such image, or is too old to hand any out.     kInvalidArgument  it gives this
-  /// museum none.     Blocks for 10 s a head at most.
+  /// Returns the offer of the first coordinator that answers; read() then uses that one. Blocks for at most 10 s per
+  /// coordinator.
+  /// Errors: kUnavailable or kTimedOut if none answers; kNotFound if it has no such image or is too old for updates;
+  /// kInvalidArgument if it grants this museum no updates.
   Result<wire::UpdateOffer> offer(const std::string& image);
-  /// From `offset` on until the file's end, or for two minutes: whoever wants the rest asks again. Precondition:
-  /// offer() was answered. Errors of `sink`, and as offer(); kTimedOut  nothing came for two minutes.
+  /// Reads from `offset` to the end of the file, or for two minutes; call again for the rest. Precondition: offer() was
+  /// answered. Errors: those of `sink` and of offer(); kTimedOut if nothing came for two minutes.
   Status read(const std::string& image, const std::string& sha256, std::uint64_t offset, const Sink& sink);
 
  private:

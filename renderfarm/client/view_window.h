@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which views are on their way to the farm, and whether what comes back follows farm.proto's order.
+/// Tracks the views sent to the farm, and checks that the replies follow farm.proto's order.
 #pragma once
 
 #include <cstdint>
@@ -13,36 +13,37 @@
 
 namespace cyclorama {
 
-/// More would only make pictures older: one is rendered while the other crosses the network.
+/// A larger number would only make pictures older: one is rendered while the other crosses the network.
 inline constexpr std::size_t kFramesInFlight = 2;
 
-/// One slot for the view that waits, and the views that were sent and not yet answered. Pure; thread-bound.
+/// One slot for the waiting view, and the views that were sent and are not answered yet. Pure; thread-bound.
 ///
 ///   put() ──► waiting (one, newest wins) ──take_sendable()──► in flight (at most two) ──end() or skipped──► forgotten
 ///                 ▲                                                │
 ///                 └──────────────── lose(): the newest ────────────┘
 ///
 /// The frame that ended last may be begun again, refined. Invariants: 1. at most one frame is open (begun and not
-/// ended); it is the oldest in flight, or that one; 2. no two tiles of a frame share a pixel, and those of a complete
-/// frame cover it.
+/// ended); it is the oldest in flight, or the one that ended last; 2. no two tiles of a frame share a pixel, and those
+/// of a complete frame cover it.
 class ViewWindow {
  public:
-  /// True if a view that waited was dropped for this one. Precondition: numbers grow.
+  /// Returns true if this view replaced a waiting one. Precondition: numbers grow.
   bool put(wire::View view);
-  /// The waiting view, when fewer than kFramesInFlight are in flight; it is in flight from now on.
+  /// Returns the waiting view, which is then in flight, if fewer than kFramesInFlight are.
   std::optional<wire::View> take_sendable();
 
-  /// What the farm answers, in the order in which it comes. kBadData when it breaks farm.proto: the scene is not
-  /// described first and once, another frame is open, a number that was not asked for, another place, direction or
-  /// field or more pixels than asked for, a tile outside or over another, a "complete" frame with holes.
-  /// kInvalidArgument when the scene cannot be walked in. What is refused changes nothing.
+  /// Takes the farm's replies in order. A refused reply changes nothing.
+  /// Errors: kBadData if it breaks farm.proto: the scene is not described first and once, another frame is open, the
+  /// number was not requested, position, direction or field differ from the request, it has more pixels than requested,
+  /// a tile lies outside or overlaps another, or a "complete" frame has holes. kInvalidArgument if the scene has no
+  /// walkable area.
   Status take(const wire::VisitReply& reply);
 
-  /// The farm described its scene.
+  /// True once the farm has described its scene.
   [[nodiscard]] bool is_opened() const { return opened_; }
 
-  /// The farm is gone. The newest unanswered view waits again, unless a newer one waits already.
-  /// Returns the number of the frame that was open, if one was.
+  /// Resets the window after the connection was lost. The newest unanswered view waits again, unless a newer one is
+  /// waiting already. Returns the number of the open frame, if any.
   std::optional<std::uint64_t> lose();
 
   [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }
@@ -56,11 +57,11 @@ class ViewWindow {
   bool opened_ = false;
   std::uint64_t newest_ = 0;
   std::optional<wire::View> waiting_;
-  std::deque<wire::View> in_flight_;    ///< Growing numbers.
-  std::optional<wire::View> answered_;  ///< As asked: the last whose frame ended.
-  std::optional<Projection> open_;      ///< As begun.
+  std::deque<wire::View> in_flight_;    ///< In order of growing numbers.
+  std::optional<wire::View> answered_;  ///< Requested view of the frame that ended last.
+  std::optional<Projection> open_;      ///< Projection of the open frame as begun.
   std::uint64_t open_number_ = 0;
-  CoveredCells covered_;  ///< Of the open frame.
+  CoveredCells covered_;  ///< Covered pixels of the open frame.
   std::uint64_t covered_px_ = 0;
   std::uint32_t tiles_ = 0;
 };

@@ -18,7 +18,7 @@ struct Stroke {
   float to_radius;
 };
 
-/// Half the width of a figure, in a box 2.6 wide and 1.2 high, flying to the left: trunk in front, legs trailing.
+/// Size of a figure; its box is 2.6 wide and 1.2 high. It flies to the left: trunk in front, legs trailing.
 constexpr float kReach = 1.25f;
 
 float nearest(const Vec2& p, std::span<const Stroke> strokes) {

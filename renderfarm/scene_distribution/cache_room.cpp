@@ -39,7 +39,7 @@ std::vector<Entry> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// Of a file's name, or of a part's; empty for what is not the cache's.
+/// Returns the digest in the name of a file or of its part; empty for names that are not the cache's.
 std::string sha256_in(const fs::path& path) {
   const std::string stem = path.stem().string();
   const std::string extension = path.extension().string();
@@ -51,7 +51,7 @@ class Room {
   Room(const fs::path& cache, std::uint64_t limit_bytes, const CacheNeeds& needs)
       : cache_(cache), limit_bytes_(limit_bytes), needs_(needs) {}
 
-  /// Drops what belongs to no scene until there is room.
+  /// Drops files that belong to no scene until there is room.
   Status drop_loose_files(bool* ret_fits) {
     const std::vector<Entry> entries = entries_of(cache_ / "files");
     std::uint64_t used = 0;
@@ -69,7 +69,7 @@ class Room {
     return Done{};
   }
 
-  /// False: there is none that may go.
+  /// Returns false if no scene may be dropped.
   bool drop_oldest_scene() {
     for (const Entry& entry : entries_of(cache_ / "scenes")) {
       if (!is_sha256(entry.path.filename().string()) || entry.path.filename() == needs_.digest) continue;

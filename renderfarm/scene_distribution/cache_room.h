@@ -10,19 +10,19 @@
 
 namespace cyclorama {
 
-/// What may not leave a scene cache while room is made in it.
+/// Contents of a scene cache that must stay while room is made.
 struct CacheNeeds {
-  std::set<std::string> sha256{};  ///< Files of the scene that is wanted, and their parts.
-  std::string digest{};            ///< Its folder.
-  std::uint64_t bytes = 0;         ///< To come.
+  std::set<std::string> sha256{};  ///< Files of the requested scene, and their parts.
+  std::string digest{};            ///< The requested scene's folder.
+  std::uint64_t bytes = 0;         ///< Still to be fetched.
 };
 
-/// Drops, until `needs` fits: files that belong to no scene, the oldest first; then scenes that nobody holds, the one
-/// that was not wanted for longest first. `limit_bytes` of files, 0: only the disk's. Whoever calls holds the cache's
-/// lock. kSystem  it cannot fit, with a remedy.
+/// Drops content until `needs` fits: files that belong to no scene, oldest first; then scenes that nobody holds, least
+/// recently requested first. `limit_bytes` limits all files; 0 leaves only the disk's limit. The caller holds the
+/// cache's lock. Errors: kSystem, with a remedy, if it cannot fit.
 Status make_room(const std::filesystem::path& cache, std::uint64_t limit_bytes, const CacheNeeds& needs);
 
-/// Removes a folder's name before its content, so that no scene is ever half there.
+/// Renames the folder before removing its content, so that no scene is ever incomplete.
 void drop_folder(const std::filesystem::path& folder);
 
 }  // namespace cyclorama

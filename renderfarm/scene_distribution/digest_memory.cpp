@@ -13,7 +13,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{64} << 20;
-/// File systems' clocks tick at least that often: FAT's, every two seconds.
+/// Upper bound for the resolution of file systems' clocks; FAT's is two seconds.
 constexpr std::int64_t kTick_ns = 2'000'000'000;
 
 std::int64_t wall_clock_ns() {

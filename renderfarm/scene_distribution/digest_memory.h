@@ -11,17 +11,16 @@
 
 namespace cyclorama {
 
-/// The digests of files that were read before, so that a head that starts again need not read all scenes anew. A file
-/// is believed to be unchanged while its stamp is; one that was changed just before it was read is not remembered.
-/// Thread-bound.
+/// Digests of files read earlier, so that a restarted coordinator need not read all scenes again. A file counts as
+/// unchanged while its stamp is; a file changed just before it was read is not remembered. Thread-bound.
 class DigestMemory {
  public:
-  /// Without a file it remembers nothing over restarts. What cannot be read of it is forgotten.
+  /// An empty path keeps nothing across restarts. Unreadable content is discarded.
   explicit DigestMemory(std::filesystem::path file);
 
   [[nodiscard]] std::optional<std::string> find(const std::filesystem::path& path, const FileStamp& stamp) const;
   void keep(const std::filesystem::path& path, const HashedFile& hashed);
-  /// Writes the file, whole or not at all, if there is something new.
+  /// Writes the file, completely or not at all, if there is something new.
   Status save();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whole files by their SHA-256, and how to tell that one was not changed since.
+/// SHA-256 of whole files, and detection of later changes.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,12 @@
 
 namespace cyclorama {
 
-/// A file that still has its stamp has its bytes still, unless it was written within the same tick of the file
-/// system's clock.
+/// A file with the same stamp has the same bytes, unless it was written within one tick of the file system's clock.
 struct FileStamp {
   std::uint64_t inode = 0;
   std::uint64_t bytes = 0;
   std::int64_t modified_ns = 0;
-  std::int64_t changed_ns = 0;  ///< Of anything about it, its name included: who copies times cannot set this one.
+  std::int64_t changed_ns = 0;  ///< Time of any change, even of the name; copying times cannot set it.
   bool operator==(const FileStamp&) const = default;
 };
 
@@ -33,9 +32,10 @@ struct HashedFile {
   FileStamp stamp;
   std::string sha256;
 };
-/// Told how many bytes more are done; false: give up.
+/// Receives the number of further bytes done; returns false to give up.
 using GoOn = std::function<bool(std::uint64_t bytes)>;
-/// kBusy  it was changed while it was read: try again.   kUnavailable  given up.   Else as open_stamped(). Blocks.
+/// Blocks. Errors: kBusy if the file changed while it was read (try again); kUnavailable if given up; otherwise as
+/// open_stamped().
 Result<HashedFile> hash_file(const std::filesystem::path& path, const GoOn& go_on);
 
 }  // namespace cyclorama

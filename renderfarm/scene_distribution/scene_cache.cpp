@@ -33,7 +33,7 @@ Status make_folder(const fs::path& folder) {
                                                folder.string(), error.message()));
 }
 
-/// The names in a folder are on the disk only after this.
+/// Makes names in a folder durable.
 Status sync_folder(const fs::path& folder) {
   const UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!fd.is_open() || ::fsync(fd.get()) != 0) {
@@ -55,7 +55,7 @@ Status write_at(int fd, std::uint64_t offset, std::span<const std::byte> bytes) 
 
 }  // namespace
 
-/// How much of a scene is done, of the bytes to be checked and to be fetched.
+/// Progress of one scene, in bytes to be checked and fetched.
 struct SceneCache::Count {
   const CacheProgress& progress;
   std::uint64_t all;
@@ -100,7 +100,7 @@ Result<UniqueFd> SceneCache::lock(const CacheProgress& progress) const {
 
 void SceneCache::sweep() const {
   const auto held = lock([](const char*, double) { return false; });
-  if (!held) return;  // Another node is at work: what looks left over may be its own.
+  if (!held) return;  // Leftovers may belong to another node that is at work.
   std::vector<fs::path> left_over;
   std::error_code error;
   for (fs::directory_iterator at(options_.folder / "scenes", error), end; !error && at != end; at.increment(error)) {
@@ -125,7 +125,7 @@ Result<SceneCache::Held> SceneCache::bring(const SceneFiles& files, FileSource& 
   Count count{progress, bytes_of(files)};
   for (const SceneFile& wanted : files) {
     if (!needs.sha256.insert(wanted.sha256).second) {
-      count.done += wanted.bytes;  // Of the same bytes as another file.
+      count.done += wanted.bytes;  // Another file has the same bytes.
       continue;
     }
     TRY_ASSIGN(const bool is_there, has(wanted, count));
@@ -144,7 +144,7 @@ Result<SceneCache::Held> SceneCache::bring(const SceneFiles& files, FileSource& 
   if (!is_linked(files, scene.path)) TRY(link_scene(files, scene.path));
   for (const auto& sha256 : needs.sha256) {
     TRY_ASSIGN(const StampedFile linked, open_stamped(file(sha256)));
-    verified_[sha256] = linked.stamp;  // Anew: a new name for a file changes its stamp.
+    verified_[sha256] = linked.stamp;  // A new link to a file changes its stamp.
   }
   scene.hold = UniqueFd(::open(scene.path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!scene.hold.is_open() || ::flock(scene.hold.get(), LOCK_SH) != 0 || ::futimens(scene.hold.get(), nullptr) != 0) {
@@ -175,7 +175,7 @@ Result<bool> SceneCache::has(const SceneFile& wanted, Count& count) {
     if (!hashed && hashed.error().code() == ErrorCode::kUnavailable) return hashed.error();
   }
   count.done = before;
-  fs::remove_all(path, none);  // Damaged, or unreadable.
+  fs::remove_all(path, none);  // Damaged or unreadable.
   return false;
 }
 
@@ -193,7 +193,7 @@ Status SceneCache::fetch(const SceneFile& wanted, FileSource& source, Count& cou
     if (sha256 == wanted.sha256) break;
     count.done = before;
     if (::ftruncate(fd.get(), 0) != 0) return Error::from_errno(fmt::format("emptying '{}'", path.string()));
-    // What was there before may have been damaged by a crash: once more, from the beginning.
+    // A crash may have damaged the earlier part: try once more from the beginning.
     if (have == 0) {
       return Error(ErrorCode::kBadData, fmt::format("the head sent other bytes for '{}' than its list says; if the "
                                                     "file was changed there, restart the head",
@@ -221,7 +221,7 @@ Status SceneCache::append(const SceneFile& wanted, int fd, std::uint64_t have, F
     if (!count.add("checking", static_cast<std::uint64_t>(n))) return given_up();
   }
   if (!count.tell("fetching")) return given_up();
-  std::optional<Error> mine;  // What failed here, and not at the source.
+  std::optional<Error> mine;  // Failure here, as opposed to one of the source.
   const auto sink = [&](std::span<const std::byte> bytes) -> Status {
     if (bytes.size() > wanted.bytes - have) {
       mine = Error(ErrorCode::kBadData, fmt::format("the head sent more of '{}' than its list says", wanted.path));

@@ -15,13 +15,13 @@
 
 namespace cyclorama {
 
-/// Where a cache gets what it lacks.
+/// Source of the files that a cache lacks.
 class FileSource {
  public:
   using Sink = std::function<Status(std::span<const std::byte>)>;
   virtual ~FileSource() = default;
-  /// Gives the file's bytes from `offset` on to `sink`, in order and in pieces of any size; ends with what `sink`
-  /// failed with.
+  /// Passes the file's bytes from `offset` on to `sink`, in order and in pieces of any size; returns an error of
+  /// `sink`.
   virtual Status read(const std::string& sha256, std::uint64_t offset, const Sink& sink) = 0;
 
  protected:
@@ -31,41 +31,43 @@ class FileSource {
 };
 
 struct SceneCacheOptions {
-  std::filesystem::path folder;   ///< Made if it is absent; on a file system with hard links.
-  std::uint64_t limit_bytes = 0;  ///< Of all files; 0: what the disk has room for.
+  std::filesystem::path folder;   ///< Created if absent; must be on a file system with hard links.
+  std::uint64_t limit_bytes = 0;  ///< Limit for all files; 0 leaves only the disk's.
 };
 
-/// Told what goes on ("checking", "fetching", "waiting for another node to fill the cache") and which fraction of the
-/// scene's bytes is done. False: give up.
+/// Receives the current step ("checking", "fetching", "waiting for another node to fill the cache") and the fraction of
+/// the scene's bytes that is done. Returns false to give up.
 using CacheProgress = std::function<bool(const char* doing, double fraction)>;
 
-/// A node's scenes on its own disk, each file once, by its SHA-256.
+/// A node's scenes on its own disk; each file is stored once, by its SHA-256.
 ///
-///   files/<sha256>       whole and verified: it gets this name only then
-///   files/<sha256>.part  as much as came; the next attempt goes on at its end
-///   scenes/<digest>/     the scene's paths: hard links to the files; its time is when the scene was last wanted
+///   files/<sha256>       complete and verified; gets this name only then
+///   files/<sha256>.part  received so far; the next attempt continues at its end
+///   scenes/<digest>/     the scene's paths: hard links to the files; its time is when the scene was last requested
 ///
-/// Every file of a scene is verified by its bytes before the scene is given out, and fetched anew when it is damaged;
-/// what this object has verified, and whose stamp is still the same, is not read again. So a crash or a power cut at
-/// any moment costs at most what was not yet written. Room is made by dropping what belongs to no scene, then the
+/// Every file of a scene is verified by its bytes before the scene is returned, and fetched again if it is damaged. A
+/// file that this object has verified and whose stamp is unchanged is not read again. So a crash or a power cut at any
+/// moment costs at most what was not yet written. Room is made by dropping files that belong to no scene, then the
+/// least recently requested scenes. Several processes may share a folder: one fills it at a time. Thread-bound.
 /// scenes that were not wanted for longest. Several processes may share a folder: one fills it at a time. Thread-bound.
 class SceneCache {
  public:
-  /// Makes the folders, and sweeps what a crash left. kSystem  they cannot be made or written.
+  /// Creates the folders and removes leftovers of a crash. Errors: kSystem if they cannot be created or written.
   static Result<SceneCache> open(SceneCacheOptions options);
 
-  /// A scene that is there, and stays while this lives.
+  /// A complete scene, kept while this object lives.
   struct Held {
-    std::filesystem::path path;  ///< What load_scene() takes: the folder, or the scene's only file.
+    std::filesystem::path path;  ///< Argument for load_scene(): the folder, or the scene's only file.
     std::uint64_t fetched_bytes = 0;
-    UniqueFd hold;  ///< A shared flock(2) on the folder: nobody drops it.
+    UniqueFd hold;  ///< A shared flock(2) on the folder, which prevents dropping it.
   };
-  /// Brings the scene's files, the missing ones from `source`. Precondition: validate(files). Blocks.
+  /// Provides the scene's files, fetching missing ones from `source`. Precondition: validate(files). Blocks.
   ///
-  /// kBadData      the source's bytes are not what the list says.
-  /// kBusy         a file was changed in the cache meanwhile.     kUnavailable  given up.
-  /// kSystem       the scene is larger than the cache may be, the disk is full or fails: one sentence with a remedy.
-  /// Else what the source said.
+  /// Errors, besides those of `source`:
+  /// kBadData      the source's bytes do not match the list.
+  /// kBusy         a file in the cache was changed meanwhile.
+  /// kUnavailable  given up.
+  /// kSystem       the scene exceeds the cache's limit, or the disk is full or fails: one sentence with a remedy.
   Result<Held> bring(const SceneFiles& files, FileSource& source, const CacheProgress& progress);
 
  private:
@@ -74,7 +76,7 @@ class SceneCache {
   struct Count;
   Result<UniqueFd> lock(const CacheProgress& progress) const;
   void sweep() const;
-  /// Whether the file is there with its bytes; one that is damaged is removed.
+  /// Returns true if the file is present and intact; removes a damaged one.
   Result<bool> has(const SceneFile& file, Count& count);
   Status fetch(const SceneFile& file, FileSource& source, Count& count);
   Status append(const SceneFile& file, int fd, std::uint64_t have, FileSource& source, Count& count,

@@ -14,7 +14,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kLongestPath = 1024;
-constexpr std::size_t kLongestPart = 255;  // What Linux' file systems take.
+constexpr std::size_t kLongestPart = 255;  // Limit of Linux' file systems.
 constexpr std::ptrdiff_t kMostParts = 16;
 
 Error bad(const std::string& what) { return Error(ErrorCode::kBadData, what); }
@@ -60,7 +60,7 @@ Status validate(const SceneFiles& files) {
   std::uint64_t left = kMostSceneBytes;
   std::map<std::string, std::uint64_t> sizes;
   std::set<std::string> names;    // In lower case.
-  std::set<std::string> folders;  // Likewise.
+  std::set<std::string> folders;  // In lower case.
   const SceneFile* last = nullptr;
   for (const SceneFile& file : files) {
     TRY(check_scene_path(file.path));

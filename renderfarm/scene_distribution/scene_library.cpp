@@ -31,7 +31,7 @@ std::shared_ptr<const SceneFiles> SceneLibrary::find(const std::string& digest) 
 
 Result<StampedFile> SceneLibrary::open(const std::string& sha256) const {
   std::vector<SceneListing::Place> places;
-  const bool may_come = is_reading_;  // Asked first: what came meanwhile is found.
+  const bool may_come = is_reading_;  // Read before the search, so that a file added in between is found.
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = places_.find(sha256); found != places_.end()) places = found->second;
@@ -40,7 +40,7 @@ Result<StampedFile> SceneLibrary::open(const std::string& sha256) const {
                           : Error(ErrorCode::kNotFound, "no scene of this farm has that file");
   for (const SceneListing::Place& place : places) {
     auto file = open_stamped(place.path);
-    // Its name or owner may have changed: the bytes have not, and whoever asked will verify them.
+    // Its name or owner may have changed, but not its bytes, which the receiver verifies.
     if (file && file->stamp.bytes == place.stamp.bytes && file->stamp.modified_ns == place.stamp.modified_ns) {
       return file;
     }
@@ -52,7 +52,7 @@ Result<StampedFile> SceneLibrary::open(const std::string& sha256) const {
 
 void SceneLibrary::run(const std::stop_token& stop, std::vector<Source> sources, const std::filesystem::path& digests) {
   DigestMemory memory(digests);
-  std::map<std::string, std::string> last_told;  // By scene: what fails again is not told again.
+  std::map<std::string, std::string> last_told;  // By scene; a repeated failure is not reported again.
   const auto tell = [&](News news) {
     if (std::exchange(last_told[news.scene], news.sentence) != news.sentence) tell_(std::move(news));
   };

@@ -19,37 +19,37 @@
 
 namespace cyclorama {
 
-/// The scenes on this machine's disk that others may have, by digest. Reads them once, in a thread of its own
-/// (`scenes`), one after the other; one that cannot be read is tried again every few seconds. What changes afterwards
-/// is not noticed: a scene is what it was when it was read, and a file that was changed since is refused. Thread-safe.
+/// The scenes on this machine's disk that nodes may fetch, by digest. Reads each scene once, in a thread of its own
+/// (`scenes`), one after the other; retries an unreadable one every few seconds. Later changes are not noticed: a scene
+/// stays as it was read, and a file changed since is refused. Thread-safe.
 class SceneLibrary {
  public:
   struct Source {
     std::string name;
-    std::filesystem::path path;  ///< As list_scene().
+    std::filesystem::path path;  ///< As for list_scene().
   };
   struct News {
     std::string scene;
-    std::string digest;    ///< Empty: not known yet.
+    std::string digest;    ///< Empty if not known yet.
     std::string sentence;  ///< For the log.
   };
-  /// Starts to read. `tell` is called on the thread; `digests` is DigestMemory's file, or empty.
+  /// Starts reading. `tell` is called on the thread; `digests` is DigestMemory's file, or empty.
   SceneLibrary(std::vector<Source> sources, std::filesystem::path digests, std::function<void(News)> tell);
   ~SceneLibrary();
   SceneLibrary(const SceneLibrary&) = delete;
   SceneLibrary& operator=(const SceneLibrary&) = delete;
 
-  /// True until each scene was read, or could not be: what is not found may come yet.
+  /// True until each scene was read or failed; until then, a missing digest may still be added.
   [[nodiscard]] bool is_reading() const { return is_reading_; }
-  /// Null: no scene of that digest.
+  /// Returns null if no scene has that digest.
   [[nodiscard]] std::shared_ptr<const SceneFiles> find(const std::string& digest) const;
-  /// A file of some scene, never any other. kNotFound  there is none, or it was changed since it was read.
-  /// kUnavailable  there is none, while is_reading().
+  /// Opens a file of some scene, never any other. Errors: kNotFound if there is none or it changed since it was read;
+  /// kUnavailable if there is none while is_reading().
   [[nodiscard]] Result<StampedFile> open(const std::string& sha256) const;
 
  private:
   void run(const std::stop_token& stop, std::vector<Source> sources, const std::filesystem::path& digests);
-  /// Without a digest if it could not be read, and why.
+  /// The digest is empty if the scene could not be read; the sentence says why.
   News read(const std::stop_token& stop, const Source& source, DigestMemory& memory);
   void add(SceneListing listing);
 

@@ -18,16 +18,18 @@ struct SceneListing {
     FileStamp stamp;
   };
   SceneFiles files;
-  std::vector<Place> places;  ///< Of each of the files.
+  std::vector<Place> places;  ///< One for each file.
 };
 
-/// Reads the files of a scene package's folder, all of them and those of its folders, but hidden ones; or of one .ply
-/// or .glb file. What `memory` knows is not read again, what is read it learns. `go_on` is told the fraction that is
-/// done, and gives up by false. Blocks for as long as the disk takes.
+/// Lists a scene: all files of a scene package's folder and its subfolders except hidden ones, or one .ply or .glb
+/// file. Files known to `memory` are not read again; new digests are added to it. `go_on` receives the fraction done
+/// and returns false to give up. Blocks while the disk is read.
 ///
+/// Errors:
 /// kNotFound     no such folder, or it has no scene.toml.
-/// kBadData      a link, a device, a name that check_scene_path() refuses, a single file that refers to others.
-/// kBusy         a file was changed meanwhile: try again.      kUnavailable  given up.
+/// kBadData      a link, a device, a name refused by check_scene_path(), a single file that refers to others.
+/// kBusy         a file was changed meanwhile: try again.
+/// kUnavailable  given up.
 Result<SceneListing> list_scene(const std::filesystem::path& path, DigestMemory& memory,
                                 const std::function<bool(double)>& go_on);
 

@@ -16,7 +16,7 @@ class Sha256 {
  public:
   Sha256();
   void add(std::span<const std::byte> bytes);
-  /// 64 characters, lower case. Ends it: nothing may be added after.
+  /// Returns 64 lower-case characters. Ends the computation: nothing may be added afterwards.
   [[nodiscard]] std::string hexadecimal();
 
  private:
@@ -28,7 +28,7 @@ class Sha256 {
 
 [[nodiscard]] std::string sha256_of(std::string_view text);
 
-/// 64 hexadecimal digits in lower case: also safe as a file's name.
+/// True for 64 hexadecimal digits in lower case, which are also safe as a file name.
 [[nodiscard]] bool is_sha256(std::string_view text);
 
 }  // namespace cyclorama

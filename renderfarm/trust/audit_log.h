@@ -18,14 +18,14 @@
 
 namespace cyclorama {
 
-/// How a visit went.
+/// Statistics of a session.
 struct VisitSummary {
   double seconds = 0.0;
-  std::uint64_t frames = 0;  ///< Complete ones that the museum took.
-  std::uint64_t bytes = 0;   ///< Of tiles that it took.
+  std::uint64_t frames = 0;  ///< Complete frames that the museum received.
+  std::uint64_t bytes = 0;   ///< Bytes of the tiles that it received.
 };
 
-/// One line of the log. Empty texts are left out.
+/// One line of the log. Empty texts are omitted.
 struct AuditEvent {
   std::string event{};  ///< "visit opened", "visit refused", "visit ended", "node came", "grants read" ...
   Identity who{};
@@ -34,32 +34,32 @@ struct AuditEvent {
   std::optional<VisitSummary> visit{};
 };
 
-/// Who came, saw, was refused or left: a file of JSON lines, in the order of things:
+/// Log of sessions, nodes and refusals: a file of JSON lines in order of time:
 ///
 ///   {"time":"2026-11-22T01:02:03.456Z","event":"visit ended","role":"museum","name":"hall-3","serial":"4C97...",
 ///    "address":"ipv6:[::1]:40112","scene":"grotto","seconds":12.5,"frames":240,"bytes":151000000}
 ///
-/// Each line is one write to a file opened for appending, so that no crash of the head leaves half a line; neither does
-/// a disk that fills up. When the file was moved away (logrotate), the next line begins a new one. A file that would
-/// grow beyond its limit becomes PATH.1, in place of the last one: the two take at most twice the limit. Lines outlive a
-/// power cut a second later: the thread `audit` has the disk take them (fdatasync), twice a second at most, so that
-/// nobody waits for it. Thread-safe.
+/// Each line is one write to a file opened for appending, so that neither a crash of the coordinator nor a full disk
+/// leaves half a line. After the file was moved away (logrotate), the next line begins a new one. A file that would
+/// exceed its limit becomes PATH.1, replacing the previous one: the two take at most twice the limit. Lines survive a
+/// power cut a second later: the thread `audit` calls fdatasync at most twice a second, so that nobody waits for the
+/// disk. Thread-safe.
 class AuditLog {
  public:
-  /// Some 200 000 lines.
+  /// About 200 000 lines.
   static constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20;
 
-  /// kNotFound, kSystem  it cannot be opened.
+  /// Errors: kNotFound, kSystem if it cannot be opened.
   static Result<std::unique_ptr<AuditLog>> open(std::filesystem::path path, std::uint64_t most_bytes = kMostBytes);
   /// Waits for the disk.
   ~AuditLog();
   AuditLog(const AuditLog&) = delete;
   AuditLog& operator=(const AuditLog&) = delete;
 
-  /// kSystem  the disk is full, say, and the line is lost; or it is written, but the disk did not take earlier ones, or
-  /// PATH could not be renamed.
+  /// Errors: kSystem if the line is lost, for example because the disk is full; or if it is written, but earlier lines
+  /// were not made durable or PATH could not be renamed.
   Status write(const AuditEvent& event);
-  /// Waits until the disk has all lines so far; false at the deadline.
+  /// Waits until all lines so far are durable; returns false at the deadline.
   bool wait_for_disk(Duration limit);
 
  private:
@@ -75,12 +75,12 @@ class AuditLog {
   const std::uint64_t most_bytes_;
   std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
-  File file_;  ///< Null: none could be opened.
+  File file_;  ///< Null if none could be opened.
   std::vector<File> unsynced_;
   bool is_syncing_ = false;
-  Status synced_ = Done{};  ///< A failure is told with the next line.
+  Status synced_ = Done{};  ///< A failure is reported with the next line.
   bool stopping_ = false;
-  std::thread thread_;  ///< Last: started when everything else is made.
+  std::thread thread_;  ///< Last member: started when all others exist.
 };
 
 }  // namespace cyclorama

@@ -15,11 +15,11 @@ namespace {
 constexpr Duration kLookEvery = std::chrono::milliseconds(500);
 constexpr Duration kSameRefusal = std::chrono::minutes(1);
 constexpr std::size_t kMostRefusals = 1000;
-/// A museum whose pictures are larger than its limit bears still gets one now and then.
+/// Ensures that a museum whose pictures exceed its limit still gets one occasionally.
 constexpr Duration kLongestWait = std::chrono::seconds(10);
 constexpr std::size_t kLargestAuthority = 1 << 20;
 
-/// As if there were none.
+/// A grant without scenes, for a museum that museums.toml does not name.
 Grant nothing_for(const std::string& museum) { return {.museum = museum, .scenes = {}}; }
 
 }  // namespace
@@ -167,7 +167,7 @@ TimePoint Gatekeeper::took(std::uint64_t id, const wire::VisitReply& reply) {
   if (limit <= 0.0) return now;
   const auto bucket = bytes_.try_emplace(visit.who.name, limit, limit).first;
   const TimePoint due = bucket->second.take(static_cast<double>(bytes), now);
-  // Only a frame's end holds the next one up.
+  // Only the end of a frame delays the next one.
   return reply.has_end() ? std::min(due, now + kLongestWait) : now;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kUsualVisits = 4;
 
-/// 0 for what is no key.
+/// Returns 0 for an invalid key.
 std::uint64_t parse_watermark(std::string_view text) {
   std::uint64_t key = 0;
   const char* const end = text.data() + text.size();

@@ -11,14 +11,14 @@
 
 namespace cyclorama {
 
-/// What one museum may do. A value. The default is that of a farm without grants: everything.
+/// Rights of one museum. A value. The default is that of a farm without grants: everything.
 struct Grant {
-  std::string museum{};                  ///< The common name of its certificate; empty: it says its name itself.
-  std::vector<std::string> scenes{"*"};  ///< "*" alone: all.
-  double weight = 1.0;                   ///< Its share of the nodes, beside the others'.
-  int visits = 64;                       ///< At once.
-  double bytes_per_second = 0.0;         ///< Of all its visits together; 0: not limited.
-  std::uint64_t watermark = 0;           ///< Key of the mark in its pictures; 0: none.
+  std::string museum{};                  ///< Common name of its certificate; empty if it states its own name.
+  std::vector<std::string> scenes{"*"};  ///< "*" alone means all.
+  double weight = 1.0;                   ///< Its share of the nodes, relative to other museums.
+  int visits = 64;                       ///< Maximum number of simultaneous sessions.
+  double bytes_per_second = 0.0;         ///< For all its sessions together; 0: not limited.
+  std::uint64_t watermark = 0;           ///< Key of the watermark in its pictures; 0: none.
   bool updates = true;                   ///< May fetch versions of its image.
 
   [[nodiscard]] bool allows(std::string_view scene) const;
@@ -37,12 +37,12 @@ struct Grant {
 ///   updates = false                  # Left out: true. Whether it gets versions of its image from here.
 ///   watermark = "9e1f2bad2af9ea4e"   # Left out: none. 16 hexadecimal digits, not all 0.
 ///
-/// A museum that is not in it may do nothing. A value; thread-bound.
+/// A museum that is not listed has no rights. A value; thread-bound.
 class Grants {
  public:
   /// Errors as Config's.
   static Result<Grants> parse(std::string_view text, const std::string& name);
-  /// Null: it has none.
+  /// Returns null if the museum has no grant.
   [[nodiscard]] const Grant* find(std::string_view museum) const;
   /// By the museum's name.
   [[nodiscard]] const std::map<std::string, Grant, std::less<>>& all() const { return grants_; }

@@ -16,7 +16,7 @@ Result<Revocations> Revocations::parse(std::string_view pem, std::string_view au
   }
   Revocations revocations;
   STACK_OF(X509_REVOKED)* const entries = X509_CRL_get_REVOKED(list.get());
-  for (int i = 0; i < sk_X509_REVOKED_num(entries); ++i) {  // -1 without any.
+  for (int i = 0; i < sk_X509_REVOKED_num(entries); ++i) {  // -1 for an empty list.
     revocations.serials_.insert(serial_text(X509_REVOKED_get0_serialNumber(sk_X509_REVOKED_value(entries, i))));
   }
   const ASN1_TIME* const next = X509_CRL_get0_nextUpdate(list.get());

@@ -10,20 +10,21 @@
 
 namespace cyclorama {
 
-/// The certificates that an authority has taken back: its list (CRL, RFC 5280), crl.pem. A value; thread-bound.
+/// Certificates that an authority has revoked: its list (CRL, RFC 5280), crl.pem. A value; thread-bound.
 class Revocations {
  public:
-  /// None.
+  /// An empty list.
   Revocations() = default;
-  /// kBadData  it is no list in PEM form, or that authority (a certificate, PEM) did not sign it.
+  /// Errors: kBadData if this is no list in PEM form, or the authority (a certificate, PEM) did not sign it.
   static Result<Revocations> parse(std::string_view pem, std::string_view authority_pem);
 
-  /// By serial number in upper-case hexadecimal, as Identity has it.
+  /// Serial numbers are upper-case hexadecimal, as in Identity.
   [[nodiscard]] bool contains(const std::string& serial) const { return serials_.contains(serial); }
   [[nodiscard]] std::size_t size() const { return serials_.size(); }
-  /// The authority promised a newer one by then.
+  /// True after the time by which the authority promised a newer list.
   [[nodiscard]] bool is_out_of_date() const;
-  [[nodiscard]] const std::string& next_update() const { return next_update_; }  ///< A day; "?" when it has none.
+  /// A day; "?" when it has none.  A day; "?" if the list has none.
+  [[nodiscard]] const std::string& next_update() const { return next_update_; }
 
  private:
   std::set<std::string> serials_;

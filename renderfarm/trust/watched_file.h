@@ -11,15 +11,15 @@
 
 namespace cyclorama {
 
-/// A small text file that somebody replaces while the program runs. Thread-bound.
+/// A small text file that may be replaced while the program runs. Thread-bound.
 class WatchedFile {
  public:
   WatchedFile() = default;
   explicit WatchedFile(std::filesystem::path path) : path_(std::move(path)) {}
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// What it says now, when it is another than at the last call or there was none; an error, as read_text_file(), also
-  /// only once. Nothing while nothing changes.
+  /// Returns the content, or an error as read_text_file(), if the file changed since the last call or this is the
+  /// first call; otherwise nothing.
   std::optional<Result<std::string>> changed();
 
  private:

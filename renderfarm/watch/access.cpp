@@ -28,7 +28,7 @@ std::string base64(const std::string& text) {
   return out;
 }
 
-/// "localhost", "[::1]:7404", "127.0.0.1".
+/// Accepts "localhost", "[::1]:7404", "127.0.0.1".
 bool names_this_machine(const std::string& host) { return is_loopback(host) || is_loopback(host + ":80"); }
 
 }  // namespace

@@ -44,7 +44,7 @@ const char* word_for(ErrorCode code) {
   return "system";
 }
 
-/// From a tenth of the least that matters to far beyond any budget.
+/// From a tenth of the smallest relevant duration to far beyond any budget.
 const Histogram::BucketBoundaries kSeconds{0.0001, 0.00025, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02,
                                            0.05,   0.1,     0.2,    0.5,   1.0,   2.0,   5.0};
 
@@ -52,11 +52,11 @@ Family<Counter>& counter(prometheus::Registry& registry, const char* name, const
   return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
 }
 
-/// Gauges that are made anew for each answer, so that what is gone leaves no old number behind.
+/// Gauges that are rebuilt for each answer, so that nothing stale remains.
 class Gauges {
  public:
   void add(const char* name, const char* help) { families_.push_back({name, help, prometheus::MetricType::Gauge, {}}); }
-  /// Of the family that was added last.
+  /// Adds a sample to the family that was added last.
   void sample(std::vector<ClientMetric::Label> labels, double value) {
     ClientMetric metric;
     metric.label = std::move(labels);
@@ -133,7 +133,8 @@ struct FarmMetrics::Series {
   std::set<std::string> museums;
   FarmOverview overview;
 
-  /// Cardinality is what a metrics server dies of, and museums name themselves.
+  /// Bounds the number of label values: high cardinality overloads a metrics server, and museums choose their own
+  /// names.
   std::string label_of(const std::string& museum) {
     const std::lock_guard lock(mutex);
     return label_while_locked(museum);
@@ -152,7 +153,7 @@ struct FarmMetrics::Series {
     for (const auto& [museum, visits_of] : by_museum) {
       gauges->sample({{"museum", museum}}, static_cast<double>(visits_of.size()));
     }
-    // Of several visits of one museum, the number of the worst: what an alert should see.
+    // Shows the worst of several sessions of one museum, which an alert should see.
     const auto worst = [&](const char* name, const char* help, bool least,
                            const std::function<double(const WatchedVisit&)>& value) {
       gauges->add(name, help);
@@ -209,7 +210,7 @@ void FarmMetrics::add_stage(const std::string& stage, double seconds) {
 void FarmMetrics::visit_opened(const std::string& museum) {
   const prometheus::Labels labels{{"museum", series_->label_of(museum)}};
   series_->visits.Add(labels).Increment();
-  // Rates need a first value: what never happened yet is 0, not absent.
+  // Rates need a first value, so a counter starts at 0 instead of being absent.
   for (Family<Counter>* const family : {&series_->frames, &series_->refined, &series_->late, &series_->given_up}) {
     family->Add(labels);
   }

@@ -9,21 +9,21 @@
 
 namespace cyclorama {
 
-/// What one frame was, for the counters.
+/// Figures of one frame for the counters.
 struct FrameFigures {
   enum class Outcome { kWhole, kRefined, kLate, kGivenUp };
   std::string museum{};
   Outcome outcome = Outcome::kWhole;
   std::size_t bytes = 0;
   std::uint64_t rays = 0;
-  bool given_again = false;  ///< Others made what a node owed.
-  int moved = 0;             ///< Blocks that a node that was done took from others.
+  bool given_again = false;  ///< Another node rendered what one node failed to deliver.
+  int moved = 0;             ///< Blocks that an idle node took from others.
 };
 
-/// The farm's numbers in Prometheus' text format 0.0.4, on prometheus-cpp. docs/reference/metrics.md lists them.
+/// The farm's metrics in Prometheus' text format 0.0.4, by prometheus-cpp. docs/reference/metrics.md lists them.
 ///
-/// Series are bounded: museums beyond the first kMostMuseums names are counted as "(others)", of several visits of one
-/// museum the worst is shown, and nodes of one name are numbered. Thread-safe.
+/// The number of series is bounded: museums beyond the first kMostMuseums names count as "(others)", only the worst of
+/// several sessions of one museum is shown, and nodes of one name are numbered. Thread-safe.
 class FarmMetrics {
  public:
   static constexpr std::size_t kMostMuseums = 64;
@@ -34,14 +34,14 @@ class FarmMetrics {
   FarmMetrics& operator=(const FarmMetrics&) = delete;
 
   void add(const FrameFigures& frame);
-  /// One step of a frame's way: docs/reference/frame-timing.md.
+  /// Adds the duration of one step of a frame; see docs/reference/frame-timing.md.
   void add_stage(const std::string& stage, double seconds);
   void visit_opened(const std::string& museum);
   void visit_refused(ErrorCode reason);
   void node_sent_away();
-  /// Of scenes' files, to nodes, since the head's start. By one thread.
+  /// Bytes of scene files sent to nodes since the coordinator's start. Called by one thread.
   void scene_bytes_sent(std::uint64_t so_far);
-  /// Takes the place of what was shown before.
+  /// Replaces the previous overview.
   void show(FarmOverview overview);
 
   [[nodiscard]] std::string text() const;

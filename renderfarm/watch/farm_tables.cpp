@@ -8,7 +8,7 @@
 namespace cyclorama {
 namespace {
 
-/// Fills one row after the other, so that a column's name stands beside its value.
+/// Fills one row after the other, so that each column's name stands next to its value.
 class TableWriter {
  public:
   explicit TableWriter(const char* name) { table_.set_name(name); }

@@ -6,7 +6,7 @@
 
 namespace cyclorama {
 
-/// The tables "visits" and "nodes" of the inspection service, which `cyclorama-farm top` and the page show.
+/// The tables "visits" and "nodes" of the inspection service, shown by `cyclorama-farm top` and the page.
 [[nodiscard]] wire::Table visits_table(const FarmOverview& farm);
 [[nodiscard]] wire::Table nodes_table(const FarmOverview& farm);
 

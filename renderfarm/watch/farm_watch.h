@@ -12,20 +12,20 @@
 
 namespace cyclorama {
 
-/// What the head shows of itself besides the inspection service: metrics and pictures, by HTTP and as a file, as far as
-/// the options ask for them. Thread-bound, but for what it hands out.
+/// The coordinator's metrics and pictures, by HTTP and as a file, as far as the options enable them. Thread-bound,
+/// except for the objects that it returns.
 class FarmWatch {
  public:
-  /// `inspection` is borrowed. Nothing listens before start().
+  /// Borrows `inspection`. Nothing listens before start().
   explicit FarmWatch(InspectionService& inspection) : inspection_(inspection) {}
 
-  /// `notice` may be called on another thread. kInvalidArgument  as validate(WatchOptions).     Else as WatchServer,
-  /// MetricsFile and Access.
+  /// `notice` may be called on another thread. Errors: kInvalidArgument as validate(WatchOptions); otherwise as
+  /// WatchServer, MetricsFile and Access.
   Status start(const WatchOptions& options, const std::function<void(const std::string&)>& notice);
   void stop();
 
   [[nodiscard]] FarmMetrics& metrics() { return metrics_; }
-  /// Null when nobody can look: then the pictures need not be kept.
+  /// Null if nobody can watch; then pictures need not be kept.
   [[nodiscard]] VisitPictures* pictures() { return server_ ? &pictures_ : nullptr; }
   [[nodiscard]] int port() const { return server_ ? server_->port() : 0; }
 

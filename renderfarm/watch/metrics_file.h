@@ -15,15 +15,15 @@
 
 namespace cyclorama {
 
-/// Writes the metrics into a file for node_exporter's textfile collector, for farms that want no listener at all. A
-/// reader sees the old text or the new one, whole; the end takes the file away. Thread: `metrics`, which alone touches
+/// Writes the metrics into a file for node_exporter's textfile collector, for farms without a listener. A reader sees
+/// the old text or the new one, never a part; the destructor removes the file. Thread: `metrics`, which alone accesses
 /// the disk.
 class MetricsFile {
  public:
   static constexpr Duration kPeriod = std::chrono::seconds(10);
 
-  /// Writes once before it returns. `metrics` is borrowed. `notice` is told, on the thread, when writing fails and when
-  /// it works again. Errors as write_file_atomically().
+  /// Writes once before it returns. Borrows `metrics`. Calls `notice` on the thread when writing fails and when it
+  /// works again. Errors as write_file_atomically().
   static Result<std::unique_ptr<MetricsFile>> start(std::filesystem::path path, const FarmMetrics& metrics,
                                                     std::function<void(const std::string&)> notice,
                                                     Duration period = kPeriod);
@@ -43,7 +43,7 @@ class MetricsFile {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool stopping_ = false;  ///< Guarded by mutex_.
-  std::thread thread_;     ///< Last.
+  std::thread thread_;     ///< Last member: started when all others exist.
 };
 
 }  // namespace cyclorama

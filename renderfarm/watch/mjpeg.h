@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Pictures one after the other in one answer: multipart/x-mixed-replace (RFC 2046, 5.1), as browsers and players take.
+/// A sequence of pictures in one response: multipart/x-mixed-replace (RFC 2046, 5.1), as browsers and players accept
+/// it.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +11,9 @@ namespace cyclorama {
 
 inline constexpr const char* kMjpegType = "multipart/x-mixed-replace; boundary=cyclorama-picture";
 
-/// What the answer begins with.
+/// Returns the beginning of the response.
 [[nodiscard]] std::string mjpeg_begin();
-/// One picture. The boundary after it is part of it, since browsers show a picture when they see its end.
+/// Returns one picture, including the boundary after it, since browsers show a picture once they see its end.
 [[nodiscard]] std::string mjpeg_part(std::span<const std::byte> jpeg);
 
 }  // namespace cyclorama

@@ -7,12 +7,15 @@
 
 namespace cyclorama {
 
-/// { process, version, uptime_s, state, healthy, gauges: {}, facts: {}, stages: { name: { count, p50_ms, p95_ms, p99_ms
-/// } },
-///   and under the name of each table, its rows: [ { column: value } ] }
-/// A value that is not known or not finite is null.
+/// Returns JSON:
+///
+///   { process, version, uptime_s, state, healthy, gauges: {}, facts: {},
+///     stages: { name: { count, p50_ms, p95_ms, p99_ms } },
+///     and for each table, by its name, its rows: [ { column: value } ] }
+///
+/// A value that is unknown or not finite is null.
 [[nodiscard]] std::string status_json(const wire::ProcessStatus& status);
-/// One table of it, as a list; empty when there is none of that name.
+/// Returns one table of the status as a list; empty if there is no table of that name.
 [[nodiscard]] std::string table_json(const wire::ProcessStatus& status, const std::string& table);
 
 }  // namespace cyclorama

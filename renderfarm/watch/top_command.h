@@ -8,17 +8,18 @@
 
 namespace cyclorama {
 
-/// What the package's farm.toml says: no port listens, and who may open the file may look.
+/// Setting of the packaged farm.toml: no port listens; the file's permissions decide who may watch.
 inline constexpr const char* kPackagedInspect = "unix:/run/cyclorama-farm/inspect.sock";
 
 struct TopOptions {
-  std::string inspect{};  ///< Where the head shows itself: "unix:/run/…" or HOST:PORT. Empty: kPackagedInspect.
-  bool once = false;      ///< One plain picture, then the end; always so when standard output is no terminal.
-  bool json = false;      ///< status_json() instead of a table; once.
+  /// The coordinator's inspection address: "unix:/run/…" or HOST:PORT. Empty: kPackagedInspect.
+  std::string inspect{};
+  bool once = false;  ///< Prints one plain table and exits; always if standard output is not a terminal.
+  bool json = false;  ///< Prints status_json() instead of a table, once.
 };
 
-/// `cyclorama-farm top`: shows the farm on standard output, again each second, until asked to stop.
-/// kUnavailable, kTimedOut  the head does not answer; on a terminal it goes on asking once it has answered.
+/// `cyclorama-farm top`: shows the farm on standard output, every second, until stopped. Errors: kUnavailable or
+/// kTimedOut if the coordinator does not answer; on a terminal it keeps trying once it has had an answer.
 Status run_top(const TopOptions& options, const StopSignal& stop);
 
 }  // namespace cyclorama

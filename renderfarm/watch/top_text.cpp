@@ -18,9 +18,9 @@ namespace {
 struct Column {
   std::string_view key;
   std::string_view heading;
-  int width;         ///< Text is cut to it.
-  int decimals;      ///< -1: text.
-  double per = 1.0;  ///< What the number is shown in.
+  int width;         ///< Text is cut to this width.
+  int decimals;      ///< Decimals of a number; -1 for text.
+  double per = 1.0;  ///< Unit in which the number is shown.
 };
 
 constexpr int kText = -1;
@@ -47,11 +47,11 @@ constexpr std::array<Column, 10> kNodes{{{"name", "node", 24, kText},
                                          {"", "", 2, kText},
                                          {"scenes", "scenes", 32, kText}}};
 
-/// In the order of a frame's way; what is not among them comes last.
+/// In the order of a frame's steps; others follow.
 constexpr std::array<std::string_view, 8> kStages{"queue",  "plan",  "fan_out",  "render",
                                                   "encode", "relay", "overhead", "farm"};
 
-/// Cut or filled to exactly `width` characters.
+/// Cuts or pads `text` to exactly `width` characters.
 std::string fitted(std::string_view text, std::size_t width) {
   const std::string clean = printable(text, 4 * width);
   std::size_t characters = 0;

@@ -7,8 +7,8 @@
 
 namespace cyclorama {
 
-/// The farm as a table for a terminal: its state, visits, nodes and the steps of a frame. Lines are at most `columns`
-/// characters wide, however long a museum's name is. Pure.
+/// The farm as a table for a terminal: its state, sessions, nodes and the steps of a frame. Lines have at most
+/// `columns` characters, however long a museum's name is. Pure.
 [[nodiscard]] std::string top_text(const wire::ProcessStatus& status, int columns);
 
 }  // namespace cyclorama

@@ -14,32 +14,32 @@
 
 namespace cyclorama {
 
-/// One whole frame as the museum got it.
+/// One complete frame as the museum received it.
 struct FramePicture {
-  std::uint64_t serial = 0;  ///< Grows with each picture of any visit.
+  std::uint64_t serial = 0;  ///< Grows with each picture of any session.
   int width_px = 0;
   int height_px = 0;
   std::vector<wire::Tile> tiles{};
 };
 
-/// The newest whole frame of each visit, for the operator's eyes. The head's loop gives it each message that a museum
-/// has taken, bytes and all, so nothing is copied and nothing is decoded there; who watches does that on a thread of
-/// their own. Memory: of each visit the newest frame and the one that is coming, each of at most kMostBytes.
-/// Thread-safe; the calls of one visit's messages come from one thread, in order.
+/// Keeps the newest complete frame of each session for the operator. The coordinator's loop passes each message that a
+/// museum has received, with its bytes, so it neither copies nor decodes; watchers decode on their own threads. Memory:
+/// for each session the newest frame and the next one, each at most kMostBytes. Thread-safe; the messages of one
+/// session come from one thread, in order.
 class VisitPictures {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
 
-  /// A message is on its way to the museum. A frame that is larger than kMostBytes or not complete is left out.
+  /// Takes a message that is on its way to the museum. Frames that exceed kMostBytes or are incomplete are left out.
   void taken(std::uint64_t visit, wire::VisitReply reply);
   void visit_ended(std::uint64_t visit);
-  /// Nobody waits in vain from now on.
+  /// Ends all waiting, now and later.
   void close();
 
-  /// The newest one whose serial is beyond `after`; waits for it until `deadline`. Null when there is none.
+  /// Returns the newest frame with a serial above `after`; waits for it until `deadline`. Null if there is none.
   [[nodiscard]] std::shared_ptr<const FramePicture> newest(std::uint64_t visit, std::uint64_t after,
                                                            TimePoint deadline) const;
-  /// False once the visit has ended, or the farm has: its watchers may go.
+  /// Returns false once the session or the farm has ended, so that its watchers can stop.
   [[nodiscard]] bool is_open(std::uint64_t visit) const;
 
  private:
@@ -48,19 +48,20 @@ class VisitPictures {
     std::size_t bytes = 0;
     bool wanted = false;
   };
-  std::map<std::uint64_t, Coming> coming_;  ///< The loop's alone.
+  std::map<std::uint64_t, Coming> coming_;  ///< Used by the loop only.
 
   mutable std::mutex mutex_;  ///< Guards the following.
   mutable std::condition_variable changed_;
-  std::map<std::uint64_t, std::shared_ptr<const FramePicture>> newest_;  ///< Null: the visit has no frame yet.
+  /// Null while the session has no complete frame.
+  std::map<std::uint64_t, std::shared_ptr<const FramePicture>> newest_;
   std::uint64_t last_serial_ = 0;
   bool closed_ = false;
 };
 
-/// Its tiles decoded, side by side. kBadData  a tile that is no JPEG, or lies outside the picture.
+/// Decodes the tiles into one picture. Errors: kBadData if a tile is no JPEG or lies outside the picture.
 Result<RgbImage> composed(const FramePicture& frame);
 
-/// Half as wide and high, rounded down; each pixel the mean of four. Smaller than 2x2: as it is.
+/// Halves width and height, rounded down; each pixel is the mean of four. Returns pictures below 2x2 unchanged.
 [[nodiscard]] RgbImage halved(const RgbImage& image);
 
 }  // namespace cyclorama

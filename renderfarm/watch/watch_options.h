@@ -9,19 +9,18 @@
 
 namespace cyclorama {
 
-/// How the farm may be watched; all of it is off unless asked for.
+/// Ways to watch the farm; all are off by default.
 struct WatchOptions {
-  std::string address{};  ///< Of HTTP: "[::1]:7404". Empty: nothing listens.
+  std::string address{};  ///< HTTP address, such as "[::1]:7404". Empty: nothing listens.
   std::filesystem::path
-      token_file{};  ///< Its first line lets in. Needed unless only this machine can reach the address.
+      token_file{};  ///< Its first line is the token. Required unless only this machine can reach the address.
   std::filesystem::path metrics_file{};  ///< Written every ten seconds. Empty: no file.
 };
 
-/// [watch] of farm.toml; the keys have the names above, each may be left out.
-/// Files are sought in `folder`.
+/// Reads [watch] of farm.toml; the keys have the names above and are optional. Files are looked for in `folder`.
 [[nodiscard]] WatchOptions read_watch_options(ConfigTable table, const std::filesystem::path& folder);
 
-/// kInvalidArgument  an address that is none, or that others can reach while there is no token.
+/// Errors: kInvalidArgument for a malformed address, or one that others can reach while there is no token.
 Status validate(const WatchOptions& options);
 
 }  // namespace cyclorama

@@ -7,7 +7,7 @@
 
 namespace cyclorama {
 
-/// The files of renderfarm/watch/page/.
+/// Returns the files of renderfarm/watch/page/.
 [[nodiscard]] std::span<const PageFile> watch_page_files();
 
 }  // namespace cyclorama

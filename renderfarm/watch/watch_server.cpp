@@ -16,11 +16,12 @@ namespace cyclorama {
 namespace {
 
 constexpr HttpLimits kLimits{.threads = 12};
-/// Between two pictures of one watcher: ten a second show all that a person must judge.
+/// Minimum time between two pictures for one watcher; ten per second suffice for judging them.
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
-/// A picture at rest is sent again after this time: so a watcher who is gone is noticed, and players see life.
+/// A picture at rest is sent again after this time, so that a watcher who has left is noticed and players stay
+/// connected.
 constexpr Duration kAgain = std::chrono::seconds(4);
-/// How long a handler may wait at once: a stop is noticed in between.
+/// Maximum time that a handler waits in one call, so that a stop is noticed.
 constexpr Duration kPatience = std::chrono::seconds(1);
 constexpr JpegOptions kJpeg{80, true};
 
@@ -33,7 +34,7 @@ Error no_such_visit(std::uint64_t visit) {
   return Error(ErrorCode::kNotFound, fmt::format("visit {} is not open, or has no picture yet", visit));
 }
 
-/// One watcher of one visit: at each call, the next picture.
+/// One watcher of one session; sends the next picture at each call.
 class Watcher {
  public:
   Watcher(const VisitPictures& pictures, std::uint64_t visit, bool half, std::atomic<int>& watchers)
@@ -42,7 +43,7 @@ class Watcher {
   Watcher(const Watcher&) = delete;
   Watcher& operator=(const Watcher&) = delete;
 
-  /// False when the watcher is gone, or the picture cannot be shown.
+  /// Returns false if the watcher has left or the picture cannot be shown.
   bool send_next(httplib::DataSink& sink) {
     if (last_ == nullptr && !write(sink, mjpeg_begin())) return false;
     const SteadyClock clock;
@@ -126,7 +127,7 @@ void WatchServer::answer_pictures(std::uint64_t visit, bool half, httplib::Respo
     return answer_error(Error(ErrorCode::kBusy, fmt::format("{} watch already; close one", kMostWatchers)), response);
   }
   const auto watcher = std::make_shared<Watcher>(sources_.pictures, visit, half, watchers_);
-  // HEAD and a connection that breaks at once never call it; the answer's end destroys it in any case.
+  // HEAD requests and broken connections never call it; the end of the response destroys it in any case.
   response.set_chunked_content_provider(
       kMjpegType, [watcher](std::size_t, httplib::DataSink& sink) { return watcher->send_next(sink); });
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The farm over HTTP, for the operator's eyes.
+/// The farm over HTTP for operators.
 ///
-///   GET /                  the page; its parts beneath /page.css, /page.js, /icon.svg
+///   GET /                  the page; its parts are /page.css, /page.js, /icon.svg
 ///   GET /status            status_json.h
-///   GET /visits            the open visits: [ { id, museum, scene, frames_per_second, … } ]
-///   GET /visits/ID.mjpeg   the visit's pictures, as long as it lasts, at most ten a second; `?half` halves their sides
-///   GET /visits/ID.jpg     its newest picture; 404: it has none yet
+///   GET /visits            the open sessions: [ { id, museum, scene, frames_per_second, … } ]
+///   GET /visits/ID.mjpeg   the session's pictures while it lasts, at most ten per second; `?half` halves their sides
+///   GET /visits/ID.jpg     its newest picture; 404 if it has none yet
 ///   GET /metrics           Prometheus
 ///   GET /health            {"healthy": …} with 200 or 503; the only one that needs no token
 ///
-/// Errors are {"error": sentence} with 401, 403, 404, 429 (enough watch already) or 502.
+/// Errors are {"error": sentence} with 401, 403, 404, 429 (too many watchers) or 502.
 #pragma once
 
 #include <atomic>
@@ -31,12 +31,12 @@ struct Response;
 
 namespace cyclorama {
 
-/// Threads: HttpServer's, of which those who watch occupy at most kMostWatchers. Thread-bound.
+/// Threads: those of HttpServer, of which watchers occupy at most kMostWatchers. Thread-bound.
 class WatchServer {
  public:
   static constexpr int kMostWatchers = 4;
 
-  /// What it shows; borrowed, thread-safe.
+  /// Sources of the content; borrowed, thread-safe.
   struct Sources {
     std::function<wire::ProcessStatus()> status;
     const FarmMetrics& metrics;
@@ -55,7 +55,7 @@ class WatchServer {
  private:
   WatchServer(Access access, Sources sources) : access_(std::move(access)), sources_(std::move(sources)) {}
   void add_routes(httplib::Server& server);
-  /// Answers whoever may not look; true: it did.
+  /// Answers a request that is not admitted; returns true if it did.
   bool turn_away(const httplib::Request& request, httplib::Response& response) const;
   void answer_picture(std::uint64_t visit, bool half, httplib::Response& response) const;
   void answer_pictures(std::uint64_t visit, bool half, httplib::Response& response);

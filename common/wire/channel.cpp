@@ -41,13 +41,13 @@ Error cannot_listen(const std::string& address) {
                                              address));
 }
 
-/// What gRPC says of a peer that it does not believe, and what people should read.
+/// Parts of gRPC's messages about an untrusted peer, and the sentences shown instead.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kDistrust{{
     {"certificate verify failed", "its certificate is not of this side's authority, or has run out"},
     {"Hostname Verification Check failed", "its certificate does not name the address that was dialled"},
 }};
 
-/// Where nobody listens, gRPC tells a long story with the address in percent signs; its end says it all.
+/// If nobody listens, gRPC returns a long message with a percent-encoded address; its last part is sufficient.
 std::string reason_of(const grpc::Status& status) {
   const std::string& message = status.error_message();
   if (message.empty()) return "the peer gave no reason";
@@ -70,7 +70,7 @@ grpc::Status to_grpc(const Error& error) {
 
 Error from_grpc(const grpc::Status& status, std::string_view doing) {
   CHECK(!status.ok());
-  ErrorCode code = ErrorCode::kUnavailable;  // CANCELLED and UNKNOWN: the peer went away.
+  ErrorCode code = ErrorCode::kUnavailable;  // For CANCELLED and UNKNOWN: the peer was lost.
   for (const auto& [ours, theirs] : kCodes) {
     if (theirs == status.error_code()) code = ours;
   }
@@ -86,13 +86,13 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address, 
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMessageLimitBytes);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);  // In truth how long one attempt may take.
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);  // In effect the timeout of one attempt.
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL,
-                   1);  // A connection of its own, so that one slow stream delays no other.
+                   1);  // Separate connection, so that a slow stream does not delay others.
   return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 
@@ -113,7 +113,7 @@ grpc::Status unreadable() {
 }
 
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish) {
-  // As long as a busy computer takes to start a thread and to look: an emulated one has taken more than one second.
+  // Time for a busy computer to start a thread; an emulated one has taken more than one second.
   constexpr auto kAtOnce = std::chrono::seconds(10);
   std::future<grpc::Status> end = std::async(std::launch::async, finish);
   if (end.wait_for(kAtOnce) == std::future_status::ready) return end.get();
@@ -137,18 +137,19 @@ Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address
   if (options.calls_per_connection > 0) {
     builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.calls_per_connection);
   }
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // Two heads on one port would share the visitors at random.
-  // A peer whose machine is gone or frozen says nothing: ask it, so that its stream ends within 10 s.
+  // Otherwise two coordinators on one port would share the clients at random.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // A lost or frozen machine sends nothing; keep-alive ends its stream within 10 s.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 2000);
-  // Who connects and says nothing sensible, or nothing at all, holds no descriptor for long.
+  // A peer that connects and sends nothing valid soon loses its descriptor.
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 300'000);
   if (options.tls) {
-    // A call that is open goes on, but the next one needs a new connection: one with the certificate of today, so that
-    // a peer that was revoked, and got another, is welcome without a restart.
+    // An open call continues, but the next one needs a new connection with the current certificate, so that a peer that
+    // was revoked and received a new certificate is admitted without a restart.
     builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 30'000);
   }
   for (grpc::Service* const service : services) builder.RegisterService(service);
@@ -161,7 +162,7 @@ Result<std::unique_ptr<WireServer>> WireServer::start(const std::string& address
 WireServer::~WireServer() { stop(Duration::zero()); }
 
 void WireServer::stop(Duration grace) {
-  // gRPC's deadlines are on the system clock.
+  // gRPC's deadlines use the system clock.
   server_->Shutdown(std::chrono::system_clock::now() +
                     std::chrono::duration_cast<std::chrono::system_clock::duration>(grace));
 }

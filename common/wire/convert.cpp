@@ -11,14 +11,14 @@
 namespace cyclorama {
 namespace {
 
-// What a view may ask for; renderfarm/render/quality.h allows at least as much.
+// Limits of a view; renderfarm/render/quality.h allows at least as much.
 constexpr std::uint32_t kMostSamples = 4096;
 constexpr std::uint32_t kMostBounces = 64;
 constexpr std::uint32_t kMostLightSamples = 16;
 constexpr float kMostLight = 1e9f;
-constexpr double kFarthestEyeM = 1e7;  // Far beyond any scene, and within float, which the ray kernels use.
-constexpr double kSteepest = 1e4;      // Tangent: within a hundredth of a degree of a right angle.
-constexpr double kWidestEyes_m = 1.0;  // A giant's; people have about 0.063.
+constexpr double kFarthestEyeM = 1e7;  // Far beyond any scene, but within float, which the ray kernels use.
+constexpr double kSteepest = 1e4;      // Tangent, within a hundredth of a degree of a right angle.
+constexpr double kWidestEyes_m = 1.0;  // Upper bound of the interpupillary distance; adults have about 0.063 m.
 
 Error refuse(const char* field, const std::string& what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("view.{} {}", field, what));
@@ -34,7 +34,7 @@ Status is_light(const char* field, float value) {
   return refuse(field, fmt::format("is {}; it must be 0 to {}", value, kMostLight));
 }
 
-/// Takes both eyes' pictures apart: `height` becomes that of one.
+/// Separates both eyes' pictures: `height` becomes the height of one.
 Result<Viewing> viewing_of(const wire::EyePair& eyes, int* height) {
   const auto refuse_eyes = [](const std::string& what) {
     return Error(ErrorCode::kInvalidArgument, "panorama." + what);
@@ -81,7 +81,7 @@ void to_wire(const Eigen::Vector3d& v, wire::Vector3* ret_v) {
 }
 
 Result<Projection> from_wire(const wire::Panorama& p) {
-  // A count beyond int becomes negative or large, and validate() refuses both.
+  // A count beyond int becomes negative or large; validate() refuses both.
   const int width = static_cast<int>(p.width_px());
   int height = static_cast<int>(p.height_px());
   Viewing viewing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Between wire messages and the house's types; what comes from the wire is checked here, once.
+/// Conversion between wire messages and the project's types; the only place where wire input is checked.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,20 +14,21 @@ namespace cyclorama {
 [[nodiscard]] Eigen::Vector3d from_wire(const wire::Vector3& v);
 void to_wire(const Eigen::Vector3d& v, wire::Vector3* ret_v);
 
-/// For one eye, or for both. kInvalidArgument  as Projection::validate(), a projection that this program does not know,
-/// and two pictures that are not cut from one another at a multiple of kCutPx.
+/// Accepts one eye or both. Errors: kInvalidArgument as Projection::validate(), for an unknown projection, and for two
+/// pictures that are not divided at a multiple of kCutPx.
 Result<Projection> from_wire(const wire::Panorama& p);
-/// For one eye. Precondition: it is not equirectangular, which nobody asks a farm for.
+/// For one eye. Precondition: not equirectangular, which is never requested from a farm.
 void to_wire(const PictureShape& shape, wire::Panorama* ret_p);
-/// Precondition: the same; one eye in the sweet spot, or both beside it in one picture.
+/// Precondition: not equirectangular; one eye at the sweet spot, or both beside it in one picture.
 void to_wire(const Projection& picture, wire::Panorama* ret_p);
 
-/// Everything in a view that a node or a display relies on. kInvalidArgument names the field.
+/// Checks everything in a view that a node or a display relies on. Errors: kInvalidArgument, which names the field.
 Status validate(const wire::View& view);
-/// That a tile lies inside its picture, of that size, and starts on a 16-pixel cut. kInvalidArgument.
+/// Checks that a tile lies inside its picture of the given size and starts at a multiple of 16 pixels. Errors:
+/// kInvalidArgument.
 Status validate(const wire::Tile& tile, int width_px, int height_px);
-/// That a scene can be walked in: finite poses, three corners or more, a positive scale. kInvalidArgument names the
-/// field.
+/// Checks that a scene can be walked in: finite poses, at least three corners, a positive scale. Errors:
+/// kInvalidArgument, which names the field.
 Status validate(const wire::SceneDescription& scene);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Who is at the other end of a call, as its certificate says.
+/// Identity of a call's peer, from its certificate.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ class ServerContextBase;
 
 namespace cyclorama {
 
-/// What a certificate's owner is to the farm: its organizational unit (OU), "head", "museum" or "node".
+/// Role of a certificate's owner in the farm: its organizational unit (OU), "head", "museum" or "node".
 enum class Role {
   kNobody,  ///< Without TLS.
   kHead,
@@ -25,22 +25,22 @@ enum class Role {
 /// A value. Without TLS only the address is known.
 struct Identity {
   Role role = Role::kNobody;
-  std::string name{};     ///< The certificate's common name.
-  std::string serial{};   ///< Its serial number, in upper-case hexadecimal.
+  std::string name{};     ///< Common name of the certificate.
+  std::string serial{};   ///< Serial number of the certificate, in upper-case hexadecimal.
   std::string address{};  ///< As gRPC writes it: "ipv6:[::1]:40112".
 
   bool operator==(const Identity&) const = default;
 };
 
-/// "museum", "nobody"; and for a log: "the museum 'hall-3' (serial 4C97...)".
+/// "museum", "nobody"; for a log: "the museum 'hall-3' (serial 4C97...)".
 [[nodiscard]] std::string_view to_text(Role role);
 [[nodiscard]] std::string to_text(const Identity& who);
 
-/// What the first certificate of a PEM text says; the address stays empty.
-/// kBadData  it is no certificate, or has not exactly one common name and one known unit.
+/// Reads the first certificate of a PEM text; the address stays empty. Errors: kBadData if there is none, or it has not
+/// exactly one common name and one known unit.
 Result<Identity> identity_in(std::string_view certificate_pem);
 
-/// Of a call that a server received. Nobody's when the channel has no TLS, or its certificate says no role.
+/// Identity of the peer of a call. kNobody if the channel has no TLS, or the certificate states no role.
 [[nodiscard]] Identity identity_of(const grpc::ServerContextBase& context);
 [[nodiscard]] Identity identity_of(const grpc::AuthContext& context);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A process's window for the operator: stage times, gauges, facts and live pictures, updated from any thread.
+/// A process's status for the operator: stage times, gauges, facts and live pictures, updated from any thread.
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@
 
 namespace cyclorama {
 
-/// Register it with the process's WireServer. Thread-safe. Pictures are encoded when somebody asks, not before.
+/// Registered with the process's WireServer. Thread-safe. Pictures are encoded only on request.
 class InspectionService final : public wire::Inspection::Service {
  public:
   explicit InspectionService(std::string process);
@@ -25,12 +25,12 @@ class InspectionService final : public wire::Inspection::Service {
   /// Adds to a gauge that starts at 0.
   void count(const std::string& name, double increment = 1.0);
   void set_fact(const std::string& name, std::string value);
-  /// Under its name; takes the place of the one before.
+  /// Replaces the table of the same name.
   void set_table(wire::Table table);
   /// The newest picture wins.
   void set_picture(const std::string& name, std::shared_ptr<const RgbImage> picture);
-  /// False while nobody asked for that picture in the last 3 seconds: then it need not be made.
-  /// Names the picture in GetStatus from the first call on.
+  /// Returns false if the picture was not requested in the last 3 seconds and need not be made. From the first call on,
+  /// GetStatus lists the picture's name.
   [[nodiscard]] bool is_watched(const std::string& picture);
   [[nodiscard]] wire::ProcessStatus status() const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// OpenSSL's objects with owners. Included by .cpp files alone.
+/// OpenSSL's objects with owners. Included only by .cpp files.
 #pragma once
 
 #include <openssl/bio.h>
@@ -29,16 +29,16 @@ using OpensslKey = std::unique_ptr<EVP_PKEY, OpensslFree<EVP_PKEY_free>>;
 using OpensslCertificate = std::unique_ptr<X509, OpensslFree<X509_free>>;
 using OpensslRevocations = std::unique_ptr<X509_CRL, OpensslFree<X509_CRL_free>>;
 
-/// To read `text` from, which must outlive it.
+/// Returns a reader of `text`, which must outlive it.
 inline OpensslBio bio_of(std::string_view text) {
   return OpensslBio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
 }
 
-/// The first certificate of a PEM text. kBadData  there is none.
+/// Returns the first certificate of a PEM text. Errors: kBadData if there is none.
 Result<OpensslCertificate> parse_certificate(std::string_view pem);
-/// In hexadecimal, as openssl writes it.
+/// In hexadecimal, as openssl prints it.
 [[nodiscard]] std::string serial_text(const ASN1_INTEGER* serial);
-/// "2029-02-24"; "?" for a time that is none.
+/// "2029-02-24"; "?" for an invalid time.
 [[nodiscard]] std::string day_text(const ASN1_TIME* time);
 
 }  // namespace cyclorama

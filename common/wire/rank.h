@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// RenderBlock.rank from here on is of pictures at rest: they come after all moving ones.
+/// Smallest RenderBlock.rank of pictures at rest, which come after all moving ones.
 inline constexpr std::uint64_t kRankAtRest = std::uint64_t{1} << 62;
 
 }  // namespace cyclorama

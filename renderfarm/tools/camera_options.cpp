@@ -39,7 +39,7 @@ Result<Projection> projection_of(const CameraOptions& options, int width_px, int
   const double half_height = 0.5 * field * height_px / width_px;
   if (tilt != 0.0 && !perspective && !fisheye) return refuse("--tilt-deg is of a fisheye or a perspective camera");
   if (perspective) {
-    // Beyond half a turn the tangent would come back with a picture of something else.
+    // Beyond half a turn the tangent would describe a different picture.
     if (!(field > 0.0 && field < std::numbers::pi)) {
       return refuse(
           fmt::format("--field-deg is {}; that of a perspective must be above 0 and below 180", field / kDegree));

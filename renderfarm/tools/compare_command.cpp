@@ -58,7 +58,7 @@ Status compare(const CompareOptions& options) {
     values["relmse"] = comparison.light->relmse;
     fmt::print("MSE     {:.6g}\nrelMSE  {:.6g}\n", comparison.light->mse, comparison.light->relmse);
   }
-  // JSON has no infinity: equal pictures have none.
+  // JSON has no infinity, which is the PSNR of equal pictures.
   if (std::isfinite(comparison.shown.psnr_db)) values["psnr_db"] = comparison.shown.psnr_db;
   fmt::print("PSNR    {:.2f} dB\nSSIM    {:.5f}\nFLIP    {:.5f}\n", comparison.shown.psnr_db, comparison.shown.ssim,
              comparison.shown.flip);

@@ -15,12 +15,12 @@ struct LightErrors {
 };
 
 struct Comparison {
-  std::optional<LightErrors> light;  ///< Only between two PFM files: code values have lost the light above white.
+  std::optional<LightErrors> light;  ///< Only for two PFM files: code values have lost the light above white.
   ShownError shown;
 };
 
-/// PFM, PNG or JPEG, told by the first bytes; light is tone mapped with the standard curve before it is compared as
-/// shown. Errors as the readers' and shown_error()'s; kBadData also where light is not finite.
+/// Compares PFM, PNG or JPEG files, detected by their first bytes. Light is tone mapped with the standard curve before
+/// it is compared as shown. Errors as the readers' and shown_error(); kBadData also for light that is not finite.
 Result<Comparison> compare_files(const std::filesystem::path& picture, const std::filesystem::path& reference);
 
 /// `cyclorama-render compare PICTURE REFERENCE`: the errors between two pictures.

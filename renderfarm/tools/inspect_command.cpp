@@ -86,7 +86,7 @@ void print_kernel(const Scene& scene) {
   fmt::print("            without: {}\n", without.empty() ? "nothing" : fmt::format("{}", fmt::join(without, ", ")));
 }
 
-/// What is known once the scene is ready to be traced.
+/// Prints the facts that are available once the scene is ready to be traced.
 void print_traced(const Renderer& renderer) {
   const LightSet& lights = renderer.lights();
   fmt::print("aimed at    {} lamps, {} flat lights, {} glowing triangles, {} suns{}; chosen by {}\n",

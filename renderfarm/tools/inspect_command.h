@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// `cyclorama-render inspect SCENE`: what a scene holds, and which kernel it gets.
+/// `cyclorama-render inspect SCENE`: the content of a scene, and its kernel.
 [[nodiscard]] RenderCommand add_inspect_command(CLI::App* program);
 
 }  // namespace cyclorama

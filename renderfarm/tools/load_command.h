@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// `cyclorama-render load SCENE`: seconds and bytes of loading and of the BVH.
+/// `cyclorama-render load SCENE`: time and memory of loading and of the BVH.
 [[nodiscard]] RenderCommand add_load_command(CLI::App* program);
 
 }  // namespace cyclorama

@@ -14,7 +14,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kBandPx = 64;  ///< Rows that are rendered between two looks at the progress bar.
+constexpr int kBandPx = 64;  ///< Rows rendered between two updates of the progress bar.
 
 struct PictureOptions {
   SceneOptions scene;
@@ -26,7 +26,7 @@ struct PictureOptions {
   std::optional<int> bounces;
 };
 
-/// `render` makes one band of `band_px` rows and answers what it cost.
+/// Calls `render` for each band of `band_px` rows and adds up the costs that it returns.
 template <typename Image, typename Render>
 Result<Image> in_bands(const PanoramaView& view, int band_px, const StopSignal& stop, RenderCost* ret_cost,
                        Render render) {
@@ -56,7 +56,7 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
   if (stop.requested()) return stopped();
   TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
   DenoisingRenderer denoising(*renderer, options.scene.threads);
-  // Each denoised band has a margin, so there is only one.
+  // Each denoised band would need a margin, so there is only one.
   const int band_px = options.denoise ? view.picture().height_px() : kBandPx;
   RenderCost cost;
   const auto cancelled = [&] { return stop.requested(); };

@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// `cyclorama-render picture SCENE --out FILE`: one picture into a PNG, and what it cost.
+/// `cyclorama-render picture SCENE --out FILE`: renders one picture into a PNG and prints its cost.
 [[nodiscard]] RenderCommand add_picture_command(CLI::App* program);
 
 }  // namespace cyclorama

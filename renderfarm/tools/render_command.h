@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the sub-commands of cyclorama-render have in common: how one is added, and how it comes by its scene.
+/// Common parts of cyclorama-render's sub-commands: registration and loading of the scene.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,11 +18,11 @@ namespace cyclorama {
 /// One sub-command. Each has a function `RenderCommand add_x_command(CLI::App* program)` in x_command.h;
 /// render_main.cpp runs the one that was parsed.
 struct RenderCommand {
-  CLI::App* parser = nullptr;  ///< The program's.
+  CLI::App* parser = nullptr;  ///< Owned by the program.
   std::function<Status(const StopSignal&)> run;
 };
 
-/// Which scene, and with how many threads.
+/// Selects the scene and the number of threads.
 struct SceneOptions {
   std::string scene;
   int threads = 0;
@@ -35,14 +35,14 @@ struct LoadedScene {
   double seconds = 0.0;
 };
 
-/// load_scene() within the memory that is there, and Renderer::build(), with a progress bar.
+/// load_scene() within the available memory, and Renderer::build(), with a progress bar.
 Result<LoadedScene> load_with_progress(const SceneOptions& options);
 Result<std::unique_ptr<Renderer>> build_with_progress(Scene scene, const SceneOptions& options);
 
-/// What a command returns when StopSignal ended it.
+/// Returned by a command that was ended by StopSignal.
 [[nodiscard]] Error stopped();
 
-/// Indented; the file is replaced at once or not at all.
+/// Writes indented JSON; the file is replaced completely or not at all.
 Status write_json(const std::string& path, const nlohmann::json& values);
 
 }  // namespace cyclorama

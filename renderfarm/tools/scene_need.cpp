@@ -14,7 +14,7 @@
 namespace cyclorama {
 namespace {
 
-/// The materials of what is seen, and for each whether light goes through any of its meshes in part.
+/// Visible materials, and for each whether any of its meshes is partly transparent.
 struct SeenMaterials {
   std::vector<bool> seen;
   std::vector<bool> blends;

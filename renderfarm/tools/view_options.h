@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// Where a command's picture is taken from, with which camera, and its size.
+/// Eye, camera and size of a command's picture.
 struct ViewOptions {
   std::string size = "2048x768";
   CameraOptions camera;
@@ -23,10 +23,11 @@ struct ViewOptions {
 
 void add_view_options(CLI::App* command, ViewOptions* options);
 
-/// What is left out is the scene's start. The quality is the default one. kInvalidArgument  names the option.
+/// Absent values are the scene's start; the quality is the default one. Errors: kInvalidArgument, which names the
+/// option.
 Result<PanoramaView> view_of(const ViewOptions& options, const SceneInfo& info);
 
-/// The same for commands that know panoramas alone: the others are refused.
+/// As view_of(), for commands that support only panoramas; other cameras are refused.
 Result<PanoramaView> panorama_view_of(const ViewOptions& options, const SceneInfo& info);
 
 }  // namespace cyclorama

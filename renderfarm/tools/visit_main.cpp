@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A visit without a museum: is the farm there, how fast is it, and what does it show?
+// A session without a museum: measures whether the farm is available, how fast it is, and what it shows.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,13 +34,13 @@ struct Arguments {
   std::string json{};
 };
 
-/// Asks for the next view whenever a frame begins, so that the farm always has one more to do, and counts.
+/// Requests the next view whenever a frame begins, so that the farm always has work, and counts.
 class Visitor final : public FarmListener {
  public:
   explicit Visitor(const Arguments& arguments) : arguments_(arguments), picture_(arguments.width, arguments.height) {}
 
   void set_client(FarmClient& client) { client_.put(&client); }
-  /// Nothing when the visit took too long or was asked to stop.
+  /// Returns false if the session took too long or a stop was requested.
   [[nodiscard]] bool wait(const StopSignal& stop, TimePoint deadline) {
     constexpr auto kPeriod = std::chrono::milliseconds(200);
     while (!stop.requested() && SteadyClock().now() < deadline) {
@@ -77,7 +77,7 @@ class Visitor final : public FarmListener {
       log(LogLevel::kWarning, "a frame was given up: " + end.reason());
       return;
     }
-    whole_ = picture_;  // Tiles of the next frame come into the same picture, and that frame may never end.
+    whole_ = picture_;  // The next frame's tiles are drawn into the same picture, and that frame may never end.
     const TimePoint now = SteadyClock().now();
     if (frames_++ == 0) first_at_ = now;
     last_at_ = now;
@@ -89,7 +89,7 @@ class Visitor final : public FarmListener {
     if (frames_ >= arguments_.frames) done_.put(true);
   }
 
-  /// After the client was stopped.
+  /// Call after the client was stopped.
   [[nodiscard]] nlohmann::json summary() const {
     nlohmann::json out;
     out["scene"] = scene_.name();
@@ -104,7 +104,7 @@ class Visitor final : public FarmListener {
     }
     return out;
   }
-  /// Of the last whole frame; empty when none came.
+  /// The last complete frame; empty if there was none.
   [[nodiscard]] const RgbImage& picture() const { return whole_; }
 
  private:
@@ -132,7 +132,7 @@ class Visitor final : public FarmListener {
   const Arguments& arguments_;
   LatestValue<FarmClient*> client_;
   LatestValue<bool> done_;
-  // The client's thread only, until it was stopped.
+  // Used only by the client's thread until the client was stopped.
   FarmClient* client_now_ = nullptr;
   wire::SceneDescription scene_;
   std::uint64_t asked_ = 0;
@@ -143,7 +143,7 @@ class Visitor final : public FarmListener {
   TimePoint last_at_{};
   std::map<std::string, Percentiles> stages_;
   std::map<std::string, Percentiles> numbers_;
-  RgbImage picture_;  ///< Of the open frame.
+  RgbImage picture_;  ///< The open frame.
   RgbImage whole_{};
   JpegDecoder decoder_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-walkable: finds where one can walk in a scene. Runs where the geometry is, and nothing but the ground's
-/// outline leaves it.
+/// cyclorama-walkable: finds the walkable area of a scene. Runs where the geometry is; only the ground's outline leaves
+/// that machine.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -60,7 +60,7 @@ Status save(const std::filesystem::path& scene, const WalkableGround& ground, co
   }
   TRY_ASSIGN(const std::string text, read_text_file(file, kLimitBytes));
   TRY_ASSIGN(const std::string changed, with_walkable(text, file.string(), ground, info.start_eye));
-  // What is written must be what is read.
+  // The written text must parse as a scene package.
   TRY(parse_scene_package(changed, file.string(), file.parent_path()));
   TRY(write_file_atomically(file, changed));
   fmt::print("saved to '{}'\n", file.string());

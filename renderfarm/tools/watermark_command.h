@@ -13,14 +13,14 @@ namespace cyclorama {
 struct WatermarkVerdict {
   std::string museum;
   WatermarkFind find;
-  int cell_px = kWatermarkCellPx;  ///< Half of it: the picture was scaled down to half.
+  int cell_px = kWatermarkCellPx;  ///< Half of kWatermarkCellPx if the picture was scaled down to half.
 };
 
-/// The best score of every museum that has a key, the highest first: at every place, in full and in half size.
+/// Returns the best score of every museum that has a key, highest first, over all offsets, in full and in half size.
 /// Reentrant.
 std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const Grants& grants);
 
-/// `cyclorama-render watermark PICTURE --museums FILE`: for which museum a picture was made.
+/// `cyclorama-render watermark PICTURE --museums FILE`: finds the museum for which a picture was made.
 [[nodiscard]] RenderCommand add_watermark_command(CLI::App* program);
 
 }  // namespace cyclorama

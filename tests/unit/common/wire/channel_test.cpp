@@ -36,7 +36,7 @@ TEST(Channel, goes_through_a_socket_in_the_file_system_too) {
   std::filesystem::create_directories(folder);
   const std::string address = "unix:" + folder + "/inspect.sock";
   InspectionService service("head");
-  for (int start = 0; start < 2; ++start) {  // A file that a killed process left is no obstacle.
+  for (int start = 0; start < 2; ++start) {  // A socket file left by a killed process is replaced.
     const auto server = WireServer::start(address, {&service});
     ASSERT_TRUE(server) << server.error().message();
     EXPECT_EQ((*server)->port(), 0);
@@ -82,7 +82,7 @@ TEST_F(InspectionTest, status_tells_stages_gauges_and_state) {
   table.add_columns("threads");
   table.add_rows()->add_cells()->set_number(8);
   service_.set_table(table);
-  service_.set_table(table);  // In the place of the first.
+  service_.set_table(table);  // Replaces the first.
   service_.count("frames", 2);
   service_.count("frames");
   wire::ProcessStatus status;

@@ -27,7 +27,7 @@ TEST(Convert, pictures_of_every_projection_cross_unchanged) {
        {PictureShape(Panorama{1920, 1088, 2.2, 0.41, -0.42}),
         PictureShape(Perspective{1200, 700, -0.9, 1.1, 0.6, -0.5, 0.2}), PictureShape(Fisheye{1024, 1000, 2.9, 0.7}),
         PictureShape(Panorama{640, 320, 2.0, 0.5, -0.5})}) {
-    to_wire(shape, &wire);  // Over what the last one left there.
+    to_wire(shape, &wire);  // Overwrites the previous shape.
     const auto back = from_wire(wire);
     ASSERT_TRUE(back) << back.error().message();
     EXPECT_EQ(*back, (Projection{shape, {}}));
@@ -86,7 +86,7 @@ TEST(Convert, wrong_eyes_are_named) {
   for (const double distance : {0.0, -0.063, 1.5, nan, std::numeric_limits<double>::infinity()}) {
     EXPECT_THAT(refused([&](auto* p) { p->mutable_eyes()->set_distance_m(distance); }), HasSubstr("eyes.distance_m"));
   }
-  for (const double distance : {-1.0, 0.03, nan}) {  // 0.03 m: the eyes would be behind the screen.
+  for (const double distance : {-1.0, 0.03, nan}) {  // At 0.03 m the eyes would be behind the screen.
     EXPECT_THAT(refused([&](auto* p) { p->mutable_eyes()->set_screen_distance_m(distance); }),
                 HasSubstr("screen_distance_m"));
   }
@@ -94,7 +94,7 @@ TEST(Convert, wrong_eyes_are_named) {
 
 TEST(Convert, an_unknown_projection_is_one_clear_error) {
   wire::View view = good_view();
-  // As a later program may send it.
+  // An unknown projection, as a later program might send it.
   ASSERT_TRUE(view.mutable_panorama()->MergeFromString("\x30\x07"));
   const Status status = validate(view);
   ASSERT_FALSE(status);

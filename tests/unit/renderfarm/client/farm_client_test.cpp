@@ -149,7 +149,7 @@ TEST(FarmClient, gives_up_a_head_that_owes_a_frame_and_says_nothing) {
 
 TEST(FarmClient, leaves_a_head_whose_message_cannot_be_read_and_dials_again) {
   wire::SceneDescription garbage = fake_scene("plain");
-  garbage.set_title("\xff");  // A string that is no UTF-8 is no message.
+  garbage.set_title("\xff");  // A string that is not UTF-8 makes the message invalid.
   FakeFarm farm(garbage);
   RecordingFarmListener listener;
   const auto client = start({farm.address()}, listener);

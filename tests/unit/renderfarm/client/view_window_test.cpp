@@ -68,7 +68,7 @@ wire::VisitReply end_of(std::uint64_t number, std::uint32_t tiles, bool complete
   return reply;
 }
 
-/// Of a visit that is open.
+/// Returns the window of an open session.
 ViewWindow open_window() {
   ViewWindow window;
   CHECK(window.take(opened()));

@@ -6,7 +6,7 @@
 namespace cyclorama::grotto {
 namespace {
 
-/// Of a patch's area, how much shows its front to `eye`.
+/// Share of a patch's area whose front faces `eye`.
 double share_facing(Patch patch, const Vec3& eye) {
   constexpr int kSteps = 60;
   const auto at = [&](int i, int j) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The hollow is closed: proved with rays, by the renderer that will show it.
+/// Checks with rays that the chamber is closed, by the renderer that will show it.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -33,10 +33,10 @@ class ClosedGrotto : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(ClosedGrotto, no_sky_is_seen_from_anywhere_inside) {
-  // Nothing shines but the sky: any light in a picture came through a hole.
+  // Only the sky emits light, so any light in a picture came through a hole.
   scene_.model.lights.clear();
   scene_.ambient.setZero();
-  scene_.eye_lamp = Eigen::Vector3f::Constant(1e-9f);  // Else a scene without light would be given a lamp.
+  scene_.eye_lamp = Eigen::Vector3f::Constant(1e-9f);  // Otherwise a scene without light would be given a lamp.
   scene_.sky.zenith = scene_.sky.horizon = scene_.sky.ground = Eigen::Vector3f::Constant(100.0f);
   const auto renderer = Renderer::build(std::move(scene_), 2, nullptr);
   ASSERT_TRUE(renderer.has_value()) << renderer.error().message();

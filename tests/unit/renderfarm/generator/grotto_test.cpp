@@ -74,7 +74,7 @@ TEST(Grotto, gives_every_file_what_it_promised_in_sound_numbers) {
 TEST(Grotto, stays_inside_its_rock) {
   for (const auto& [name, file] : made(60'000, 9, 2)) {
     SCOPED_TRACE(name);
-    constexpr float kRock = 1.2f;  // As deep as niches and overlaps reach behind the walls.
+    constexpr float kRock = 1.2f;  // Depth of niches and overlaps behind the walls.
     EXPECT_GT(file.low[0], -kHalfLength - kRock);
     EXPECT_LT(file.high[0], kHalfLength + kRock);
     EXPECT_GT(file.low[1], -0.5f);
@@ -99,7 +99,7 @@ TEST(Grotto, differs_with_the_seed) {
 }
 
 TEST(Grotto, gives_geometry_row_by_row_however_large_it_is) {
-  // The longest row of 60 M triangles: what a thread holds at a time is a few of these.
+  // The longest row of 60 M triangles; a thread holds a few of these at a time.
   const auto grotto = plan_grotto(kMostTriangles, 1);
   ASSERT_TRUE(grotto.has_value());
   for (const Part& part : grotto->parts) {

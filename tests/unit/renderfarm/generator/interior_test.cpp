@@ -63,7 +63,7 @@ TEST(Interior, refuses_what_it_cannot_make) {
   EXPECT_EQ(plan_interior(1'000, 1, 4).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(plan_interior(60'000, 1, 0).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(plan_interior(60'000, 1, kMostInteriorLamps + 1).error().code(), ErrorCode::kInvalidArgument);
-  // Ten thousand trays alone are more.
+  // The ten thousand trays alone have more triangles.
   EXPECT_EQ(plan_interior(60'000, 1, kMostInteriorLamps).error().code(), ErrorCode::kInvalidArgument);
 }
 

@@ -58,7 +58,7 @@ TEST(Motifs, are_colours_everywhere_at_any_fineness) {
   }
 }
 
-/// How much the colour jumps from one vertex to the next, on average.
+/// Mean difference in colour between neighbouring vertices.
 float roughness(const Motif& paint, float spacing) {
   float sum = 0.0f;
   constexpr int kSteps = 400;

@@ -60,7 +60,7 @@ TEST_F(Noise, marks_and_cracks_are_fractions) {
     most_crack = std::max(most_crack, crack);
   }
   EXPECT_GT(most_marks, 0.8f);
-  EXPECT_GT(most_crack, 0.5f);  // There are some.
+  EXPECT_GT(most_crack, 0.5f);  // There are some cracks.
 }
 
 TEST(RandomUnit, is_spread_evenly_below_one) {

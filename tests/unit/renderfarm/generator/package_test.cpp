@@ -27,7 +27,7 @@ class GrottoPackage : public testing::Test {
   }
   void TearDown() override { fs::remove_all(parent_); }
 
-  /// Names of all that lies beside and in the target.
+  /// Returns the names of everything beside and inside the target.
   [[nodiscard]] std::vector<std::string> everything() const {
     std::vector<std::string> names;
     for (const auto& entry : fs::recursive_directory_iterator(parent_))
@@ -110,7 +110,7 @@ TEST_F(GrottoPackage, keeps_what_is_there_unless_it_is_a_grotto_to_be_replaced) 
   EXPECT_THAT(refused.error().message(), testing::HasSubstr("--force"));
   EXPECT_EQ(bytes("scene.toml"), old);
   order_.replace = true;
-  order_.folder += "/";  // As a shell completes it.
+  order_.folder += "/";  // With the slash that a shell's completion adds.
   ASSERT_TRUE(write_package(order_, always).has_value());
   EXPECT_NE(bytes("scene.toml"), old);
   EXPECT_EQ(everything(), names);
@@ -144,7 +144,7 @@ TEST_F(GrottoPackage, leaves_nothing_when_it_is_stopped) {
 }
 
 TEST_F(GrottoPackage, leaves_nothing_when_a_file_cannot_be_written) {
-  // The largest file that this process may write stands in for a full disk: the kernel refuses in the same place.
+  // The maximum file size of this process simulates a full disk: the kernel refuses at the same point.
   rlimit old{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
   ASSERT_NE(std::signal(SIGXFSZ, SIG_IGN), SIG_ERR);

@@ -9,7 +9,7 @@
 namespace cyclorama::grotto {
 namespace {
 
-/// Keeps what it is given.
+/// Keeps everything that it receives.
 class KeptFile final : public GeometryFile {
  public:
   Status add_vertices(std::span<const Vertex> more) override {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every PLY and OBJ file of the shared bad data: it loads, or gives one clear error.
+// Every PLY and OBJ file of the shared invalid data loads, or gives one clear error.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -40,7 +40,7 @@ TEST(BadGeometry, every_file_loads_or_gives_one_clear_error) {
 
 TEST(BadGeometry, files_that_are_odd_but_valid_load_unless_they_hold_no_surface) {
   CYCLORAMA_SHARED_DATA(folder, "bad/assimp/odd_but_valid");
-  // points.ply is points; issue623.ply announces a list in each vertex that its rows do not have.
+  // points.ply contains only points; issue623.ply announces a list in each vertex that its rows do not have.
   const std::set<std::string> without_surface = {"points.ply", "issue623.ply"};
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();

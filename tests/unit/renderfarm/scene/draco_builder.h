@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Draco data, made in a test.
+/// Builds Draco data for tests.
 #pragma once
 
 #include <draco/compression/encode.h>
@@ -18,7 +18,7 @@ namespace cyclorama {
 inline constexpr int kDracoSide = 12;
 inline constexpr int kDracoTriangles = 2 * kDracoSide * kDracoSide;
 
-/// A bumpy square with colours, compressed.
+/// Returns a compressed bumpy square with colours.
 inline std::vector<std::uint8_t> compressed_square(int method) {
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(kDracoTriangles);
@@ -53,7 +53,7 @@ inline std::vector<std::uint8_t> compressed_square(int method) {
   return {buffer.data(), buffer.data() + buffer.size()};
 }
 
-/// Shows `data` as what compressed_square() compresses.
+/// Returns a file that shows `data`, declared as the result of compressed_square().
 inline GltfBuilder draco_file(const std::vector<std::uint8_t>& data) {
   GltfBuilder file;
   const int view = file.add_view(data);

@@ -29,7 +29,7 @@ class EnvironmentFileTest : public testing::Test {
     EXPECT_TRUE(write_pfm(folder_ / "light.pfm", pixels).has_value());
     return folder_ / "light.pfm";
   }
-  /// A triangle under light.pfm, with `more` in its scene.toml.
+  /// Loads a triangle under light.pfm, with `more` in its scene.toml.
   [[nodiscard]] Result<Scene> package(const std::string& more) const {
     std::ofstream(folder_ / "a.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     std::ofstream(folder_ / "scene.toml") << "title = 'x'\n"
@@ -60,7 +60,7 @@ TEST_F(EnvironmentFileTest, halving_keeps_the_light) {
 
 TEST_F(EnvironmentFileTest, the_mean_counts_directions_and_not_texels) {
   RadianceImage pole(40, 20);
-  for (int x = 0; x < 40; ++x) pole.at(x, 0)[1] = 1.0f;  // The uppermost 9 degrees.
+  for (int x = 0; x < 40; ++x) pole.at(x, 0)[1] = 1.0f;  // The top 9 degrees.
   const double cap = 0.5 * (1.0 - std::cos(std::numbers::pi / 20));
   EXPECT_NEAR(mean_radiance({pole, 0.0f, 3.0f}).y(), 3.0 * cap, 1e-6);
   EXPECT_EQ(mean_radiance({pole, 0.0f, 3.0f}).x(), 0.0f);
@@ -98,7 +98,7 @@ TEST_F(EnvironmentFileTest, a_scene_lit_by_nothing_else_is_exposed_by_its_mean) 
     ASSERT_NE(scene->environment, nullptr);
     EXPECT_EQ(scene->environment->strength, 2.0f);
     EXPECT_NEAR(scene->environment->rotation_rad, std::numbers::pi, 1e-6);
-    // What reflects half of it becomes of middle brightness, and no lamp was added.
+    // A surface that reflects half of the light has middle brightness, and no lamp was added.
     EXPECT_NEAR(scene->exposure * 0.5 * 2.0 * light, 0.25, 1e-3);
     EXPECT_TRUE(scene->model.lights.empty());
     EXPECT_TRUE(scene->eye_lamp.isZero());

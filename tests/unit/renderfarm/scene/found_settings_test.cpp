@@ -115,7 +115,7 @@ TEST(FindSettings, an_object_of_any_size_is_seen_whole_and_one_can_walk_around_i
 }
 
 TEST(FindSettings, the_walkable_area_goes_round_corners_and_keeps_from_walls) {
-  // An L: a room of 10 x 10 m whose quarter beyond (5, 5) is a block.
+  // An L-shaped room of 10 x 10 m, whose quarter beyond (5, 5) is a block.
   const Mesh room = box_mesh(box({0, 0, 0}, {10, 3, 10}), true);
   const Mesh block = box_mesh(box({5, 0, 5}, {10, 3, 10}), false);
   const FoundSettings found = settings_of(model_of({room, block}));

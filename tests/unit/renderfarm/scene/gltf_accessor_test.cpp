@@ -59,7 +59,7 @@ TEST_F(GltfAccessorTest, reads_interleaved_and_unaligned_elements) {
   file.json["bufferViews"][0]["byteStride"] = 9;
   file.json["accessors"][0] = {
       {"bufferView", 0}, {"byteOffset", 3}, {"componentType", 5126}, {"count", 3}, {"type", "VEC2"}};
-  EXPECT_THAT(error(file), HasSubstr("do not fit"));  // The last pair ends one byte past the end.
+  EXPECT_THAT(error(file), HasSubstr("do not fit"));  // The last pair ends one byte too late.
   file.json["accessors"][0]["count"] = 2;
   const Result<GltfAccessor> accessor = read(file);
   ASSERT_TRUE(accessor.has_value()) << accessor.error().message();

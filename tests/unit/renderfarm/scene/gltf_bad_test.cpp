@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bad input: whatever others have found to break importers gives one clear error here, or loads with right data.
+// Invalid files that have broken other importers give one clear error here, or load with correct data.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -64,7 +64,7 @@ TEST(GltfBad, every_file_loads_or_gives_one_error_with_its_name) {
   EXPECT_LT(peak_memory_bytes(), std::size_t{4} << 30);
 }
 
-// What the official validator calls an error or a warning, and which would be wrong data for us.
+// Reported by the official validator as error or warning, and wrong data for this importer.
 const std::set<std::string> kWrongData = {"ACCESSOR_SMALL_BYTESTRIDE",
                                           "ACCESSOR_SPARSE_COUNT_OUT_OF_RANGE",
                                           "ACCESSOR_TOO_LONG",
@@ -103,58 +103,59 @@ const std::set<std::string> kWrongData = {"ACCESSOR_SMALL_BYTESTRIDE",
                                           "UNRESOLVED_REFERENCE",
                                           "VALUE_NOT_IN_LIST"};
 
-// The data is right all the same, is put right with a note, or is nothing that we read. Each word is a decision.
-const std::set<std::string> kHarmless = {"ACCESSOR_ELEMENT_OUT_OF_MAX_BOUND",
-                                         "ACCESSOR_ELEMENT_OUT_OF_MIN_BOUND",  // We find bounds ourselves.
-                                         "ACCESSOR_MAX_MISMATCH",
-                                         "ACCESSOR_MIN_MISMATCH",
-                                         "MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS",
-                                         "ACCESSOR_INVALID_FLOAT",  // Put right, noted.
-                                         "ACCESSOR_MATRIX_ALIGNMENT",
-                                         "ACCESSOR_OFFSET_ALIGNMENT",
-                                         "ACCESSOR_TOTAL_OFFSET_ALIGNMENT",
-                                         "MESH_PRIMITIVE_ACCESSOR_UNALIGNED",
-                                         "VALUE_MULTIPLE_OF",            // We read at any alignment.
-                                         "ACCESSOR_NORMALIZED_INVALID",  // Floats stay what they are.
-                                         "BUFFER_DATA_URI_MIME_TYPE_INVALID",
-                                         "BUFFER_GLB_CHUNK_TOO_BIG",
-                                         "DATA_URI_GLB",
-                                         "GLB_EXTRA_DATA",
-                                         "GLB_UNKNOWN_CHUNK_TYPE",
-                                         "BUFFER_VIEW_TARGET_OVERRIDE",
-                                         "BUFFER_VIEW_TOO_BIG_BYTE_STRIDE",
-                                         "MESH_PRIMITIVE_ACCESSOR_WITHOUT_BYTESTRIDE",
-                                         "VALUE_NOT_IN_RANGE",               // Empty views hold nothing.
-                                         "BUFFER_VIEW_INVALID_BYTE_STRIDE",  // Refused where indices or sparse.
-                                         "EMPTY_ENTITY",
-                                         "UNEXPECTED_PROPERTY",
-                                         "UNSATISFIED_DEPENDENCY",  // Nothing is asked for.
-                                         "MESH_PRIMITIVE_INVALID_ATTRIBUTE",
-                                         "MESH_PRIMITIVE_INDEXED_SEMANTIC_CONTINUITY",
-                                         "MESH_PRIMITIVE_JOINTS_WEIGHTS_MISMATCH",
-                                         "MESH_INVALID_WEIGHTS_COUNT",
-                                         "MESH_PRIMITIVES_UNEQUAL_TARGETS_COUNT",
-                                         "MESH_PRIMITIVE_MORPH_TARGET_INVALID_ATTRIBUTE_COUNT",
-                                         "MESH_PRIMITIVE_MORPH_TARGET_NO_BASE_ACCESSOR",
-                                         "NODE_SKIN_WITH_NON_SKINNED_MESH",
-                                         "NODE_SKINNED_MESH_WITHOUT_SKIN",
-                                         "NODE_WEIGHTS_INVALID",  // Not read, noted.
-                                         "MESH_PRIMITIVE_GENERATED_TANGENT_SPACE",
-                                         "MESH_PRIMITIVE_TANGENT_WITHOUT_NORMAL",
-                                         "MESH_PRIMITIVE_INCOMPATIBLE_MODE",
-                                         "MESH_PRIMITIVE_NO_POSITION",
-                                         "MESH_PRIMITIVE_TOO_FEW_TEXCOORDS",  // Noted.
-                                         "NODE_MATRIX_NON_TRS",               // Any affine transform can be shown.
-                                         "ROTATION_NON_UNIT"};                // Noted.
+// Reported, but the data is correct nevertheless, is corrected with a note, or is not read. Each entry is a decision.
+const std::set<std::string> kHarmless = {
+    "ACCESSOR_ELEMENT_OUT_OF_MAX_BOUND",
+    "ACCESSOR_ELEMENT_OUT_OF_MIN_BOUND",  // The importer computes bounds itself.
+    "ACCESSOR_MAX_MISMATCH",
+    "ACCESSOR_MIN_MISMATCH",
+    "MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS",
+    "ACCESSOR_INVALID_FLOAT",  // Corrected and noted.
+    "ACCESSOR_MATRIX_ALIGNMENT",
+    "ACCESSOR_OFFSET_ALIGNMENT",
+    "ACCESSOR_TOTAL_OFFSET_ALIGNMENT",
+    "MESH_PRIMITIVE_ACCESSOR_UNALIGNED",
+    "VALUE_MULTIPLE_OF",            // The importer reads at any alignment.
+    "ACCESSOR_NORMALIZED_INVALID",  // Floats are read unchanged.
+    "BUFFER_DATA_URI_MIME_TYPE_INVALID",
+    "BUFFER_GLB_CHUNK_TOO_BIG",
+    "DATA_URI_GLB",
+    "GLB_EXTRA_DATA",
+    "GLB_UNKNOWN_CHUNK_TYPE",
+    "BUFFER_VIEW_TARGET_OVERRIDE",
+    "BUFFER_VIEW_TOO_BIG_BYTE_STRIDE",
+    "MESH_PRIMITIVE_ACCESSOR_WITHOUT_BYTESTRIDE",
+    "VALUE_NOT_IN_RANGE",               // Empty views contain nothing.
+    "BUFFER_VIEW_INVALID_BYTE_STRIDE",  // Refused for indices and sparse accessors.
+    "EMPTY_ENTITY",
+    "UNEXPECTED_PROPERTY",
+    "UNSATISFIED_DEPENDENCY",  // The file requests nothing that depends on it.
+    "MESH_PRIMITIVE_INVALID_ATTRIBUTE",
+    "MESH_PRIMITIVE_INDEXED_SEMANTIC_CONTINUITY",
+    "MESH_PRIMITIVE_JOINTS_WEIGHTS_MISMATCH",
+    "MESH_INVALID_WEIGHTS_COUNT",
+    "MESH_PRIMITIVES_UNEQUAL_TARGETS_COUNT",
+    "MESH_PRIMITIVE_MORPH_TARGET_INVALID_ATTRIBUTE_COUNT",
+    "MESH_PRIMITIVE_MORPH_TARGET_NO_BASE_ACCESSOR",
+    "NODE_SKIN_WITH_NON_SKINNED_MESH",
+    "NODE_SKINNED_MESH_WITHOUT_SKIN",
+    "NODE_WEIGHTS_INVALID",  // Not read; noted.
+    "MESH_PRIMITIVE_GENERATED_TANGENT_SPACE",
+    "MESH_PRIMITIVE_TANGENT_WITHOUT_NORMAL",
+    "MESH_PRIMITIVE_INCOMPATIBLE_MODE",
+    "MESH_PRIMITIVE_NO_POSITION",
+    "MESH_PRIMITIVE_TOO_FEW_TEXCOORDS",  // Noted.
+    "NODE_MATRIX_NON_TRS",               // Any affine transform can be shown.
+    "ROTATION_NON_UNIT"};                // Noted.
 
-// Files that differ from what their codes say, and why.
+// Files whose outcome differs from their codes, and the reasons.
 const std::map<std::string, bool> kRefusedInstead = {
-    {"buffer/invalid_uri_data.gltf", false},  // A stray ';' in the media type; the data is whole.
-    {"glb/bom.glb", false},                   // Importers should ignore byte order marks, says the specification.
+    {"buffer/invalid_uri_data.gltf", false},  // A stray ';' in the media type; the data is complete.
+    {"glb/bom.glb", false},                   // The specification says that importers should ignore byte order marks.
     {"json/bom.gltf", false},
-    {"accessor/matrix_alignment.gltf", false},  // Too long as well, but we read no matrices.
+    {"accessor/matrix_alignment.gltf", false},  // Too long as well, but matrices are not read.
     {"node/matrix_indecomposable.gltf", true},  // Not even affine.
-    {"node/infinite_transform.gltf", true},     // Infinity, and not an empty view.
+    {"node/infinite_transform.gltf", true},     // Infinity, not an empty view.
     {"node/matrix_indecomposable.gltf", true},  // Not even affine.
 };
 
@@ -165,7 +166,7 @@ bool is_read(const std::string& pointer) {
   return true;
 }
 
-/// Nothing when the validator has no word on it, which the test then fails on.
+/// Returns nothing if the validator reports an unlisted code, which the test then fails on.
 std::optional<bool> must_be_refused(const std::string& name, const json& report) {
   bool refused = false;
   for (const json& message : report["issues"].value("messages", json::array())) {
@@ -179,8 +180,8 @@ std::optional<bool> must_be_refused(const std::string& name, const json& report)
   return exception == kRefusedInstead.end() ? refused : exception->second;
 }
 
-/// Imports, and then reads what nothing in the file refers to as well: the validator looks at all of it. Many of its
-/// files have buffers without any data, which stand for data that the program has; they get zeros here.
+/// Imports the file and then reads everything that it does not refer to, since the validator checks all of it. Many of
+/// its files have buffers without data, which stand for data that the program provides; they get zeros here.
 std::string read_everything(const std::filesystem::path& file) {
   const MappedFile bytes = *MappedFile::open(file);
   const Result<GltfChunks> chunks = split_gltf(bytes.bytes());
@@ -210,7 +211,8 @@ std::string read_everything(const std::filesystem::path& file) {
     if (!view) return view.error().message();
   }
   for (std::size_t i = 0; i < accessors; ++i) {
-    if (whole.json["accessors"][i].value("type", std::string()).rfind("MAT", 0) == 0) continue;  // We read none.
+    if (whole.json["accessors"][i].value("type", std::string()).rfind("MAT", 0) == 0)
+      continue;  // The importer reads no matrices.
     const Result<GltfAccessor> accessor = read_accessor(&*document, i, &context.budget);
     if (!accessor) return accessor.error().message();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Tiny glTF files, made in a test.
+/// Builds small glTF files for tests.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace cyclorama {
 
-/// Starts as a valid file with nothing in it; `json` may be bent as a test needs.
+/// Starts as a valid empty file; tests may change `json` as needed.
 struct GltfBuilder {
   nlohmann::json json = {{"asset", {{"version", "2.0"}}}};
   std::vector<std::byte> binary;
@@ -45,13 +45,13 @@ struct GltfBuilder {
   int add_floats(const std::vector<float>& values, const std::string& type) { return add_accessor(values, type, 5126); }
   int add_indices(const std::vector<std::uint16_t>& values) { return add_accessor(values, "SCALAR", 5123); }
 
-  /// Appends a primitive to the last mesh, or to a first one.
+  /// Appends a primitive to the last mesh; creates the first mesh if there is none.
   nlohmann::json& add_primitive(const nlohmann::json& attributes) {
     if (!json.contains("meshes")) json["meshes"].push_back({{"primitives", nlohmann::json::array()}});
     json["meshes"].back()["primitives"].push_back({{"attributes", attributes}});
     return json["meshes"].back()["primitives"].back();
   }
-  /// A node with mesh 0 in scene 0.
+  /// Adds a node with mesh 0 to scene 0.
   void show() {
     json["nodes"].push_back({{"mesh", 0}});
     json["scenes"] = {{{"nodes", {0}}}};

@@ -30,7 +30,7 @@ TEST_P(GltfDraco, gives_back_what_was_compressed) {
     const auto& c = mesh.positions[t[2]];
     area += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
   }
-  EXPECT_NEAR(area, kDracoSide * kDracoSide, 0.05);  // Seen from above, with its winding; quantised.
+  EXPECT_NEAR(area, kDracoSide * kDracoSide, 0.05);  // Projected from above, with the winding; quantised.
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const float linear = std::round(mesh.positions[i][0]) * 20.0f / 255.0f;
     const float code = mesh.colours[i][0] / 255.0f;

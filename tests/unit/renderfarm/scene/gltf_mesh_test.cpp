@@ -52,7 +52,7 @@ TEST(GltfMesh, a_count_that_no_data_is_behind_is_refused_before_triangles_are_ma
   for (const bool has_view : {false, true}) {
     GltfBuilder file = square(4, {});
     nlohmann::json& accessor = file.json["accessors"][0];
-    accessor["count"] = 1'000'000'000;  // 4 GB of corners, which the memory limit would allow.
+    accessor["count"] = 1'000'000'000;  // 4 GB of corners, within the memory limit.
     if (!has_view) accessor.erase("bufferView");
     EXPECT_THAT(error_of(file.import()), HasSubstr("/accessors/0")) << has_view;
   }

@@ -25,7 +25,7 @@ GltfBuilder with_nodes(const json& nodes, const json& roots) {
 const double kHalf = std::sqrt(0.5);
 
 TEST(GltfNode, transforms_compose_from_root_to_leaf) {
-  // Parent: a quarter turn about y and a shift. Child: scaled, then shifted.
+  // Parent: rotated by a quarter turn about y and translated. Child: scaled, then translated.
   const GltfBuilder file =
       with_nodes({{{"children", {1}}, {"rotation", {0, kHalf, 0, kHalf}}, {"translation", {10, 0, 0}}},
                   {{"mesh", 0}, {"scale", {2, 2, 2}}, {"translation", {0, 0, 1}}}},
@@ -70,7 +70,7 @@ TEST(GltfNode, a_node_without_volume_is_not_shown) {
     EXPECT_TRUE(model->instances.empty()) << scale;
     EXPECT_THAT(model->notes, Contains(HasSubstr("scaled to nothing")));
   }
-  // Small, but whole; mirrored.
+  // Small but not flat; mirrored.
   EXPECT_EQ(with_nodes({{{"mesh", 0}, {"scale", {-1e-3, 1e-3, 1e3}}}}, {0}).import()->instances.size(), 1u);
 }
 

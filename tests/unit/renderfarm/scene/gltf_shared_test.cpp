@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real files: what their makers counted in them is what we find.
+// Real files give the counts that their makers state.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -82,7 +82,7 @@ TEST_P(GltfShared, has_the_triangles_that_its_makers_counted) {
   EXPECT_EQ(model->textures.size(), expected.textures);
 }
 
-// Triangles are the manifest's; textures are those that a material samples, which leaves out occlusion.
+// Triangle counts come from the manifest; textures are those that a material samples, which excludes occlusion.
 INSTANTIATE_TEST_SUITE_P(
     Manifest, GltfShared,
     ::testing::Values(

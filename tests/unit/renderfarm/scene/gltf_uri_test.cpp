@@ -46,7 +46,7 @@ TEST(GltfUri, never_leaves_the_folder_of_the_scene) {
     const Result<std::filesystem::path> path = resolve_relative_uri("/scenes/cave", uri);
     if (path) {
       EXPECT_EQ(path->lexically_normal().string().rfind("/scenes/cave", 0), 0u) << uri;
-      EXPECT_STREQ(uri, "a/..");  // The folder itself, which is no regular file.
+      EXPECT_STREQ(uri, "a/..");  // The folder itself, which is not a regular file.
     } else {
       EXPECT_NE(path.error().message().find("beside the scene"), std::string::npos) << uri;
     }

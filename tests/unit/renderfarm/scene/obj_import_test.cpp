@@ -52,7 +52,7 @@ class ObjFolder : public testing::Test {
     }
     return model;
   }
-  /// Of the material that the triangle has.
+  /// Returns the triangle's material.
   Material material(const std::string& mtl) const {
     const auto model = import_with_mtl(mtl);
     EXPECT_TRUE(model.has_value());
@@ -100,7 +100,7 @@ TEST(ObjImport, utf_16_of_both_orders_and_byte_order_marks_are_read) {
   }
   EXPECT_EQ(complaint(big), "");
   EXPECT_EQ(complaint(little), "");
-  EXPECT_EQ(complaint(little + "\x3d\xd8"), "");  // Half of a pair at the end.
+  EXPECT_EQ(complaint(little + "\x3d\xd8"), "");  // Half of a surrogate pair at the end.
 }
 
 TEST(ObjImport, colours_after_positions_are_read) {

@@ -175,7 +175,7 @@ TEST_F(ScenePackageTest, mistakes_in_flat_lamps_name_their_remedy) {
 TEST_F(ScenePackageTest, rotations_are_applied_about_x_then_y_then_z) {
   const auto package = parse(kLeast + "rotation_deg = [90, 90, 0]\nscale = 2\nposition_m = [1, 0, 0]\n");
   ASSERT_TRUE(package.has_value());
-  // y goes to z by x's turn, and z to x by y's.
+  // y goes to z by the rotation about x, and z to x by the rotation about y.
   const Eigen::Vector3d p = package->geometry[0].T_scene_part[0] * Eigen::Vector3d(0, 1, 0);
   EXPECT_LT((p - Eigen::Vector3d(3, 0, 0)).norm(), 1e-12);
 }
@@ -186,7 +186,7 @@ TEST_F(ScenePackageTest, instances_turn_to_the_right_and_stand_where_they_are_pu
                              "[[geometry.instance]]\nscale = 3\n");
   ASSERT_TRUE(package.has_value()) << package.error().message();
   ASSERT_EQ(package->geometry[0].T_scene_part.size(), 2u);
-  // What looked along -z looks along +x.
+  // The direction -z becomes +x.
   const Eigen::Vector3d p = package->geometry[0].T_scene_part[0] * Eigen::Vector3d(0, 0, -1);
   EXPECT_LT((p - Eigen::Vector3d(2, 0, 5)).norm(), 1e-12);
   EXPECT_LT((package->geometry[0].T_scene_part[1] * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(6, 0, 0)).norm(), 1e-12);

@@ -75,7 +75,8 @@ TEST_F(SceneFolder, several_files_keep_their_materials) {
 TEST_F(SceneFolder, what_a_package_says_is_kept_and_what_it_leaves_open_is_found) {
   write("a.obj", kObj);
   write("scene.toml",
-        "title = 'x'\ncredits = 'me'\nexposure = 3\n[start]\neye_m = [1, 2, 3]\nheading_deg = 90\n[tone]\ncurve = 'linear'\n[sky]\n"
+        "title = 'x'\ncredits = 'me'\nexposure = 3\n[start]\neye_m = [1, 2, 3]\nheading_deg = 90\n"
+        "[tone]\ncurve = 'linear'\n[sky]\n"
         "zenith = [1, 1, 1]\n[[geometry]]\nfile = 'a.obj'\n");
   const auto scene = load("");
   ASSERT_TRUE(scene.has_value());
@@ -174,7 +175,7 @@ TEST(Scenes, cameras_of_a_file_are_its_tour_and_its_copyright_the_credits) {
   EXPECT_EQ(scene->info.stops[0].title, "tour_stop_0");
   EXPECT_EQ(scene->info.start_eye, scene->info.stops[0].eye);
   EXPECT_THAT(scene->info.credits, HasSubstr("CC BY 4.0"));
-  // They walk along the cave, which lies along +z: heading 180 degrees, more or less.
+  // The stops lie along the cave, in direction +z: heading 180 degrees, approximately.
   for (const SceneTourStop& stop : scene->info.stops) EXPECT_LT(std::cos(stop.heading_rad), -0.9);
 }
 

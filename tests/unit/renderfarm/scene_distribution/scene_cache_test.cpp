@@ -23,7 +23,7 @@ bool go_on(const char*, double) { return true; }
 class Cache : public testing::Test {
  protected:
   SceneCache open(std::uint64_t limit_bytes = 0) { return *SceneCache::open({folder, limit_bytes}); }
-  /// What was fetched, after the scene was compared with what it must be.
+  /// Checks the scene against `wanted`, and returns the number of bytes fetched.
   std::uint64_t bring(SceneCache& cache, const SceneBytes& wanted) {
     ScriptedSource source(wanted);
     const auto held = cache.bring(files_of(wanted), source, go_on);
@@ -53,7 +53,7 @@ TEST_F(Cache, fetches_each_file_once) {
   EXPECT_EQ(bring(again, scene), 0u);
   SceneBytes other = scene;
   other["scene.toml"] = "title = \"y\"!";
-  EXPECT_EQ(bring(cache, other), 12u);  // The rest is shared.
+  EXPECT_EQ(bring(cache, other), 12u);  // The other files are shared.
   EXPECT_EQ(fs::hard_link_count(file(walls)), 5u);
 }
 
@@ -129,7 +129,7 @@ TEST_F(Cache, fetches_damaged_files_anew_wherever_the_damage_is) {
     write_bytes(file(walls), walls.substr(0, at));
     EXPECT_EQ(bring(cache, scene), 100u) << "cut at " << at;
     damaged.resize(60 + at);
-    write_bytes(part(walls), damaged);  // A part that is wrong, or even too long, and the file lost.
+    write_bytes(part(walls), damaged);  // A part with wrong content, or even too long, while the file is lost.
     fs::remove(file(walls));
     bring(cache, scene);
   }
@@ -141,7 +141,7 @@ TEST_F(Cache, notices_damage_that_left_the_size_alone_while_it_runs) {
   fs::permissions(file(walls), fs::perms::owner_all);
   const FileStamp before = open_stamped(file(walls))->stamp;
   while (open_stamped(file(walls))->stamp == before) {  // Until the file system's clock has ticked.
-    std::fstream(file(walls), std::ios::in | std::ios::out | std::ios::binary) << "!";  // In all of its links.
+    std::fstream(file(walls), std::ios::in | std::ios::out | std::ios::binary) << "!";  // Changes all of its links.
   }
   EXPECT_EQ(bring(cache, scene), 100u);
 }
@@ -198,7 +198,7 @@ TEST_F(Cache, lets_the_scenes_go_that_were_not_wanted_for_longest) {
   EXPECT_TRUE(is_there(2));
   EXPECT_FALSE(fs::exists(file(noise_bytes(100, 1))));
   ScriptedSource source(of(2));
-  const auto held = cache.bring(files_of(of(2)), source, go_on);  // Wanted again, and held.
+  const auto held = cache.bring(files_of(of(2)), source, go_on);  // Requested again, and held.
   ASSERT_TRUE(held);
   age(2, 3);
   bring(cache, of(4));
@@ -244,7 +244,7 @@ TEST_F(Cache, says_so_when_the_disk_is_full) {
   ASSERT_FALSE(held);
   EXPECT_THAT(held.error().message(), HasSubstr("writing 'scene.toml' to the cache"));
   EXPECT_THAT(held.error().message(), HasSubstr("full; free some of it"));
-  EXPECT_EQ(bring(cache, large), 50'000u);  // What came before is kept.
+  EXPECT_EQ(bring(cache, large), 50'000u);  // Bytes fetched earlier are kept.
 }
 
 TEST_F(Cache, gives_up_at_any_step_when_told) {

@@ -20,7 +20,7 @@ std::string refusal_of(const SceneFiles& files) {
 }
 
 TEST(Sha256, is_that_of_the_standard) {
-  // FIPS 180-4's own example, and of nothing.
+  // The example of FIPS 180-4, and the empty text.
   EXPECT_EQ(sha256_of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(sha256_of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   EXPECT_TRUE(is_sha256(kA));

@@ -109,7 +109,7 @@ TEST_F(Listing, reads_again_only_what_was_changed) {
 
 TEST_F(Listing, does_not_remember_what_was_changed_a_moment_ago) {
   DigestMemory memory{fs::path()};
-  // Its change time is now, whatever its modification time says.
+  // Its change time is now, whatever its modification time is.
   fs::last_write_time(folder / "walls.ply", fs::file_time_type::clock::now() - std::chrono::hours(1));
   const auto hashed = hash_file(folder / "walls.ply", [](std::uint64_t) { return true; });
   ASSERT_TRUE(hashed);

@@ -23,7 +23,7 @@ class PictureCommand : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  /// How many rays a picture of the tent takes.
+  /// Returns the number of rays for a picture of the tent.
   std::uint64_t rays(const std::string& settings, std::vector<std::string> options) {
     EXPECT_TRUE(write_file_atomically(
         folder_ / "scene.toml",
@@ -35,7 +35,7 @@ class PictureCommand : public testing::Test {
     for (const std::string& more :
          {std::string("16x8"), std::string("--size"), (folder_ / "cost.json").string(), std::string("--json"),
           (folder_ / "x.png").string(), std::string("--out"), folder_.string(), std::string("picture")}) {
-      options.push_back(more);  // CLI11 takes them from the back.
+      options.push_back(more);  // CLI11 takes arguments from the back.
     }
     program.parse(options);
     const Status status = command.run(StopSignal());

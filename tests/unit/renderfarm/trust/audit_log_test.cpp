@@ -29,7 +29,7 @@ class Audit : public testing::Test {
     log = *std::move(opened);
   }
   Status write(const std::string& reason) { return log->write({.event = "visit refused", .reason = reason}); }
-  /// The reasons of a file's lines, each of which must be whole.
+  /// Returns the reasons of a file's lines, each of which must be complete.
   static std::vector<std::string> reasons(const std::filesystem::path& file) {
     const auto text = read_text_file(file, 1 << 20);
     EXPECT_TRUE(text);
@@ -62,7 +62,7 @@ TEST_F(Audit, goes_on_in_the_file_that_is_there_and_in_a_new_one_when_it_was_mov
 }
 
 TEST_F(Audit, keeps_one_predecessor_and_never_more_than_its_limit) {
-  open(300);  // Some three lines.
+  open(300);  // About three lines.
   for (int i = 10; i < 30; ++i) {
     EXPECT_TRUE(write(std::to_string(i)));
     EXPECT_LE(std::filesystem::file_size(path), 300u);
@@ -120,7 +120,8 @@ TEST_F(Audit, leaves_no_half_line_when_the_disk_fills_up) {
 TEST(AuditDevice, that_is_full_refuses_each_line_and_is_never_moved) {
   const auto log = AuditLog::open("/dev/full", 1);
   ASSERT_TRUE(log);
-  for (int i = 0; i < 3; ++i) EXPECT_THAT((*log)->write({.event = "node came"}).error().message(), HasSubstr("/dev/full"));
+  for (int i = 0; i < 3; ++i)
+    EXPECT_THAT((*log)->write({.event = "node came"}).error().message(), HasSubstr("/dev/full"));
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
 }
 

@@ -126,7 +126,7 @@ TEST(FarmMetrics, says_why_visits_were_refused) {
   EXPECT_EQ(samples.at("cyclorama_nodes_sent_away_total"), 1);
 }
 
-/// One of everything, so that every family shows itself.
+/// Adds one sample to each family, so that all are exposed.
 std::set<std::string> all_families() {
   FarmMetrics metrics;
   metrics.visit_opened("Hall 3");

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A visit whose museum takes every message at once.
+/// A session whose museum receives every message at once.
 struct Visit {
   VisitPictures pictures;
   Panorama panorama{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The farm's page over real HTTP, with a farm that is only told of.
+/// The farm's page over real HTTP, with a simulated farm.
 #include "renderfarm/watch/farm_watch.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@
 #include "tests/doubles/jpeg_tiles.h"
 #include "tests/doubles/prometheus_text.h"
 
-#include <httplib.h>  // Last: it brings the resolver's macro _res, which Eigen cannot stand.
+#include <httplib.h>  // Last, because it defines the resolver's macro _res, which conflicts with Eigen.
 
 namespace cyclorama {
 namespace {
@@ -68,7 +68,7 @@ struct Farm {
     *end.mutable_end() = end_of(1, 1);
     watch.pictures()->taken(4, std::move(end));
   }
-  /// What comes until `count` pictures are there.
+  /// Returns what is received until there are `count` pictures.
   std::string stream(int count) {
     std::string bytes;
     client->Get("/visits/4.mjpeg", [&](const char* data, std::size_t length) {

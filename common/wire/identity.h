@@ -27,7 +27,7 @@ struct Identity {
   Role role = Role::kNobody;
   std::string name{};     ///< Common name of the certificate.
   std::string serial{};   ///< Serial number of the certificate, in upper-case hexadecimal.
-  std::string address{};  ///< As gRPC writes it: "ipv6:[::1]:40112".
+  std::string address{};  ///< In gRPC's form: "ipv6:[::1]:40112".
 
   bool operator==(const Identity&) const = default;
 };

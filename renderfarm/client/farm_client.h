@@ -31,7 +31,7 @@ struct FarmClientOptions {
   std::optional<TlsFiles> tls{};  ///< Empty for an unencrypted connection to a coordinator on this machine.
   /// Timeout for a coordinator that owes an answer; longer than any tile takes to render.
   Duration patience = std::chrono::seconds(30);
-  /// As wire::OpenVisit: with a budget, the farm chooses the quality and refines the picture until a new view is
+  /// See wire::OpenVisit: with a budget, the farm chooses the quality and refines the picture until a new view is
   /// requested.
   double frame_budget_ms = 0.0;
   int reference_samples = 0;

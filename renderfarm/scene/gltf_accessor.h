@@ -71,7 +71,7 @@ class GltfSelection {
   std::vector<std::uint32_t> elements_;
 };
 
-/// Reads elements as floats; normalises integers where the accessor says so. Preconditions: the accessor's width is N,
+/// Reads elements as floats; normalises integers if the accessor is normalised. Preconditions: the accessor's width is N,
 /// the selection is inside it, and the caller has charged the budget for the result.
 template <std::size_t N>
 std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, const GltfSelection& selection);

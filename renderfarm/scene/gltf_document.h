@@ -19,7 +19,7 @@ namespace cyclorama {
 
 struct GltfBufferView {
   std::span<const std::byte> bytes;
-  std::optional<std::uint64_t> stride;  ///< As declared.
+  std::optional<std::uint64_t> stride;  ///< Declared value.
   std::string place;
 };
 

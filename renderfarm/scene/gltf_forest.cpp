@@ -32,7 +32,7 @@ Result<Parents> read_children(const GltfArray& nodes, GltfForest* forest) {
   return parents;
 }
 
-/// Since every node has at most one parent, a node that no root reaches is in a loop or below one.
+/// Every node has at most one parent, so a node that no root reaches is in a loop or below one.
 Status check_no_loops(const GltfForest& forest, const Parents& parents, const GltfArray& nodes) {
   std::vector<bool> reached(parents.size());
   std::vector<std::size_t> waiting;

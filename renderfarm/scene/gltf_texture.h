@@ -35,7 +35,7 @@ class GltfTextures {
   GltfContext* context_;
   std::vector<Texture>* textures_;
   std::map<std::size_t, int> loaded_;
-  /// By image and sampler, since many files have a texture for each use of a picture.
+  /// Keyed by image and sampler, since many files have a texture for each use of a picture.
   std::map<std::tuple<std::size_t, WrapMode, WrapMode, bool>, int> decoded_;
 };
 

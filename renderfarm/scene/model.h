@@ -93,7 +93,7 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::array<float, 3>> normals;  ///< Unit length. Empty for flat shading by the triangles' normals.
   std::array<std::vector<std::array<float, 2>>, 2> texcoords;
-  std::vector<std::array<float, 4>> tangents;        ///< As in glTF: w is the handedness. May be empty.
+  std::vector<std::array<float, 4>> tangents;        ///< w is the handedness, as in glTF. May be empty.
   std::vector<std::array<std::uint8_t, 4>> colours;  ///< sRGB-coded RGB, linear alpha; multiplies base_colour.
   int material = 0;                                  ///< Index into Model::materials.
 };
@@ -153,7 +153,7 @@ struct Model {
   std::vector<Instance> instances;
   std::vector<Light> lights;
   std::vector<Viewpoint> viewpoints;
-  std::string credits;  ///< As the file states them; licences often require that visitors can read them.
+  std::string credits;  ///< Verbatim from the file; licences often require that visitors can read them.
   /// Features of the file that were not used, one sentence each: "KHR_materials_sheen is not supported: ignored".
   std::vector<std::string> notes;
 };

@@ -24,7 +24,7 @@ struct ObjCorner {
 /// The lists that an OBJ file's faces refer to.
 struct ObjLists {
   std::vector<Eigen::Vector3d> positions;            ///< In double; made relative to an origin when meshes are made.
-  std::vector<std::array<std::uint8_t, 3>> colours;  ///< As many as positions, or none.
+  std::vector<std::array<std::uint8_t, 3>> colours;  ///< Either empty or one per position.
   std::vector<std::array<float, 2>> texcoords;       ///< v counts down.
   std::vector<std::array<float, 3>> normals;
 

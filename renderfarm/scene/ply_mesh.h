@@ -69,7 +69,7 @@ class PlyMesh {
   Mesh mesh_;
   bool has_origin_ = false;
   bool has_alpha_ = false;
-  std::vector<bool> is_unusable_;  ///< By vertex; empty while all are usable.
+  std::vector<bool> is_unusable_;  ///< One entry per vertex; empty while all are usable.
   std::uint64_t polygons_without_area_ = 0;
   std::vector<std::uint32_t> indices_;  // Scratch, reused from row to row.
   std::vector<Eigen::Vector3d> corners_;

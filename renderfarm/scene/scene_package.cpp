@@ -22,7 +22,7 @@ constexpr Range kLight{0.0, 1e9};
 constexpr Range kLampSize{1e-6, 1e4};
 constexpr Range kUnit{1e-6, 1e6};
 constexpr Range kScale{1e-6, 1e6};
-constexpr std::size_t kMostCorners = 1024;  // As many as the visitor's navigation accepts.
+constexpr std::size_t kMostCorners = 1024;  // Limit of the visitor's navigation.
 
 Eigen::Vector3d vector_of(const std::vector<double>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
 

@@ -25,7 +25,7 @@ class DigestMemory {
 
  private:
   const std::filesystem::path file_;
-  std::map<std::string, HashedFile> known_;  ///< By path.
+  std::map<std::string, HashedFile> known_;  ///< Keyed by path.
   bool changed_ = false;
 };
 

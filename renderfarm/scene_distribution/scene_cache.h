@@ -88,7 +88,7 @@ class SceneCache {
   [[nodiscard]] Error write_error(const SceneFile& file, const Error& reason) const;
 
   SceneCacheOptions options_;
-  std::map<std::string, FileStamp> verified_;  ///< By SHA-256.
+  std::map<std::string, FileStamp> verified_;  ///< Keyed by SHA-256.
 };
 
 }  // namespace cyclorama

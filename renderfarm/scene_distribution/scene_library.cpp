@@ -52,7 +52,7 @@ Result<StampedFile> SceneLibrary::open(const std::string& sha256) const {
 
 void SceneLibrary::run(const std::stop_token& stop, std::vector<Source> sources, const std::filesystem::path& digests) {
   DigestMemory memory(digests);
-  std::map<std::string, std::string> last_told;  // By scene; a repeated failure is not reported again.
+  std::map<std::string, std::string> last_told;  // Keyed by scene; a repeated failure is not reported again.
   const auto tell = [&](News news) {
     if (std::exchange(last_told[news.scene], news.sentence) != news.sentence) tell_(std::move(news));
   };

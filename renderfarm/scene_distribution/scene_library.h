@@ -26,7 +26,7 @@ class SceneLibrary {
  public:
   struct Source {
     std::string name;
-    std::filesystem::path path;  ///< As for list_scene().
+    std::filesystem::path path;  ///< Argument for list_scene().
   };
   struct News {
     std::string scene;
@@ -49,7 +49,7 @@ class SceneLibrary {
 
  private:
   void run(const std::stop_token& stop, std::vector<Source> sources, const std::filesystem::path& digests);
-  /// The digest is empty if the scene could not be read; the sentence says why.
+  /// The digest is empty if the scene could not be read; the sentence gives the reason.
   News read(const std::stop_token& stop, const Source& source, DigestMemory& memory);
   void add(SceneListing listing);
 
@@ -57,8 +57,8 @@ class SceneLibrary {
   std::atomic<bool> is_reading_ = true;
   mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable_any stopped_;
-  std::map<std::string, std::shared_ptr<const SceneFiles>> scenes_;  ///< By digest.
-  std::map<std::string, std::vector<SceneListing::Place>> places_;   ///< By SHA-256.
+  std::map<std::string, std::shared_ptr<const SceneFiles>> scenes_;  ///< Keyed by digest.
+  std::map<std::string, std::vector<SceneListing::Place>> places_;   ///< Keyed by SHA-256.
   std::jthread thread_;
 };
 

@@ -27,7 +27,7 @@ void add_view_options(CLI::App* command, ViewOptions* options);
 /// option.
 Result<PanoramaView> view_of(const ViewOptions& options, const SceneInfo& info);
 
-/// As view_of(), for commands that support only panoramas; other cameras are refused.
+/// Same contract as view_of(), for commands that support only panoramas; other cameras are refused.
 Result<PanoramaView> panorama_view_of(const ViewOptions& options, const SceneInfo& info);
 
 }  // namespace cyclorama

@@ -124,7 +124,7 @@ class Gatekeeper {
   mutable std::mutex mutex_;  ///< Guards the following.
   Revocations revocations_;
   std::optional<std::set<std::string, std::less<>>> updated_;  ///< Museums' names; empty: all.
-  std::map<std::string, TimePoint> refused_at_;                ///< By peer and reason.
+  std::map<std::string, TimePoint> refused_at_;                ///< Keyed by peer and reason.
   std::optional<std::string> audit_failure_;                   ///< Not reported yet.
 };
 

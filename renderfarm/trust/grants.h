@@ -44,7 +44,7 @@ class Grants {
   static Result<Grants> parse(std::string_view text, const std::string& name);
   /// Returns null if the museum has no grant.
   [[nodiscard]] const Grant* find(std::string_view museum) const;
-  /// By the museum's name.
+  /// Keyed by the museum's name.
   [[nodiscard]] const std::map<std::string, Grant, std::less<>>& all() const { return grants_; }
   [[nodiscard]] std::size_t size() const { return grants_.size(); }
 

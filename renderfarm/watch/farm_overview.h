@@ -16,7 +16,7 @@ struct WatchedVisit {
   double frames_per_second = 0.0;  ///< Over about the last second; pictures at rest are not counted.
   int samples_per_pixel = 0;       ///< Total of the last frame.
   double scale = 1.0;              ///< Rendered width over requested width.
-  int width_px = 0;                ///< As rendered.
+  int width_px = 0;                ///< Width of the rendered picture.
   int height_px = 0;
   double budget_ms = 0.0;  ///< Per frame; 0 if each view states its own quality.
   double frame_ms = 0.0;   ///< Last frame, from the view's arrival to the frame's end.

@@ -24,7 +24,7 @@ std::string shipped(const char* name) {
   return *text;
 }
 
-/// As an operator would who takes the '#' away from every line that shows a key.
+/// Removes the '#' from every line that shows a key, as an operator would.
 std::string uncommented(const std::string& text) {
   return std::regex_replace(text, std::regex("(^|\n)#(\\[|[a-z_]+ = )"), "$1$2");
 }

@@ -140,7 +140,7 @@ TEST_F(Cache, notices_damage_that_left_the_size_alone_while_it_runs) {
   bring(cache, scene);
   fs::permissions(file(walls), fs::perms::owner_all);
   const FileStamp before = open_stamped(file(walls))->stamp;
-  while (open_stamped(file(walls))->stamp == before) {  // Until the file system's clock has ticked.
+  while (open_stamped(file(walls))->stamp == before) {  // Repeats until the file system's clock has ticked.
     std::fstream(file(walls), std::ios::in | std::ios::out | std::ios::binary) << "!";  // Changes all of its links.
   }
   EXPECT_EQ(bring(cache, scene), 100u);

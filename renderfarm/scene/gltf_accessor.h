@@ -71,8 +71,8 @@ class GltfSelection {
   std::vector<std::uint32_t> elements_;
 };
 
-/// Reads elements as floats; normalises integers if the accessor is normalised. Preconditions: the accessor's width is N,
-/// the selection is inside it, and the caller has charged the budget for the result.
+/// Reads elements as floats; normalises integers if the accessor is normalised. Preconditions: the accessor's width is
+/// N, the selection is inside it, and the caller has charged the budget for the result.
 template <std::size_t N>
 std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, const GltfSelection& selection);
 extern template std::vector<std::array<float, 2>> read_floats(const GltfAccessor&, const GltfSelection&);

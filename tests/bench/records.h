@@ -12,13 +12,13 @@
 
 namespace cyclorama {
 
-/// One line of JSON per case of a bench that was run, by its key: what the file has is not run again.
+/// One line of JSON per finished case of a bench, by its key. Cases that are in the file are not run again.
 class Records {
  public:
   struct Options {
-    std::string file{};    ///< Empty: nothing is kept.
-    double seconds = 1e9;  ///< After so many no case is begun.
-    std::string only{};    ///< Cases whose key begins so.
+    std::string file{};    ///< Empty: no file.
+    double seconds = 1e9;  ///< No case is started after this time.
+    std::string only{};    ///< Only cases whose key begins with this.
   };
   explicit Records(Options options) : options_(std::move(options)) {
     std::ifstream in(options_.file);
@@ -28,7 +28,7 @@ class Records {
     }
   }
 
-  /// The record of a case, from the file or by running it; nothing when its time has not come.
+  /// Returns the record of a case, from the file or by running it; nothing if it is excluded or the time is over.
   std::optional<nlohmann::ordered_json> get(const std::string& key,
                                             const std::function<nlohmann::ordered_json()>& run) {
     if (!options_.only.empty() && !key.starts_with(options_.only)) return std::nullopt;
@@ -42,7 +42,7 @@ class Records {
     if (!options_.file.empty()) std::ofstream(options_.file, std::ios::app) << record.dump() << "\n";
     return record;
   }
-  /// 75 (EX_TEMPFAIL): not all cases were run; go on later.
+  /// Returns 75 (EX_TEMPFAIL) if not all cases were run, so that a later call continues.
   [[nodiscard]] int exit_code() const { return is_cut_ ? 75 : 0; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-bench-balance: what the ways of sharing out a picture are worth, without a farm.
+/// cyclorama-bench-balance: compares strategies for dividing pictures among nodes, without a farm.
 #include <array>
 
 #include "common/process/program.h"
@@ -9,7 +9,8 @@
 
 int main(int argc, char** argv) {
   using namespace cyclorama;  // NOLINT(google-build-using-namespace)
-  Program program("cyclorama-bench-balance", "Records what pictures cost, and replays it on any number of simulated nodes.");
+  Program program("cyclorama-bench-balance",
+                  "Records what pictures cost, and replays it on any number of simulated nodes.");
   CLI::App* const options = &program.options();
   options->require_subcommand(1);
   const std::array commands{add_record_command(options), add_replay_command(options), add_figure9_command(options)};

@@ -47,7 +47,7 @@ double frames_per_second(const NamedRecord& record, BalanceStrategy strategy, st
 }
 
 Status run(const Figure9Options& options, const StopSignal& stop) {
-  // The paper's scheme, and ours.
+  // The scheme of the paper, and the one of this project.
   constexpr std::array kStrategies{BalanceStrategy::kPbt, BalanceStrategy::kCostMapStealing};
   constexpr std::array kColours{"#1b9e77", "#d95f02", "#7570b3", "#e7298a", "#66a61e", "#e6ab02"};
   std::vector<NamedRecord> records;

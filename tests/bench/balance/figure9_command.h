@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// Figure 9 of the paper that this project grew from: frame rate against nodes, for scenes of several sizes.
+/// Figure 9 of the paper on which this project is based: frame rate against nodes, for scenes of several sizes.
 RenderCommand add_figure9_command(CLI::App* program);
 
 }  // namespace cyclorama

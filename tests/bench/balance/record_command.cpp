@@ -28,7 +28,7 @@ struct RecordOptions {
   std::string out;
 };
 
-/// Thread time of every cell of one picture.
+/// Measures the thread time of every cell of one picture.
 WorkGrid timed(const Renderer& renderer, const PanoramaView& view, const StopSignal& stop) {
   const PictureSize size{view.panorama.width_px, view.panorama.height_px};
   Film film;

@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// Renders a way through a scene on this machine and records what each cell cost.
+/// Renders a path through a scene on this machine and records the cost of each cell.
 RenderCommand add_record_command(CLI::App* program);
 
 }  // namespace cyclorama

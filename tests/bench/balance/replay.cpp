@@ -27,7 +27,7 @@ MeasuredFrame measured(const RecordedFrame& frame, std::span<const MeasuredBlock
   return {frame.work.size(), blocks, frame.heading_rad, frame.eye_m, frame.effort};
 }
 
-/// The frame as one block of one node.
+/// Returns the frame as one block of one node.
 MeasuredBlock whole(const RecordedFrame& frame) {
   const PictureSize size = frame.work.size();
   const auto cells = frame.work.cells();
@@ -57,7 +57,7 @@ double relative_bytes(std::span<const PlannedBlock> plan, PictureSize size) {
 }  // namespace
 
 double relative_jpeg_bytes(const PixelRect& tile) {
-  // Through the four measured points a line of logarithms, over the side of a square of the same border per area.
+  // Log-log interpolation of the four measured points, over the side of a square with the same perimeter per area.
   constexpr std::array<std::array<double, 2>, 4> kMeasured{{{32, 2.0}, {64, 0.5}, {128, 0.13}, {256, 0.04}}};
   const double side = 2.0 * tile.width * tile.height / (tile.width + tile.height);
   std::size_t i = 1;

@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// Shares out the frames of records among simulated nodes by every strategy, each of which sees the frame before.
+/// Divides the frames of records among simulated nodes by every strategy; each strategy sees the previous frame.
 RenderCommand add_replay_command(CLI::App* program);
 
 }  // namespace cyclorama

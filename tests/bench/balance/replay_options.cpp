@@ -11,7 +11,7 @@ namespace {
 
 /// Measured: 635 kB for 1920x1080 pixels at quality 85.
 constexpr double kJpegBytesPerPx = 635e3 / (1920.0 * 1080.0);
-/// A farm of machines of several ages.
+/// Relative speeds of machines of different ages.
 constexpr std::array kUnequal{1.0, 0.5, 2.0, 0.75, 1.5, 0.25, 1.0, 4.0};
 
 }  // namespace
@@ -56,7 +56,7 @@ ReplayOptions replay_options(const NetworkOptions& options, std::size_t nodes) {
 
 double frame_seconds(const ReplayedFrame& frame, const NetworkOptions& options) {
   const double bits = 8.0 * kJpegBytesPerPx * frame.pixels * frame.relative_bytes;
-  // Tiles are on their way while others are rendered.
+  // Tiles are sent while others are rendered.
   return 1e-3 * options.network_ms + std::max(frame.seconds, bits / (1e6 * options.bandwidth_mbit));
 }
 

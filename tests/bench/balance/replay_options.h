@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the commands that replay records have in common: nodes, network, and what is said of a strategy.
+/// Common parts of the commands that replay records: nodes, network, and the summary of a strategy.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,21 +12,21 @@ namespace cyclorama {
 
 struct NetworkOptions {
   std::vector<std::size_t> nodes;
-  double network_ms = 0.3;      ///< From head to node and back.
+  double network_ms = 0.3;      ///< Round trip between coordinator and node.
   double block_ms = 0.05;       ///< SplitRequest::block_overhead_seconds.
   double node_ms = 0.02;        ///< SplitRequest::node_overhead_seconds.
-  double bandwidth_mbit = 1e4;  ///< Of the head, for all tiles together.
-  double speed = 1.0;           ///< Of a node; 1 is one core of the machine that recorded.
+  double bandwidth_mbit = 1e4;  ///< Bandwidth of the coordinator, for all tiles together.
+  double speed = 1.0;           ///< Speed of a node; 1 is one core of the recording machine.
   bool unequal = false;
   double timer_noise = 0.0;
 };
 
 void add_network_options(CLI::App* command, NetworkOptions* options);
 
-/// `nodes` of them.
+/// Returns the options for a farm of `nodes` nodes.
 [[nodiscard]] ReplayOptions replay_options(const NetworkOptions& options, std::size_t nodes);
 
-/// From a view's arrival at the head until its last tile is there.
+/// Time from a view's arrival at the coordinator to its last tile.
 [[nodiscard]] double frame_seconds(const ReplayedFrame& frame, const NetworkOptions& options);
 
 /// All frames of one record with one strategy.
@@ -34,10 +34,10 @@ struct ReplaySummary {
   double mean = 0.0;  ///< Efficiency.
   double p5 = 0.0;
   double least = 0.0;
-  double frames_per_second = 0.0;  ///< One frame after the other.
-  double gain = 0.0;               ///< In frames per second over `equal`: 0.5 is 50 % more.
+  double frames_per_second = 0.0;  ///< Without overlapping frames.
+  double gain = 0.0;               ///< Gain in frames per second over `equal`: 0.5 is 50 % more.
   std::size_t below_equal = 0;     ///< Frames that took longer than with `equal`.
-  double blocks = 0.0;             ///< Means per frame.
+  double blocks = 0.0;             ///< Mean per frame, like the three below.
   double nodes = 0.0;
   double steals = 0.0;
   double relative_bytes = 0.0;

@@ -19,19 +19,19 @@ struct Happening {
   double at = 0.0;
   std::size_t node = 0;
   Event event = Event::kBlockEnds;
-  /// Of equal times the lower node comes first: the order must not depend on the queue.
+  /// At equal times the lower node comes first, so that the order does not depend on the queue.
   friend bool operator>(const Happening& a, const Happening& b) { return a.at != b.at ? a.at > b.at : a.node > b.node; }
 };
 
 struct Node {
-  std::vector<std::size_t> blocks;  ///< Of the plan; the first is under way if `busy`.
+  std::vector<std::size_t> blocks;  ///< From the plan; the first is being rendered if `busy`.
   bool busy = false;
   double begun_at = 0.0;
   struct Promise {
     std::size_t from = 0;
     std::size_t block = 0;
   };
-  std::optional<Promise> promised;  ///< A block that is on its way here.
+  std::optional<Promise> promised;  ///< A block that is on its way to this node.
 };
 
 class Simulation {
@@ -81,7 +81,7 @@ class Simulation {
     if (!node.blocks.empty()) begin(i, at);
   }
 
-  /// The word of a steal has reached the thief, and its victim.
+  /// Handles the arrival of a stolen block at the thief.
   void arrive(std::size_t i, double at) {
     const Node::Promise promise = *std::exchange(nodes_[i].promised, std::nullopt);
     promised_[promise.block] = false;
@@ -100,7 +100,8 @@ class Simulation {
   void let_idle_steal(double now) {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       if (nodes_[i].busy || nodes_[i].promised) continue;
-      // Of the queues only the idle node's own speed differs: what one of the same speed refused, this one refuses.
+      // Only the idle node's own speed varies, so queues that refused a node of at least this speed refuse this one
+      // too.
       if (refused_at_ == now && refused_by_ >= farm_.speeds[i] && !changed_) continue;
       const std::optional<Steal> steal =
           choose_steal(queues(now), i, farm_.steal_seconds + farm_.block_overhead_seconds);
@@ -155,10 +156,10 @@ class Simulation {
   const WorkGrid& work_;
   std::span<const PlannedBlock> plan_;
   std::vector<Node> nodes_;
-  std::vector<bool> promised_;  ///< By block: it is on its way to a thief.
+  std::vector<bool> promised_;  ///< For each block: it is on its way to a thief.
   std::priority_queue<Happening, std::vector<Happening>, std::greater<>> happenings_;
   std::vector<NodeQueue> queues_;
-  std::vector<std::vector<std::size_t>> shown_;  ///< Of queues_, which blocks they are.
+  std::vector<std::vector<std::size_t>> shown_;  ///< The blocks behind each of queues_.
   double refused_at_ = -1.0;
   double refused_by_ = 0.0;
   bool changed_ = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One frame on simulated nodes, by events: no clock, no thread, no wire.
+/// Event simulation of one frame on nodes, without clock, threads or wire.
 #pragma once
 
 #include <random>
@@ -10,28 +10,28 @@
 
 namespace cyclorama {
 
-/// What nodes and network are like. Seconds.
+/// Properties of nodes and network. Seconds.
 struct SimulatedFarm {
   std::vector<double> speeds;
-  /// From a node's last tile to the begin of the block that it gets for it: the way to the head and back.
+  /// From a node's last tile to the start of a stolen block: the way to the coordinator and back.
   double steal_seconds = 0.0;
-  double block_overhead_seconds = 0.0;  ///< As in SplitRequest.
-  double node_overhead_seconds = 0.0;   ///< As in SplitRequest: the head's orders leave one after the other.
+  double block_overhead_seconds = 0.0;  ///< See SplitRequest.
+  double node_overhead_seconds = 0.0;   ///< See SplitRequest: the coordinator's orders are sent one after the other.
   bool stealing = false;
 };
 
 struct SimulatedFrame {
-  double seconds = 0.0;  ///< Until the last node is done.
+  double seconds = 0.0;  ///< Time until the last node has finished.
   std::vector<MeasuredBlock> measured;
   std::size_t steals = 0;
-  std::size_t late_steals = 0;  ///< In vain: the victim had begun before the word reached it.
+  std::size_t late_steals = 0;  ///< Failed steals: the victim had begun the block before the order arrived.
 
-  /// Of all nodes, those without a block too: the work over what they could have done in the time.
+  /// The work divided by the capacity of all nodes, even those without a block, during the frame.
   [[nodiscard]] double efficiency(std::span<const double> speeds) const;
 };
 
-/// `work`: what each cell truly costs, in seconds at speed 1. Every node renders its blocks in order; one that is done
-/// may take another's by choose_steal(), with the predicted costs of the plan. Deterministic.
+/// `work` is the true cost of each cell, in seconds at speed 1. Every node renders its blocks in order; an idle one may
+/// take another's by choose_steal(), with the predicted costs of the plan. Deterministic.
 [[nodiscard]] SimulatedFrame simulate(const SimulatedFarm& farm, const WorkGrid& work,
                                       std::span<const PlannedBlock> plan);
 

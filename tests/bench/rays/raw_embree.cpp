@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How fast Embree alone traces the rays that a path tracer makes: raw_embree PACKAGE [--size WxH] [--samples N]
+/// Measures how fast Embree alone traces the rays of a path tracer: raw_embree PACKAGE [--size WxH] [--samples N]
 /// [--bounces N]. Prints one JSON object. One thread.
 ///
-/// Cell by cell as the renderer works (16x16 pixels, the samples of a pixel side by side, batches of 1024 paths), rays
-/// are made from the hits of the rays before: camera, one shadow ray to a place on a lamp that the renderer might
-/// choose, one cosine bounce, and so on; roulette ends paths as the renderer's does. They are kept, and then traced
-/// again against the clock in that order: nothing but Embree's calls and the copy of a ray into them.
+/// Cell by cell like the renderer (16x16 pixels, the samples of a pixel side by side, batches of 1024 paths), rays are
+/// generated from the hits of the previous rays: camera, one shadow ray to a point on a lamp that the renderer might
+/// choose, one cosine bounce, and so on; roulette ends paths as in the renderer. The rays are stored and then traced
+/// again in that order while the time is measured: only Embree's calls and the copy of a ray into them.
 #include <fmt/format.h>
 
 #include <array>
@@ -29,7 +29,7 @@ constexpr int kCell = 16;
 constexpr int kBatch = 1024;
 constexpr int kPacket = 16;
 constexpr int kRounds = 3;
-constexpr float kTanHalf = 0.7673270f;  ///< A view 75 degrees wide.
+constexpr float kTanHalf = 0.7673270f;  ///< A field of view 75 degrees wide.
 
 struct Ray {
   Vec3 origin;
@@ -37,14 +37,14 @@ struct Ray {
   float far;
 };
 
-/// One stage of one batch: all of one kind, traced together.
+/// One stage of one batch: rays of one kind, traced together.
 struct Group {
   enum class Kind { kCamera, kShadow, kBounce } kind;
   std::vector<Ray> rays;
-  std::vector<Vec3> throughputs;  ///< Of the rays that paths follow, while they are recorded.
+  std::vector<Vec3> throughputs;  ///< Throughputs of the rays that paths follow, used while recording.
 };
 
-/// Numerical Recipes' generator: what is measured does not depend on its quality.
+/// Numerical Recipes' generator; the measurement does not depend on its quality.
 class Random {
  public:
   float operator()() {
@@ -75,7 +75,7 @@ RTCRay as_embree(const Ray& ray) {
   return r;
 }
 
-/// Embree 3 and 4 take the hint in different hands.
+/// Hides the different interfaces of Embree 3 and 4 for the coherence hint.
 class Calls {
  public:
   Calls(RTCScene scene, bool coherent) : scene_(scene) {
@@ -131,7 +131,7 @@ Vec3 cosine_around(const Vec3& n, Random& random) {
   return (r * std::cos(angle) * t + r * std::sin(angle) * s + std::sqrt(1.0f - r2) * n).normalized();
 }
 
-/// The rays that follow from the hits of `stage`, as the renderer's at a matte surface.
+/// Generates the rays that follow from the hits of `stage`, as the renderer does at a matte surface.
 void follow(const TraceScene& scene, const Group& stage, Random& random, Group* ret_shadow, Group* ret_bounce) {
   for (std::size_t i = 0; i < stage.rays.size(); ++i) {
     const Ray& ray = stage.rays[i];
@@ -203,7 +203,7 @@ std::vector<Group> record(const TraceScene& scene, const Vec3& eye, const Order&
   }
 }
 
-/// What came back, so that no call is left out.
+/// Returns a sum over the results, so that no call is optimised away.
 double trace_single(const TraceScene& scene, const Group& group) {
   Calls calls(scene.top, false);
   double sum = 0.0;
@@ -290,11 +290,11 @@ Status measure(const Order& order) {
   Rates packets;
   double sum = 0.0;
   for (int round = 0; round < kRounds; ++round) {
-    // Each goes through all rays before the other does: neither finds in the caches what the other brought there.
+    // Each method traces all rays before the other does, so that neither finds the other's data in the caches.
     sum += replay(groups, &single, [&](const Group& group) { return trace_single(traced, group); });
     sum -= replay(groups, &packets, [&](const Group& group) { return trace_packets(traced, group); });
   }
-  // Packets and single rays differ in rounding, at edges.
+  // Packets and single rays differ by rounding at edges.
   if (std::abs(sum) > 1e-4 * single.rays[0])
     return Error(ErrorCode::kSystem, fmt::format("packets and single rays differ in {} hits", sum));
   fmt::print(

@@ -17,7 +17,7 @@ namespace cyclorama {
 namespace {
 
 constexpr int kSamples[] = {1, 2, 4, 8, 16};
-constexpr std::uint64_t kReferenceSeed = 1'000'000;  ///< Not one of the films'.
+constexpr std::uint64_t kReferenceSeed = 1'000'000;  ///< Differs from the films' seeds.
 
 struct DenoiseOptions {
   SceneOptions scene;
@@ -45,11 +45,12 @@ PanoramaView view_of(const DenoiseOptions& options, const Scene& scene) {
 struct Line {
   int samples = 0;
   DenoiseGain gain;
-  double render_s = 0.0;   ///< Without features, per film.
-  double feature_s = 0.0;  ///< More, with them.
+  double render_s = 0.0;   ///< Per film, without features.
+  double feature_s = 0.0;  ///< Additional time with features.
   double denoise_s = 0.0;
 
-  /// Against a film that spends the time of features and filter on more samples: its error falls as its time grows.
+  /// Compared with a film that spends the time of features and filter on more samples; its error falls as its time
+  /// grows.
   [[nodiscard]] double gain_at_equal_time() const {
     return gain.gain() * render_s / (render_s + feature_s + denoise_s);
   }
@@ -92,7 +93,7 @@ class Measurement {
     TRY_ASSIGN(line.gain, measure_gain(reference, films, [&](const Film& film) {
                  const double start = thread_cpu_seconds();
                  denoiser.denoise(film, rays, whole_, &picture);
-                 // The last one: by then the denoiser has its memory.
+                 // The last repetition, when the denoiser has allocated its memory.
                  line.denoise_s = thread_cpu_seconds() - start;
                  return picture;
                }));

@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// `cyclorama-bench-render denoise SCENE`: what the denoiser wins and how far it is off, for several numbers of samples.
+/// `cyclorama-bench-render denoise SCENE`: the denoiser's gain and error for several numbers of samples.
 [[nodiscard]] RenderCommand add_denoise_command(CLI::App* program);
 
 }  // namespace cyclorama

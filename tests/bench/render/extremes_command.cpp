@@ -24,7 +24,7 @@ struct ExtremesOptions {
   bool quick = false;
 };
 
-/// One line of the table; what was not measured is not there.
+/// One line of the table; values that were not measured are empty.
 struct Row {
   std::string sweep;
   std::string name;
@@ -36,7 +36,7 @@ struct Row {
   std::optional<std::uint64_t> self_hits_fixed_near = {};
   std::optional<int> nan_pixels = {};
   std::optional<int> black_pixels = {};
-  std::string fault = {};  ///< Empty: none.
+  std::string fault = {};  ///< Empty if there is none.
 };
 
 template <typename T>
@@ -161,7 +161,7 @@ struct Plots {
   std::string rays;
 };
 
-/// Zero has no logarithm: it is drawn at the value that the axis calls none.
+/// Zero has no logarithm; it is drawn at the value that the axis labels as none.
 Plots plots_of(const std::vector<Row>& rows) {
   constexpr double kNoFlip = 1e-6;
   constexpr double kNoRays = 1e-7;

@@ -5,8 +5,8 @@
 
 namespace cyclorama {
 
-/// `cyclorama-bench-render extremes --out DIR`: renders and traces what lies at the ends of what can be asked for, in scenes
-/// made in memory, and tells where it fails. DIR then holds extremes.csv and two plots. Fails if any case does.
+/// `cyclorama-bench-render extremes --out DIR`: renders and traces extreme scenes, made in memory, and reports
+/// failures. Writes extremes.csv and two plots to DIR. Fails if any case does.
 [[nodiscard]] RenderCommand add_extremes_command(CLI::App* program);
 
 }  // namespace cyclorama

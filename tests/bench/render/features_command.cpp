@@ -21,7 +21,7 @@ struct FeaturesOptions {
   int repetitions = 9;
 };
 
-/// The folder's or file's name, without its ending.
+/// Returns the folder's or file's name without its extension.
 std::string name_of(const std::string& scene) {
   const std::filesystem::path path = std::filesystem::path(scene).lexically_normal();
   return (path.has_filename() ? path : path.parent_path()).stem().string();

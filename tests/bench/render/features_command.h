@@ -5,8 +5,7 @@
 
 namespace cyclorama {
 
-/// `cyclorama-bench-render features SCENE...`: what each scene saves by a kernel that is compiled without what it does not
-/// need.
+/// `cyclorama-bench-render features SCENE...`: the saving of each scene's specialised kernel.
 [[nodiscard]] RenderCommand add_features_command(CLI::App* program);
 
 }  // namespace cyclorama

@@ -23,7 +23,7 @@
 namespace cyclorama {
 namespace {
 
-/// The reference's own noise is a part of every error: with this many times the samples, at most an eighth.
+/// The reference's own noise is part of every error; with this many times the samples it is at most an eighth.
 constexpr int kReferencePerStill = 8;
 
 struct GovernedOptions {
@@ -37,11 +37,11 @@ struct GovernedOptions {
   std::optional<int> reference_bounces;
 };
 
-/// What became of one budget, once the governor had settled: in the second half of the frames.
+/// Result for one budget after the governor had settled: over the second half of the frames.
 struct BudgetResult {
   double budget_ms = 0.0;
   Percentiles frame_ms;
-  std::map<std::size_t, int> frames_at;          ///< Point of the front: how often it was chosen.
+  std::map<std::size_t, int> frames_at;          ///< Number of frames for each point of the Pareto front.
   double relmse = 0.0, flip = 0.0, bytes = 0.0;  ///< Means over those frames.
 
   [[nodiscard]] std::size_t point() const {
@@ -52,7 +52,7 @@ struct BudgetResult {
 struct Still {
   std::vector<int> samples;
   std::vector<double> mse;
-  /// Of log(mse) over log(samples), by least squares.
+  /// Least-squares slope of log(mse) over log(samples).
   [[nodiscard]] double slope() const {
     double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
     for (std::size_t i = 0; i < mse.size(); ++i) {
@@ -67,7 +67,7 @@ struct Still {
 
 PixelRect whole(const Panorama& panorama) { return {0, 0, panorama.width_px, panorama.height_px}; }
 
-/// The farm's way of a frame on one machine: choose, render, take noise out, encode, learn. No network.
+/// The farm's steps for a frame on one machine: choose, render, denoise, encode, learn. No network.
 class GovernedLoop {
  public:
   GovernedLoop(const Renderer& renderer, const GovernedOptions& options, PanoramaView view, const StopSignal& stop)
@@ -124,7 +124,7 @@ Result<Front> front_of(const GovernedOptions& options) {
   return Front::standard();
 }
 
-/// A front's points are few and each is wrong by so much whatever the budget: each is measured once.
+/// Errors of the points of a Pareto front. They do not depend on the budget, so each is measured once.
 class PointErrors {
  public:
   PointErrors(TradeMeter* meter, const Front& front, const StopSignal& stop)
@@ -157,7 +157,7 @@ class PointErrors {
   std::map<std::size_t, TradePoint> known_;
 };
 
-/// Powers of two, as a picture at rest is shown.
+/// Doubles the samples at each step, as a picture at rest is refined.
 Result<Still> rest(const Renderer& renderer, PanoramaView view, int most_samples, const RadianceImage& reference,
                    const StopSignal& stop) {
   Still still;
@@ -206,7 +206,7 @@ Status governed(const GovernedOptions& options, const StopSignal& stop) {
   reference_view.quality.samples = options.reference_samples;
   reference_view.quality.bounces = options.reference_bounces.value_or(renderer->scene().bounces);
   reference_view.quality.firefly_limit = reference_view.quality.adaptive_error = 0.0f;
-  reference_view.seed = view.seed + 1;  // Shared noise would flatter.
+  reference_view.seed = view.seed + 1;  // Another seed: shared noise would make the error appear smaller.
   std::optional<Progress> progress(std::in_place, "rendering the reference");
   TRY_ASSIGN(const Film reference, converged_film(
                                        *renderer, reference_view, [&](double done) { progress->update(done); },

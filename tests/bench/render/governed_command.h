@@ -5,8 +5,8 @@
 
 namespace cyclorama {
 
-/// Holds frame budgets with a governor, on this machine alone, and measures what pictures come of them; then lets a
-/// picture rest and measures how its error falls.
+/// Keeps frame budgets with a governor on this machine alone, and measures the resulting pictures; then refines a
+/// picture at rest and measures how its error falls.
 RenderCommand add_governed_command(CLI::App* program);
 
 }  // namespace cyclorama

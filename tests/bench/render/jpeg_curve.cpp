@@ -16,7 +16,7 @@ constexpr std::array kQualities{50, 60, 70, 75, 80, 85, 90, 95};
 constexpr std::array kTiles{512, 256, 128, 64, 32};
 constexpr int kUsualTilePx = 256;
 constexpr int kUsualQuality = 85;
-/// The machine does other things as well: the best of so many counts.
+/// The best of this many rounds counts, since the machine has other work.
 constexpr int kRounds = 5;
 
 std::vector<PixelRect> tiles(const RgbImage& picture, int side) {

@@ -9,18 +9,18 @@
 
 namespace cyclorama {
 
-/// What a picture costs as JPEG tiles, and what is lost.
+/// Cost and error of a picture as JPEG tiles.
 struct JpegPoint {
   int tile_px = 0;  ///< Side of the tiles; those at the right and lower edge may be smaller.
   JpegOptions options;
   std::size_t bytes = 0;
   double encode_ms_per_megapixel = 0.0;  ///< Thread time; the best of several.
   double decode_ms_per_megapixel = 0.0;
-  ShownError error{};  ///< Of the decoded tiles against the picture.
+  ShownError error{};  ///< Error of the decoded tiles against the picture.
 };
 
-/// Every quality and chroma with the largest tile, and every tile with the usual quality. kInvalidArgument  a picture
-/// smaller than the smallest tile. Reentrant.
+/// Measures every quality and chroma with the largest tile, and every tile size with the usual quality. Reentrant.
+/// Errors: kInvalidArgument for a picture smaller than the smallest tile.
 Result<std::vector<JpegPoint>> measure_jpeg(const RgbImage& picture);
 
 }  // namespace cyclorama

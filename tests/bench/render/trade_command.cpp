@@ -29,7 +29,7 @@ struct TradeOptions {
 
 constexpr const char* kOwnFiles[] = {"reference.pfm", "reference.txt", "trade.csv", "trade.svg", "front.toml"};
 
-/// What changes with the scene's files: those of a package's folder, or the single file.
+/// Identifies the scene's files: those of a package's folder, or the single file.
 std::string files_of(const TradeOptions& options) {
   namespace fs = std::filesystem;
   std::error_code failed;
@@ -41,7 +41,7 @@ std::string files_of(const TradeOptions& options) {
     bytes += fs::file_size(file, failed);
     newest = std::max(newest, fs::last_write_time(file, failed));
   };
-  const auto is_own = [&](const fs::path& file) {  // The folder that is written to may be the package's.
+  const auto is_own = [&](const fs::path& file) {  // The output folder may be the package's.
     return std::ranges::find(kOwnFiles, file.filename()) != std::end(kOwnFiles) &&
            fs::equivalent(file.parent_path(), options.out, failed);
   };
@@ -57,7 +57,7 @@ std::string files_of(const TradeOptions& options) {
   return fmt::format("{} files, {} bytes, newest {}", count, bytes, newest.time_since_epoch().count());
 }
 
-/// All that the reference depends on.
+/// Everything on which the reference depends.
 std::string settings_of(const PanoramaView& view, const TradeOptions& options, std::uint64_t triangles) {
   const Panorama& panorama = view.panorama;
   return fmt::format(
@@ -149,7 +149,7 @@ Status trade(const TradeOptions& options, const StopSignal& stop) {
   PanoramaView reference_view = view;
   reference_view.quality.samples = options.reference_samples.value_or(options.quick ? 256 : 1024);
   reference_view.quality.bounces = options.reference_bounces.value_or(renderer->scene().bounces);
-  reference_view.seed = view.seed + 1;  // Shared noise would flatter.
+  reference_view.seed = view.seed + 1;  // Another seed: shared noise would make the error appear smaller.
   TRY_ASSIGN(RadianceImage reference, reference_of(*renderer, reference_view, options, stop));
   TradeMeter meter(*renderer, view, std::move(reference));
   TRY_ASSIGN(const std::vector<TradePoint> points, sweep(&meter, options.quick, stop));

@@ -46,7 +46,7 @@ Result<double> bytes_of(const RgbImage& picture) {
   return static_cast<double>(jpeg.size());
 }
 
-/// Of the node's tile, as it is marked there; the best of several, since the machine does other things as well.
+/// Time for a tile as marked by a node; the best of several runs, since the machine has other work.
 double ms_per_megapixel(const WatermarkStrength& strength) {
   constexpr int kSide = 256;
   constexpr int kTiles = 200;

@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// `cyclorama-bench-render watermark PICTURE`: what the watermark costs and gives on a picture, strength by strength.
+/// `cyclorama-bench-render watermark PICTURE`: cost and detection of the watermark on a picture, for each strength.
 [[nodiscard]] RenderCommand add_watermark_curve_command(CLI::App* program);
 
 }  // namespace cyclorama

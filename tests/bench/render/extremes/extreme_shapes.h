@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What scenes at the extremes are built of. Metres, y up.
+/// Building blocks of extreme scenes. Metres, y up.
 #pragma once
 
 #include "renderfarm/render/renderer.h"
@@ -7,17 +7,17 @@
 
 namespace cyclorama {
 
-/// Matte and grey unless changed: a material for tests.
+/// A test material: matte and grey by default.
 [[nodiscard]] Material plain_material(const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f));
 
-/// A closed sphere about the origin, `rings` from pole to pole, with smooth normals if asked.
+/// A closed sphere about the origin, with `rings` from pole to pole and optional smooth normals.
 [[nodiscard]] Mesh ball(double radius, int rings, bool smooth);
-/// A closed box about the origin. To be seen from inside, or from outside: surfaces have two sides.
+/// A closed box about the origin, visible from inside and outside, since surfaces are two-sided.
 [[nodiscard]] Mesh block(const Eigen::Vector3d& size);
-/// A square in the plane y = 0 about the origin, its texture coordinates from 0 to `repeats`.
+/// A square in the plane y = 0 about the origin, with texture coordinates from 0 to `repeats`.
 [[nodiscard]] Mesh plate(double size, float repeats = 1.0f);
 
-/// Adds the material, too, and keeps the bounds.
+/// Adds the mesh and its material, and updates the bounds.
 void put(Scene& scene, Mesh mesh, const Material& material,
          const Eigen::Affine3d& T_scene_mesh = Eigen::Affine3d::Identity());
 
@@ -25,12 +25,12 @@ void put(Scene& scene, Mesh mesh, const Material& material,
 /// Visible; shines along `direction`.
 [[nodiscard]] Light panel_at(const Eigen::Vector3d& position, const Eigen::Vector3d& direction, double size_m,
                              float radiance);
-/// The same radiance from everywhere.
+/// The same radiance from all directions.
 [[nodiscard]] Sky even_sky(float radiance);
 
-/// Grey floor, a ball on it, an even sky: nothing is black.
+/// Grey floor, a ball on it, an even sky: no pixel is black.
 [[nodiscard]] Scene open_ground();
-/// All around from `eye`, 64 x 32 pixels, 8 samples of up to 4 bounces.
+/// A full panorama from `eye`, 64 x 32 pixels, 8 samples of up to 4 bounces.
 [[nodiscard]] PanoramaView view_around(const Eigen::Vector3d& eye);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lights, and how their light is counted.
+/// Lights, and the sampling of their light.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -72,7 +72,7 @@ void ten_thousand(ExtremePicture* picture) {
   }
 }
 
-/// From a millimetre to a hundred thousand kilometres away; enough for a tree.
+/// Distances from a millimetre to a hundred thousand kilometres; enough lights for a tree.
 void near_and_very_far(ExtremePicture* picture) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> angle(0.0, 2.0 * std::numbers::pi);
@@ -100,12 +100,12 @@ void lights_on_surfaces(ExtremePicture* picture) {
   std::vector<Light>& lights = picture->scene.model.lights;
   lights.push_back(lamp_at({0.0, 0.0, 0.0}, 1e3f, 0.0));
   lights.push_back(lamp_at({1.0, 0.1, 0.0}, 1.0f, 0.1));   // Touches the floor.
-  lights.push_back(lamp_at({-1.0, 0.0, 0.0}, 1.0f, 0.1));  // Half in it.
+  lights.push_back(lamp_at({-1.0, 0.0, 0.0}, 1.0f, 0.1));  // Half below the floor.
   lights.push_back(panel_at({2.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 0.5, 1.0f));
   lights.push_back(panel_at({-2.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 0.5, 1.0f));
   lights.back().kind = LightKind::kDisk;
   lights.back().radius_m = 0.25;
-  lights.push_back(lamp_at({0.0, 1.0, -1.0}, 1e3f, 0.0));  // A vertex of the ball.
+  lights.push_back(lamp_at({0.0, 1.0, -1.0}, 1e3f, 0.0));  // At a vertex of the ball.
   Material glowing = plain_material();
   glowing.emissive.setConstant(2.0f);
   put(picture->scene, plate(1.0), glowing, Eigen::Affine3d(Eigen::Translation3d(0.0, 0.0, 2.0)));
@@ -117,7 +117,7 @@ void eye_on_a_panel(ExtremePicture* picture) {
   picture->scene.model.lights = {panel_at(kEye, {0.0, 0.0, -1.0}, 1.0, 5.0f)};
 }
 
-/// A light that is seen through the pole of a sphere, where azimuths meet.
+/// A light at the pole of spherical coordinates, where azimuths coincide.
 void suns(ExtremePicture* picture) {
   for (const double tangent : {0.0, 1e-10, 0.01, 1e6}) {
     Light sun;
@@ -131,7 +131,7 @@ void suns(ExtremePicture* picture) {
 void black_environment(ExtremePicture* picture) {
   picture->scene.environment = std::make_shared<const EnvironmentMap>(EnvironmentMap{RadianceImage(8, 4), 0.0f, 1.0f});
   picture->scene.ambient.setConstant(0.1f);
-  // Closed, because nothing but black is around.
+  // Closed, because the surroundings are black.
   put(picture->scene, block({12.0, 8.0, 12.0}), plain_material());
 }
 

@@ -16,13 +16,13 @@ namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-/// A mesh in its BVH, and rays at it.
+/// A mesh in its BVH as a target for rays.
 class Target {
  public:
   /// `mesh` is given in the render frame.
   static Result<std::unique_ptr<Target>> build(Mesh mesh) {
     auto target = std::make_unique<Target>();
-    // A second thing holds the render frame's origin where it is.
+    // A second mesh keeps the render frame's origin in place.
     put(target->scene_, plate(1e-3), plain_material());
     put(target->scene_, std::move(mesh), plain_material());
     TRY_ASSIGN(target->accelerator_, Accelerator::build(target->scene_, 1, nullptr, &target->traced_));
@@ -39,7 +39,7 @@ class Target {
   [[nodiscard]] SurfacePoint point(const RTCHit& hit, const Vec3& direction) const {
     return surface_at(triangle_at(traced_, hit), direction);
   }
-  /// Of the mesh; not of what holds the origin.
+  /// True if the mesh was hit, not the one that fixes the origin.
   [[nodiscard]] static bool is_hit(const RTCHit& hit) { return hit.geomID == kMesh; }
 
  private:
@@ -98,7 +98,8 @@ Result<SelfHitCount> count_self_hits(double coordinate, int rays) {
   constexpr int kTriangles = 300;
   constexpr float kNear = 1e-4f;
   std::mt19937 random(5);
-  const double size = std::max(3.0, 1e-6 * coordinate);  // Some steps of float, or there would be no triangle.
+  // Spans several float steps; otherwise there would be no triangle.
+  const double size = std::max(3.0, 1e-6 * coordinate);
   std::uniform_real_distribution<double> place(-3.0 * size, 3.0 * size);
   std::uniform_real_distribution<double> reach(-size, size);
   Mesh mesh;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRoomM = 6.0;
 
-/// Some of everything that has a place or a length: baked and instanced meshes, glass with a colour, all kinds of
+/// Contains every kind of object with a position or a length: baked and instanced meshes, coloured glass, all kinds of
 /// lamps.
 Scene room(double scale, const Eigen::Vector3d& shift) {
   const auto at = [&](double x, double y, double z) {

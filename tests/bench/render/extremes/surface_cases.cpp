@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Geometry, materials, textures, and where the eye is.
+/// Geometry, materials, textures, and positions of the eye.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -23,7 +23,7 @@ PictureCase in_memory(std::string name, ExtremePicture (*make)()) {
   return {std::move(name), [make](const std::filesystem::path&) { return Result<ExtremePicture>(make()); }};
 }
 
-/// Triangles with ever less width, down to none; some with corners or all of themselves twice.
+/// Triangles of decreasing width, down to zero; some with duplicate corners, some duplicated as a whole.
 ExtremePicture slivers() {
   Mesh mesh;
   std::mt19937 random(3);
@@ -37,7 +37,7 @@ ExtremePicture slivers() {
     mesh.triangles.push_back({3 * i, 3 * i + 1, i % 7 == 0 ? 3 * i : 3 * i + 2});
     if (i % 11 == 0) mesh.triangles.push_back(mesh.triangles.back());
   }
-  mesh.texcoords[0].assign(mesh.positions.size(), {0.25f, 0.25f});  // Without an extent.
+  mesh.texcoords[0].assign(mesh.positions.size(), {0.25f, 0.25f});  // Zero extent.
   mesh.normals.assign(mesh.positions.size(), {0.0f, 0.0f, 0.0f});
   Scene scene = open_ground();
   scene.model.textures.emplace_back();
@@ -50,7 +50,7 @@ ExtremePicture slivers() {
   return seen_from(std::move(scene), {0.0, 1.0, 2.0});
 }
 
-/// Numbers that are none come from files only; importers drop and note them.
+/// Invalid numbers come only from files; importers drop and note them.
 Result<ExtremePicture> broken_file(const std::filesystem::path& scratch) {
   constexpr std::string_view kText =
       "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
@@ -68,7 +68,7 @@ Result<ExtremePicture> broken_file(const std::filesystem::path& scratch) {
   return seen_from(std::move(scene), {0.0, 1.0, 0.0});
 }
 
-/// A row of balls with the same material but for what `change` makes of it.
+/// A row of balls whose common material is modified by `change`.
 ExtremePicture row_of_balls(int count, void (*change)(int ball, Material* material)) {
   Scene scene = open_ground();
   for (int i = 0; i < count; ++i) {
@@ -77,7 +77,7 @@ ExtremePicture row_of_balls(int count, void (*change)(int ball, Material* materi
     put(scene, ball(0.3, 12, true), material, Eigen::Affine3d(Translation(0.7 * (i - 0.5 * (count - 1)), 0.3, 0.0)));
   }
   scene.model.lights = {lamp_at({1.0, 3.0, 2.0}, 5.0f, 0.05), panel_at({-2.0, 2.0, 0.0}, {1.0, -1.0, 0.0}, 0.5, 8.0f)};
-  scene.model.lights[1].visible = false;  // Its back is black.
+  scene.model.lights[1].visible = false;  // Its back would be black.
   return seen_from(std::move(scene), {0.0, 0.8, 2.0});
 }
 
@@ -135,7 +135,7 @@ ExtremePicture white_for_ever() {
   return picture;
 }
 
-/// A closed cabinet of mirrors: paths that nothing absorbs.
+/// A closed cabinet of mirrors, in which nothing absorbs paths.
 ExtremePicture mirrors_all_around() {
   Scene scene;
   Material mirror = plain_material(Eigen::Vector3f::Ones());
@@ -145,7 +145,7 @@ ExtremePicture mirrors_all_around() {
   Material glowing = plain_material();
   glowing.emissive.setConstant(1.0f);
   put(scene, ball(1.2, 12, true), glowing, Eigen::Affine3d(Translation(0.0, 0.0, -0.5)));
-  // An even glow too: sixteen mirrors away from the ball, a path ends.
+  // Ambient light is needed too, since a path ends sixteen mirrors away from the ball.
   scene.ambient.setConstant(0.2f);
   ExtremePicture picture = seen_from(std::move(scene), {0.0, 0.0, 1.2});
   picture.view.quality.bounces = kMostBounces;
@@ -169,7 +169,7 @@ ExtremePicture boundless_floor() {
   return seen_from(std::move(scene), {0.0, 1.0, 2.0});
 }
 
-/// Shared meshes that their instances flatten, mirror, shrink and blow up.
+/// Shared meshes whose instances flatten, mirror, shrink and enlarge them.
 ExtremePicture odd_instances() {
   Scene scene = open_ground();
   const Eigen::Affine3d first(Translation(0.0, 1.0, 0.0));
@@ -180,14 +180,14 @@ ExtremePicture odd_instances() {
                                        Eigen::Vector3d(1e-6, 1e6, 1)}) {
     scene.model.instances.push_back({shared, first * Eigen::Scaling(scale)});
   }
-  scene.ambient.setConstant(0.1f);  // The largest one encloses all else.
+  scene.ambient.setConstant(0.1f);  // The largest instance encloses everything else.
   return seen_from(std::move(scene), {0.0, 1.0, 2.0});
 }
 
 ExtremePicture eye_on_the_floor() { return seen_from(open_ground(), {1.0, 0.0, 1.0}); }
 ExtremePicture eye_on_a_corner() { return seen_from(open_ground(), {5.0, 0.0, 5.0}); }
 
-/// On a vertex, as float has it. Downwards it looks into the ball, where no light of the sky is.
+/// The eye is exactly on a vertex in float. Downwards it looks into the ball, which the sky's light does not reach.
 ExtremePicture eye_on_a_ball() {
   Scene scene = open_ground();
   scene.ambient.setConstant(0.1f);

@@ -14,11 +14,11 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// One kernel, and what it cost in each repetition.
+/// One kernel, and its cost in each repetition.
 struct Candidate {
   SceneNeeds feature;
   std::vector<double> ns_per_ray;
-  std::vector<double> instructions_per_ray;  ///< Empty where they cannot be counted.
+  std::vector<double> instructions_per_ray;  ///< Empty if they cannot be counted.
 
   [[nodiscard]] KernelCost cost() const {
     KernelCost cost{.ns_per_ray = median(ns_per_ray), .instructions_per_ray = std::nullopt};
@@ -33,7 +33,7 @@ double saving(const std::vector<double>& own, const std::vector<double>& other) 
   return 1.0 - median(std::move(ratios));
 }
 
-/// The scene's own kernel first, then one for each feature that it is without, then the general one.
+/// Returns the scene's own kernel, then one for each feature that it lacks, then the general one.
 std::vector<Candidate> candidates_of(const SceneNeeds& own) {
   std::vector<Candidate> candidates(1);
   for (const SceneNeeds& feature : kEachNeed) {

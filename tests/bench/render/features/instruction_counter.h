@@ -8,14 +8,14 @@
 
 namespace cyclorama {
 
-/// Instructions that a thread retired in user space, by the processor's own counter. Source: perf_event_open(2).
+/// Instructions that a thread retired in user space, from the processor's counter. Source: perf_event_open(2).
 /// Thread-bound: counts the thread that opened it.
 class InstructionCounter {
  public:
-  /// Fails as the system says where the machine does not count (most virtual ones) or does not let us
-  /// (perf_event_paranoid): what is measured is then told without.
+  /// Fails with the system's error if the machine has no counter (most virtual ones) or access is denied
+  /// (perf_event_paranoid); the measurement then omits instructions.
   static Result<InstructionCounter> open();
-  /// Since it was opened.
+  /// Instructions since open().
   [[nodiscard]] Result<std::uint64_t> count() const;
 
  private:

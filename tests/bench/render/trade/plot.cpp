@@ -11,7 +11,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr double kPanelPx = 380.0;  ///< The square in which the points are.
+constexpr double kPanelPx = 380.0;  ///< Side of the square that contains the points.
 constexpr double kLeftPx = 70.0;
 constexpr double kTopPx = 44.0;
 constexpr double kBottomPx = 58.0;
@@ -34,7 +34,7 @@ std::string escaped(const std::string& text) {
 bool has_logarithm(double value) { return value > 0.0 && std::isfinite(value); }
 bool is_drawn(const std::array<double, 2>& point) { return has_logarithm(point[0]) && has_logarithm(point[1]); }
 
-/// From one round number to another: 1, 2 or 5 times a power of ten, of which long axes leave most out.
+/// A logarithmic axis from one round number to another: 1, 2 or 5 times a power of ten; long axes omit most labels.
 class LogAxis {
  public:
   LogAxis(const Plot& plot, std::size_t coordinate) {
@@ -50,7 +50,7 @@ class LogAxis {
     if (most == 0.0) least = most = 1.0;
     const int first = static_cast<int>(std::floor(std::log10(least))) - 1;
     const int last = static_cast<int>(std::ceil(std::log10(most))) + 1;
-    constexpr int kShort = 5;  // Decades, with one to spare at each end; each has three labels.
+    constexpr int kShort = 5;  // Decades, including a spare one at each end; each has three labels.
     constexpr int kMostLabels = 9;
     const int decades = last - first;
     const int stride = decades <= kShort + 2 ? 1 : (decades + kMostLabels - 1) / kMostLabels;
@@ -65,7 +65,7 @@ class LogAxis {
     ticks_.assign(below, above + 1);
   }
   [[nodiscard]] const std::vector<double>& ticks() const { return ticks_; }
-  /// 0 at the first tick, 1 at the last.
+  /// Returns 0 at the first tick, 1 at the last.
   [[nodiscard]] double place(double value) const {
     return std::log(value / ticks_.front()) / std::log(ticks_.back() / ticks_.front());
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Points on logarithmic axes, as SVG: for people, and for docs/. Reentrant.
+/// SVG plots of points on logarithmic axes, for people and for docs/. Reentrant.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@ namespace cyclorama {
 
 struct PlotSeries {
   std::string name;
-  std::string colour;  ///< As SVG has it.
+  std::string colour;  ///< SVG colour.
   std::vector<std::array<double, 2>> points;
-  bool joined = false;  ///< By straight lines, in their order.
+  bool joined = false;  ///< Connects the points by straight lines, in order.
   double radius_px = 3.0;
 };
 
 struct Plot {
   std::string x_label;
   std::string y_label;
-  std::vector<PlotSeries> series;  ///< The last one is on top.
+  std::vector<PlotSeries> series;  ///< Drawn in order; the last one is on top.
 };
 
-/// Panels side by side, and one legend: the first panel's names. What has no logarithm (zero, below, NaN, infinite) is
-/// left out.
+/// Draws panels side by side with one legend, from the first panel's names. Values without a logarithm (zero, negative,
+/// NaN, infinite) are left out.
 [[nodiscard]] std::string plot_svg(const std::string& title, const std::vector<Plot>& panels);
 
 }  // namespace cyclorama

@@ -17,14 +17,14 @@
 namespace cyclorama {
 namespace {
 
-/// A picture that takes less is made three times, and the quickest counts: others disturb, nobody helps.
+/// A picture that takes less is rendered three times and the quickest run counts, since disturbances only add time.
 constexpr double kShortCpuSeconds = 0.5;
 constexpr int kRepeats = 3;
 constexpr int kPieceSamples = 16;
 
 Error cancelled_error() { return Error(ErrorCode::kUnavailable, "stopped before it was done"); }
 
-/// Time of the whole process and of the wall since it was made.
+/// Time of the whole process, and elapsed time, since construction.
 class Stopwatch {
  public:
   [[nodiscard]] double cpu_seconds() const { return process_seconds() - cpu_; }
@@ -128,7 +128,7 @@ double own_relmse(const Film& film) {
   const ScalarImage variance = film.variance();
   double sum = 0.0;
   for (std::size_t i = 0; i < variance.data().size(); ++i) {
-    const auto light = static_cast<double>(mean.data()[3 * i + 1]);  // Green is most of luminance.
+    const auto light = static_cast<double>(mean.data()[3 * i + 1]);  // Green is most of the luminance.
     sum += static_cast<double>(variance.data()[i]) / (light * light + kRelativeErrorFloor);
   }
   return sum / static_cast<double>(variance.data().size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Makes a picture at one setting the way the farm does, and measures what it cost and how wrong it is.
+/// Renders a picture with one setting as the farm does, and measures its cost and its error.
 #pragma once
 
 #include <functional>
@@ -10,24 +10,24 @@
 
 namespace cyclorama {
 
-/// The same field in `scale` times as many pixels each way.
+/// The same field with `scale` times as many pixels in each direction.
 [[nodiscard]] Panorama scaled(Panorama panorama, double scale);
 
-/// Of one view of one scene. Keeps a reference to the renderer, which must outlive it. Thread-bound.
+/// Measures one view of one scene. Keeps a reference to the renderer, which must outlive it. Thread-bound.
 class TradeMeter {
  public:
-  /// `reference` is exposed light in the size of the view's panorama; the view's quality is not used.
+  /// `reference` is exposed light at the size of the view's panorama; the view's quality is not used.
   TradeMeter(const Renderer& renderer, PanoramaView view, RadianceImage reference);
 
-  /// kUnavailable  cancelled.     kBadData  a pixel is not finite.
+  /// Errors: kUnavailable if cancelled; kBadData if a pixel is not finite.
   Result<TradePoint> measure(const PlannedPoint& planned, const std::function<bool()>& cancelled);
 
  private:
-  /// What is the same for all settings that differ in how the picture is sent.
+  /// Results shared by settings that differ only in the coding of the picture.
   struct Rendered {
     PictureQuality quality;
-    RenderCost cost;  ///< With the denoiser, up to tone mapping.
-    RgbImage codes;   ///< In the size in which it was rendered.
+    RenderCost cost;  ///< Including the denoiser, up to tone mapping.
+    RgbImage codes;   ///< At the rendered size.
     double relmse = 0.0;
   };
   Status render(const PictureQuality& quality, const std::function<bool()>& cancelled);
@@ -41,12 +41,12 @@ class TradeMeter {
   Rendered rendered_;
 };
 
-/// Samples [0, samples) of a view, as a sum of short films, so that it can be stopped and seen to progress.
-/// kUnavailable  cancelled.
+/// Renders samples [0, samples) of a view as a sum of short films, so that it can be cancelled and report progress.
+/// Errors: kUnavailable if cancelled.
 Result<Film> converged_film(const Renderer& renderer, const PanoramaView& view,
                             const std::function<void(double)>& progress, const std::function<bool()>& cancelled);
 
-/// What the film's mean still lacks: its relMSE, as far as its samples' scatter tells (an overestimate: they are
+/// Remaining relMSE of the film's mean, estimated from the variance of its samples (an overestimate, since they are
 /// stratified).
 [[nodiscard]] double own_relmse(const Film& film);
 

@@ -12,7 +12,7 @@ class Plan {
     const auto same = [&](const PlannedPoint& point) { return point.quality == quality; };
     if (std::none_of(points_.begin(), points_.end(), same)) points_.push_back({knob, quality});
   }
-  /// One knob alone: `turn` sets it in a copy of `from`.
+  /// Varies one setting alone: `turn` sets it in a copy of `from`.
   template <typename Value, typename Turn>
   void sweep(const std::string& knob, const PictureQuality& from, const std::vector<Value>& values, const Turn& turn) {
     for (const Value& value : values) {
@@ -54,7 +54,7 @@ void add_knobs_alone(Plan* plan, bool quick) {
   plan->sweep("denoiser", base, std::vector{true},
               [](PictureQuality& quality, bool value) { quality.denoise = value; });
   PictureQuality many = base;
-  many.render.samples = quick ? 32 : 128;  // Adaptive sampling saves from this.
+  many.render.samples = quick ? 32 : 128;  // Adaptive sampling reduces this number.
   plan->sweep("adaptive", many, quick ? Floats{0.02f} : Floats{0.04f, 0.02f, 0.01f, 0.005f},
               [](PictureQuality& quality, float value) { quality.render.adaptive_error = value; });
 }
@@ -63,7 +63,7 @@ void add_knobs_together(Plan* plan, bool quick) {
   const std::vector<int> samples = quick ? std::vector{1, 4, 16} : std::vector{1, 2, 4, 8, 16, 32, 64};
   const std::vector<int> bounces = quick ? std::vector{0, 2} : std::vector{0, 1, 2, 4};
   const std::vector<double> scales = quick ? std::vector{0.5, 1.0} : std::vector{0.35, 0.5, 0.71, 1.0};
-  constexpr int kDenoiserUpTo = 16;  // It is made for few samples.
+  constexpr int kDenoiserUpTo = 16;  // The denoiser is intended for few samples.
   for (const double scale : scales) {
     for (const int bounce : bounces) {
       for (const int sample : samples) {

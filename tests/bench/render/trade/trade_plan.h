@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which settings are measured to learn how time and bytes are traded for accuracy.
+/// Settings to be measured for the trade of time and bytes against accuracy.
 #pragma once
 
 #include <string>
@@ -9,18 +9,19 @@
 
 namespace cyclorama {
 
-/// The knob by which a setting differs from the base; "together" where several do.
+/// Name of the setting that differs from the base; "together" if several do.
 struct PlannedPoint {
   std::string knob;
   PictureQuality quality;
 };
 
-/// In the middle of every knob's range: each curve goes through it.
+/// In the middle of every setting's range; each curve passes through it.
 [[nodiscard]] PictureQuality trade_base();
 
-/// Not every combination: each knob is turned alone around the base, which gives its curve; the knobs that decide most
-/// of the time (samples, bounces, scale, and the denoiser) are turned together, which gives the front. Every setting is
-/// legal and comes once. `quick` leaves most out. Pictures that differ only in how they are sent follow one another.
+/// Not every combination: each setting is varied alone around the base, which gives its curve; those that determine
+/// most of the time (samples, bounces, scale, and the denoiser) are varied together, which gives the Pareto front.
+/// Every combination is valid and occurs once. `quick` omits most. Pictures that differ only in their coding follow one
+/// another.
 [[nodiscard]] std::vector<PlannedPoint> trade_plan(bool quick);
 
 }  // namespace cyclorama

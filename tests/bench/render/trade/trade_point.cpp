@@ -21,9 +21,9 @@ struct Axis {
   double (*value)(const TradePoint&);
 };
 
-/// `is_time`: along x; the front is a line there alone.
+/// `is_time`: x is time; the Pareto front is a line only there.
 Plot panel(const std::vector<TradePoint>& points, const Front& front, const Axis& x, const Axis& y, bool is_time) {
-  // Okabe and Ito's colours, told apart by the colour-blind too.
+  // Okabe and Ito's palette, distinguishable by colour-blind people.
   static constexpr struct {
     const char* knob;
     const char* colour;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What one setting costs and how wrong its picture is, and the files in which that is told.
+/// Cost and error of one setting, and the files that report them.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,25 @@ namespace cyclorama {
 
 struct TradePoint {
   PlannedPoint planned;
-  double cpu_s = 0.0;   ///< Of all threads, from the first ray to the last byte.
-  double wall_s = 0.0;  ///< The same.
+  double cpu_s = 0.0;   ///< All threads, from the first ray to the last byte.
+  double wall_s = 0.0;  ///< From the first ray to the last byte.
   std::uint64_t rays = 0;
-  std::size_t bytes = 0;       ///< Of the whole picture as one JPEG.
-  double removed_light = 0.0;  ///< By the firefly limit, as a part of all light.
-  double relmse = 0.0;         ///< Of the light, before tone mapping and JPEG, enlarged.
-  ShownError shown;            ///< Of the decoded JPEG, enlarged.
+  std::size_t bytes = 0;       ///< The whole picture as one JPEG.
+  double removed_light = 0.0;  ///< Fraction of all light removed by the firefly limit.
+  double relmse = 0.0;         ///< Light before tone mapping and JPEG, enlarged.
+  ShownError shown;            ///< Decoded JPEG, enlarged.
 };
 
-/// Which points the governor may choose: the front of processor time against relMSE (as Front::standard() has it:
-/// without bias it falls with the samples, which Refinement builds on), among those that are sent as the base is (JPEG
-/// is not in it). `shown_px` is the picture's size. kInvalidArgument  there is no such point.
+/// Points that the governor may choose: the Pareto front of processor time against relMSE (as in Front::standard():
+/// without bias it falls with the samples, on which Refinement relies), among those with the base's coding (JPEG is not
+/// part of it). `shown_px` is the picture's number of pixels. Errors: kInvalidArgument if there is no such point.
 Result<Front> trade_front(const std::vector<TradePoint>& points, double shown_px);
 [[nodiscard]] bool is_on(const Front& front, const TradePoint& point);
 
-/// A header and one line per point; its columns carry their units.
+/// CSV with a header and one line per point; the columns' names contain their units.
 [[nodiscard]] std::string trade_csv(const std::vector<TradePoint>& points, const Front& front);
 
-/// Error against time and against bytes, a curve for each knob, and the front.
+/// Plot of error against time and against bytes: a curve for each setting, and the Pareto front.
 [[nodiscard]] std::string trade_svg(const std::vector<TradePoint>& points, const Front& front,
                                     const std::string& title);
 

@@ -27,7 +27,7 @@ float left_arm(const Vec3& p) {
   return blend(limb(p, kLeftShoulder, 0.40f, kLeftElbow, 0.29f), limb(p, kLeftElbow, 0.29f, kLeftWrist, 0.20f), 0.12f);
 }
 
-/// The body without its contact to the bed.
+/// The body alone, without the robe below it.
 float torso_and_legs(const Vec3& p) {
   float d = ellipsoid(p, {-2.40f, 1.03f, 0.0f}, {1.00f, 0.92f, 0.62f});               // Chest.
   d = blend(d, ellipsoid(p, {-1.00f, 0.86f, 0.08f}, {1.20f, 0.76f, 0.60f}), 0.40f);   // Waist.

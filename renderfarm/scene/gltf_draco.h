@@ -31,7 +31,7 @@ class GltfDracoMesh {
 
   /// The caller has charged the budget for the triangles.
   [[nodiscard]] GltfTriangles triangles() const;
-  /// Returns nothing if this semantic (such as "POSITION") is not compressed. `shape` is its accessor's.
+  /// Returns nothing if this semantic (such as "POSITION") is not compressed. `shape` describes its accessor.
   Result<std::optional<GltfAccessor>> attribute(const char* semantic, const GltfAccessorShape& shape,
                                                 GltfBudget* budget) const;
 

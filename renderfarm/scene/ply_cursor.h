@@ -47,7 +47,7 @@ class PlyBinaryCursor {
     }
     return false;
   }
-  /// Called around each row. Returns false if the row is incomplete.
+  /// begin_row() and end_row() enclose each row; they return false if it is incomplete.
   bool begin_row() { return true; }
   bool end_row() { return true; }
   /// Reason why read(), begin_row() or end_row() returned false.

@@ -25,7 +25,7 @@ class WatchedFile {
  private:
   std::filesystem::path path_;
   bool asked_ = false;
-  std::optional<struct ::stat> seen_;  ///< Nothing while it is missing.
+  std::optional<struct ::stat> seen_;  ///< Empty while the file is missing.
 };
 
 }  // namespace cyclorama

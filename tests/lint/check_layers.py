@@ -37,7 +37,7 @@ renderfarm/client: common/base common/geometry common/wire
 renderfarm/coordinator: common/base common/config common/image common/process common/update common/wire
     renderfarm/balance renderfarm/governor renderfarm/scene_distribution renderfarm/trust renderfarm/watch
 renderfarm/denoise: common/base common/geometry common/image renderfarm/render renderfarm/scene
-renderfarm/generator: common/base common/image common/process
+renderfarm/generator: common/base common/process
 renderfarm/governor: common/base common/config renderfarm/render
 renderfarm/node: common/base common/config common/image common/process common/wire renderfarm/balance
     renderfarm/denoise renderfarm/governor renderfarm/render renderfarm/scene renderfarm/scene_distribution

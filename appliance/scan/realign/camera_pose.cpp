@@ -36,15 +36,15 @@ Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& ray) {
   return axes;
 }
 
-Eigen::Vector2d error_rad(const CameraStand& stand, const WitnessSight& sight) {
-  const Eigen::Vector3d seen = stand.R_camera_eye * (sight.direction - sight.nearness * stand.centre_m);
-  return across(sight.ray).transpose() * (seen.normalized() - sight.ray);
+Eigen::Vector2d error_rad(const LocatedCamera& camera, const ReferenceObservation& observation) {
+  const Eigen::Vector3d seen = camera.R_camera_eye * (observation.direction - observation.nearness * camera.centre_m);
+  return across(observation.ray).transpose() * (seen.normalized() - observation.ray);
 }
 
-double trimmed_rms(const CameraStand& stand, std::span<const WitnessSight> sights, bool of_left_out) {
+double trimmed_rms(const LocatedCamera& camera, std::span<const ReferenceObservation> observations, bool of_left_out) {
   std::vector<double> squares;
-  for (const WitnessSight& sight : sights) {
-    if (sight.is_left_out == of_left_out) squares.push_back(0.5 * error_rad(stand, sight).squaredNorm());
+  for (const ReferenceObservation& observation : observations) {
+    if (observation.is_left_out == of_left_out) squares.push_back(0.5 * error_rad(camera, observation).squaredNorm());
   }
   if (squares.empty()) return 0.0;
   std::sort(squares.begin(), squares.end());
@@ -55,25 +55,27 @@ double trimmed_rms(const CameraStand& stand, std::span<const WitnessSight> sight
 }
 
 /// Gauss and Newton with Cauchy's weights. Nothing where the normal matrix has no inverse.
-std::optional<CameraStand> solved(const CameraStand& planned, std::span<const WitnessSight> sights, bool with_centre) {
-  CameraStand stand = planned;
+std::optional<LocatedCamera> solved(const LocatedCamera& planned, std::span<const ReferenceObservation> observations,
+                                    bool with_centre) {
+  LocatedCamera camera = planned;
   Matrix6 covariance = Matrix6::Zero();
   for (int round = 0; round < kMostRounds; ++round) {
     Matrix6 normal = Matrix6::Zero();
     Vector6 right = Vector6::Zero();
-    for (const WitnessSight& sight : sights) {
-      if (sight.is_left_out) continue;
-      const Eigen::Vector3d seen = stand.R_camera_eye * (sight.direction - sight.nearness * stand.centre_m);
+    for (const ReferenceObservation& observation : observations) {
+      if (observation.is_left_out) continue;
+      const Eigen::Vector3d seen =
+          camera.R_camera_eye * (observation.direction - observation.nearness * camera.centre_m);
       const double length = seen.norm();
       if (!(length > 1e-9)) continue;
       const Eigen::Vector3d unit = seen / length;
-      const Eigen::Matrix<double, 3, 2> axes = across(sight.ray);
-      const Eigen::Vector2d error = axes.transpose() * (unit - sight.ray) / sight.sigma_rad;
+      const Eigen::Matrix<double, 3, 2> axes = across(observation.ray);
+      const Eigen::Vector2d error = axes.transpose() * (unit - observation.ray) / observation.sigma_rad;
       Eigen::Matrix<double, 3, 6> slope;
       slope.leftCols<3>() = -skew(seen);
-      slope.rightCols<3>() = -sight.nearness * stand.R_camera_eye;
+      slope.rightCols<3>() = -observation.nearness * camera.R_camera_eye;
       const Eigen::Matrix3d onto_unit = (Eigen::Matrix3d::Identity() - unit * unit.transpose()) / length;
-      const Eigen::Matrix<double, 2, 6> jacobian = axes.transpose() * onto_unit * slope / sight.sigma_rad;
+      const Eigen::Matrix<double, 2, 6> jacobian = axes.transpose() * onto_unit * slope / observation.sigma_rad;
       const double weight = 1.0 / (1.0 + error.squaredNorm() / (kRobust_sigmas * kRobust_sigmas));
       normal += weight * jacobian.transpose() * jacobian;
       right -= weight * jacobian.transpose() * error;
@@ -81,7 +83,7 @@ std::optional<CameraStand> solved(const CameraStand& planned, std::span<const Wi
     const double prior = 1.0 / (kCentre_m * kCentre_m);
     for (int i = 3; i < 6; ++i) {
       normal(i, i) += prior;
-      right(i) -= prior * (stand.centre_m - planned.centre_m)(i - 3);
+      right(i) -= prior * (camera.centre_m - planned.centre_m)(i - 3);
     }
     Vector6 step = Vector6::Zero();
     if (with_centre) {
@@ -97,52 +99,52 @@ std::optional<CameraStand> solved(const CameraStand& planned, std::span<const Wi
     if (!step.allFinite()) return std::nullopt;
     const double angle = step.head<3>().norm();
     if (angle > 0.0) {
-      stand.R_camera_eye = Eigen::AngleAxisd(angle, step.head<3>() / angle).toRotationMatrix() * stand.R_camera_eye;
+      camera.R_camera_eye = Eigen::AngleAxisd(angle, step.head<3>() / angle).toRotationMatrix() * camera.R_camera_eye;
     }
-    stand.centre_m += step.tail<3>();
+    camera.centre_m += step.tail<3>();
     if (step.squaredNorm() < kArrived * kArrived) break;
   }
-  stand.is_elsewhere = with_centre;
-  stand.centre_sigma_m = covariance.diagonal().tail<3>().cwiseMax(0.0).cwiseSqrt();
-  stand.rms_rad = trimmed_rms(stand, sights, false);
-  stand.heldout_rad = trimmed_rms(stand, sights, true);
-  return stand;
+  camera.is_elsewhere = with_centre;
+  camera.centre_sigma_m = covariance.diagonal().tail<3>().cwiseMax(0.0).cwiseSqrt();
+  camera.rms_rad = trimmed_rms(camera, observations, false);
+  camera.heldout_rad = trimmed_rms(camera, observations, true);
+  return camera;
 }
 
 }  // namespace
 
-CameraStand planned_stand(const TurnPlate& plate, double angle_rad) {
+LocatedCamera planned_camera(const TurnPlate& plate, double angle_rad) {
   const std::array<double, 2> mount{plate.pitch_rad, plate.roll_rad};
   const std::array<double, 2> none{};
   const std::array<double, 2> offset{plate.offset_m.x(), plate.offset_m.y()};
-  CameraStand stand;
+  LocatedCamera camera;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
     Eigen::Vector3d turned;
     to_camera(mount.data(), none.data(), angle_rad, unit.data(), 0.0, turned.data());
-    stand.R_camera_eye.col(axis) = turned;
+    camera.R_camera_eye.col(axis) = turned;
   }
   // Of no direction at all, what is left is the centre.
   const Eigen::Vector3d nowhere = Eigen::Vector3d::Zero();
   Eigen::Vector3d from_centre;
   to_camera(mount.data(), offset.data(), angle_rad, nowhere.data(), 1.0, from_centre.data());
-  stand.centre_m = -(stand.R_camera_eye.transpose() * from_centre);
-  return stand;
+  camera.centre_m = -(camera.R_camera_eye.transpose() * from_centre);
+  return camera;
 }
 
-Result<CameraStand> find_stand(const CameraStand& planned, std::span<const WitnessSight> sights) {
-  const auto used = static_cast<std::size_t>(
-      std::count_if(sights.begin(), sights.end(), [](const WitnessSight& s) { return !s.is_left_out; }));
+Result<LocatedCamera> locate_camera(const LocatedCamera& planned, std::span<const ReferenceObservation> observations) {
+  const auto used = static_cast<std::size_t>(std::count_if(
+      observations.begin(), observations.end(), [](const ReferenceObservation& s) { return !s.is_left_out; }));
   if (used < kLeastSights) {
     return Error(ErrorCode::kBadData,
                  "the camera sees too little of the projectors that did not move, so nobody knows how it stands");
   }
-  const auto turned = solved(planned, sights, false);
+  const auto turned = solved(planned, observations, false);
   if (!turned) return Error(ErrorCode::kBadData, "what the camera sees of the other projectors lies on a line");
   // From there, so that a camera that was turned far does not mislead it.
-  CameraStand start = *turned;
+  LocatedCamera start = *turned;
   start.centre_m = planned.centre_m;
-  const auto moved = solved(start, sights, true);
+  const auto moved = solved(start, observations, true);
   if (!moved) return *turned;
   const Eigen::Vector3d by = moved->centre_m - planned.centre_m;
   const bool is_clear = (by.cwiseAbs().array() > kClear_sigmas * moved->centre_sigma_m.array()).any();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where the camera stands now, told by projectors that stand where they were calibrated:
+/// The camera's pose, found by reference projectors: those that did not move since they were calibrated.
 ///
-///     camera's pixel ─▶ ray r ◀── should be ──  R (d - n c)  ◀── direction d, which a witness's map gives its pixel
-///                                               turned by R, from the centre c; n is how near the wall is along d
+///     camera's pixel ─▶ ray r ◀── should be ──  R (d - n c)  ◀── direction d, by the reference projector's map
+///                                               R: rotation, c: camera's centre, n: inverse distance of the wall along d
 #pragma once
 
 #include <Eigen/Core>
@@ -13,29 +13,30 @@
 
 namespace cyclorama {
 
-struct CameraStand {
+struct LocatedCamera {
   Eigen::Matrix3d R_camera_eye = Eigen::Matrix3d::Identity();
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< Eye frame.
   Eigen::Vector3d centre_sigma_m = Eigen::Vector3d::Zero();
-  bool is_elsewhere = false;  ///< Its centre was found anew; else it is where the plate should have it.
-  double rms_rad = 0.0;       ///< Per axis, of witnesses that were used, without the worst twentieth,
-  double heldout_rad = 0.0;   ///< and of those that were left out.
+  bool is_elsewhere = false;  ///< The centre was estimated; otherwise it is the one that the turntable's model gives.
+  double rms_rad = 0.0;       ///< Per axis, over observations that were used, without the worst twentieth.
+  double heldout_rad = 0.0;   ///< The same over observations that were left out.
 };
 
-/// What one place of a witness's light tells.
-struct WitnessSight {
-  Eigen::Vector3d ray;        ///< Where the camera sees it: camera frame, unit length.
-  Eigen::Vector3d direction;  ///< Where the sweet spot does, by the witness's map: unit length.
-  double nearness = 0.0;      ///< Of the wall there, 1/m.
-  double sigma_rad = 1e-4;    ///< Each way.
+/// One point of a reference projector's light.
+struct ReferenceObservation {
+  Eigen::Vector3d ray;        ///< Direction from the camera: camera frame, unit length.
+  Eigen::Vector3d direction;  ///< Direction from the sweet spot, by the projector's map: Eye frame, unit length.
+  double nearness = 0.0;      ///< Inverse distance of the wall there, 1/m.
+  double sigma_rad = 1e-4;    ///< Per axis.
   bool is_left_out = false;
 };
 
-/// Where a calibrated plate has the camera when it stands at `angle_rad`.
-[[nodiscard]] CameraStand planned_stand(const TurnPlate& plate, double angle_rad);
+/// The pose that the calibrated turntable gives the camera at `angle_rad`.
+[[nodiscard]] LocatedCamera planned_camera(const TurnPlate& plate, double angle_rad);
 
-/// Robust least squares from `planned`: a turn alone, or with another centre where that is clear (three sigma) and
-/// predicts what was left out better. kBadData  too few witnesses, or no stand goes with them. Reentrant.
-Result<CameraStand> find_stand(const CameraStand& planned, std::span<const WitnessSight> sights);
+/// Robust least squares from `planned`: a rotation alone, or a rotation and another centre where the latter is clear
+/// (three sigma) and predicts the observations that were left out better.
+/// kBadData  there are too few observations, or no pose fits them. Reentrant.
+Result<LocatedCamera> locate_camera(const LocatedCamera& planned, std::span<const ReferenceObservation> observations);
 
 }  // namespace cyclorama

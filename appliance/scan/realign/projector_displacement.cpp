@@ -183,8 +183,8 @@ std::vector<MapSample> places_of(const MeasuredMap& map) {
 
 }  // namespace
 
-std::optional<PushFinding> find_push(const FittedProjector& before, const MeasuredMap& map,
-                                     std::span<const MapSample> seen, const NearnessAt& nearness) {
+std::optional<Displacement> find_displacement(const FittedProjector& before, const MeasuredMap& map,
+                                              std::span<const MapSample> seen, const NearnessAt& nearness) {
   const std::vector<MapSample> old_places = places_of(map);
   const std::vector<Sample> then = samples_of(old_places, nearness);
   const std::vector<Sample> now = samples_of(seen, nearness);
@@ -194,7 +194,7 @@ std::optional<PushFinding> find_push(const FittedProjector& before, const Measur
   if (!stood) return std::nullopt;
   const auto stands = fitted(*stood, now, kPose);
   if (!stands) return std::nullopt;
-  PushFinding finding;
+  Displacement finding;
   finding.projector = *stands;
   finding.before_px = trimmed_rms(*stood, then);
   finding.after_px = trimmed_rms(*stands, now);
@@ -203,7 +203,7 @@ std::optional<PushFinding> find_push(const FittedProjector& before, const Measur
   const double worst_px = kWorseFit * finding.before_px + kWorstFit_px * map.width_px / 1920.0;
   const bool is_explained = finding.after_px <= worst_px;
   if (is_explained && finding.moved_m <= kMostMoved_m && finding.turned_rad <= kMostTurned_rad) {
-    finding.verdict = PushVerdict::kPushed;
+    finding.verdict = DisplacementVerdict::kDisplaced;
     return finding;
   }
   const auto turned = fitted(*stood, now, kWithLens, kOffPlace_m);
@@ -212,7 +212,7 @@ std::optional<PushFinding> find_push(const FittedProjector& before, const Measur
   finding.zoom = turned->lens.values[MeasuredLens::kFocal] / stood->lens.values[MeasuredLens::kFocal];
   finding.shift_px = {turned->lens.values[MeasuredLens::kCentreU] - stood->lens.values[MeasuredLens::kCentreU],
                       turned->lens.values[MeasuredLens::kCentreV] - stood->lens.values[MeasuredLens::kCentreV]};
-  if (finding.with_lens_px <= worst_px) finding.verdict = PushVerdict::kLensTurned;
+  if (finding.with_lens_px <= worst_px) finding.verdict = DisplacementVerdict::kLensTurned;
   return finding;
 }
 

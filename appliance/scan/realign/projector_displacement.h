@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What happened to a projector, by the wall and the lens that were fitted before: it was pushed, so that six numbers
-/// say all; or its lens was turned; or neither explains what is seen.
+/// Explains what is seen of a projector by the wall and the lens that were fitted before: it was displaced, which six
+/// numbers describe; or its lens was turned; or neither.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,14 +13,14 @@
 
 namespace cyclorama {
 
-enum class PushVerdict {
-  kPushed,       ///< Six numbers explain it.
-  kLensTurned,   ///< They do not; with another focal length and centre they do.
-  kUnexplained,  ///< The wall is another one there, or something stands in the light.
+enum class DisplacementVerdict {
+  kDisplaced,    ///< A rigid motion explains it.
+  kLensTurned,   ///< A rigid motion with another focal length and principal point explains it.
+  kUnexplained,  ///< The wall differs there, or something stands in the light.
 };
 
-struct PushFinding {
-  PushVerdict verdict = PushVerdict::kUnexplained;
+struct Displacement {
+  DisplacementVerdict verdict = DisplacementVerdict::kUnexplained;
   FittedProjector projector;  ///< As it stands now, with the covariance of its pose; its lens as before.
   double turned_rad = 0.0;    ///< From where it stood,
   double moved_m = 0.0;       ///< its centre.
@@ -33,8 +33,9 @@ struct PushFinding {
 
 /// `seen` are places of its picture as the sweet spot sees them now. Nothing where there are too few, or no pose goes
 /// with them. Reentrant.
-[[nodiscard]] std::optional<PushFinding> find_push(const FittedProjector& before, const MeasuredMap& map,
-                                                   std::span<const MapSample> seen, const NearnessAt& nearness);
+[[nodiscard]] std::optional<Displacement> find_displacement(const FittedProjector& before, const MeasuredMap& map,
+                                                            std::span<const MapSample> seen,
+                                                            const NearnessAt& nearness);
 
 /// Where a projector of that pose and lens draws its pixel, by the wall. Nothing where it draws nowhere.
 [[nodiscard]] std::optional<Eigen::Vector3d> drawn_direction(const FittedProjector& projector, const BrownLens& lens,

@@ -1,31 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One projector that somebody pushed, put back into the picture within seconds, by the calibration that exists:
+/// One projector that somebody displaced, put back into the picture within seconds, by the calibration that exists:
 ///
-///     turn to it ─▶ its own patterns, coarse ones only ─┐
-///                └▶ sines on all others at once ─▶ find_stand(): where the camera stands now
-///                                                       ▼
-///                directions of its pixels ─▶ find_push(): pushed? lens turned? ─▶ its new map, checked by what was
-///                                                       │                         left out of it
-///                                                       ▼
-///                        masks and colours of all by the light that was measured before ─▶ another calibration
+///     read_baseline()         the calibration of before, and the projectors that serve as references
+///           ▼
+///     photograph_displaced()  the projector's own patterns, coarse ones only, then sines on all references at once
+///           ▼
+///     find_new_map()          the camera's pose by the references, the displacement, a map checked by left-out blocks
+///           ▼
+///     follow_light()          masks and colours of all projectors by the light that was measured before
+///           ▼
+///     save_calibration()      another calibration
 #pragma once
 
 #include "appliance/scan/calibration_run.h"
 
 namespace cyclorama {
 
-/// How a realignment went, beside what any calibration tells.
+/// The result of a realignment, beside that of any calibration.
 struct RealignmentOutcome {
-  /// As run_calibration()'s. Its registration is of the pushed projector and those beside it, of places that its map
-  /// was not fitted to. Where nothing has moved it is the calibration of before, and none was written.
+  /// As run_calibration()'s. Its registration is that of the displaced projector and its neighbours, over places that
+  /// its map was not fitted to. Where nothing has moved it is the calibration of before, and none was written.
   CalibrationOutcome outcome;
-  MeasuredRegistration before;  ///< With its map of before, of the same places.
+  MeasuredRegistration before;  ///< The same with the projector's map of before.
   bool has_moved = false;
-  double turned_rad = 0.0;  ///< What it was pushed by.
+  double turned_rad = 0.0;  ///< The displacement's rotation and translation.
   double moved_m = 0.0;
-  double explained_px = 0.0;    ///< What such a push leaves of what is seen, per axis.
-  double camera_moved_m = 0.0;  ///< Where the camera stands other than it stood; 0 where that is not clear.
-  double seen_fraction = 0.0;   ///< Of its map: measured; the rest follows from the push.
+  double explained_px = 0.0;    ///< RMS per axis of what the displacement leaves unexplained.
+  double camera_moved_m = 0.0;  ///< Distance of the camera from where it stood; 0 where that is not clear.
+  double seen_fraction = 0.0;   ///< Part of the map that was measured; the rest follows from the displacement.
   bool has_colours = false;     ///< Masks and colours follow the new map.
 };
 

@@ -21,36 +21,37 @@ constexpr double kMostSaturated = 0.01;
 constexpr int kMostExposures = 6;
 constexpr double kNoise = 0.006;  // Of one photograph at one pixel, as Photo; cells of many pixels find their own.
 
-class WitnessMeasuring {
+class ReferenceMeasuring {
  public:
-  WitnessMeasuring(const std::vector<Witness>& witnesses, const WitnessExpectation& expected, PatternScreen& screen,
-                   ScanCamera& camera, const PhotographListener& listener, std::stop_token stop)
-      : witnesses_(witnesses),
+  ReferenceMeasuring(const std::vector<ReferenceProjector>& references, const ExpectedReferences& expected,
+                     PatternScreen& screen, ScanCamera& camera, const PhotographListener& listener,
+                     std::stop_token stop)
+      : references_(references),
         expected_(expected),
         screen_(screen),
         camera_(camera),
         listener_(listener),
         stop_(std::move(stop)) {}
 
-  Result<WitnessView> run(double exposure_s, const ExposureLimits& limits) {
+  Result<ReferenceView> run(double exposure_s, const ExposureLimits& limits) {
     exposure_s_ = exposure_s;
     auto view = measured(limits);
     // Dark again, whatever happened; the first error counts.
-    for (const Witness& witness : witnesses_) {
-      const Status dark = screen_.show(witness.projector, RgbImage());
+    for (const ReferenceProjector& reference : references_) {
+      const Status dark = screen_.show(reference.projector, RgbImage());
       if (view && !dark) return dark.error();
     }
     return view;
   }
 
  private:
-  [[nodiscard]] bool is_expected(std::size_t pixel) const { return expected_.witness.data()[pixel] >= 0; }
+  [[nodiscard]] bool is_expected(std::size_t pixel) const { return expected_.reference.data()[pixel] >= 0; }
 
   Status show(const PatternPicture& picture) {
-    for (const Witness& witness : witnesses_) {
+    for (const ReferenceProjector& reference : references_) {
       if (stop_.stop_requested()) return cancelled();
-      const PatternSet set{witness.width_px, witness.height_px, -1, kWitnessPeriod_px, kSteps, {}};
-      TRY(screen_.show(witness.projector, drawn(set, picture)));
+      const PatternSet set{reference.width_px, reference.height_px, -1, kReferencePeriod_px, kSteps, {}};
+      TRY(screen_.show(reference.projector, drawn(set, picture)));
     }
     return Done{};
   }
@@ -95,13 +96,13 @@ class WitnessMeasuring {
     return Done{};
   }
 
-  Result<WitnessView> measured(const ExposureLimits& limits) {
+  Result<ReferenceView> measured(const ExposureLimits& limits) {
     TRY(find_exposure(limits));
     const PatternPicture black{.kind = PatternKind::kBlack, .level = 0.0};
     TRY(show(black));
     TRY_ASSIGN(const Photo dark, photographed(black));
-    std::array<PhaseReading, 2> phases{PhaseReading(kWitnessPeriod_px, kSteps),
-                                       PhaseReading(kWitnessPeriod_px, kSteps)};
+    std::array<PhaseReading, 2> phases{PhaseReading(kReferencePeriod_px, kSteps),
+                                       PhaseReading(kReferencePeriod_px, kSteps)};
     for (const PatternAxis axis : {PatternAxis::kColumns, PatternAxis::kRows}) {
       for (int step = 0; step < kSteps; ++step) {
         const PatternPicture picture{.kind = PatternKind::kPhase, .axis = axis, .step = step};
@@ -132,40 +133,41 @@ class WitnessMeasuring {
         const float sigma_x = *places[0].sigma_px.at(x, y);
         const float sigma_y = *places[1].sigma_px.at(x, y);
         if (!(sigma_x >= 0.0f && sigma_x < kRead_px && sigma_y >= 0.0f && sigma_y < kRead_px)) continue;
-        const auto witness = static_cast<std::size_t>(*expected_.witness.at(x, y));
+        const auto reference = static_cast<std::size_t>(*expected_.reference.at(x, y));
         Correspondence place;
         place.camera_u = static_cast<float>(x) + 0.5f;
         place.camera_v = static_cast<float>(y) + 0.5f;
         place.projector_x = *places[0].position_px.at(x, y);
         place.projector_y = *places[1].position_px.at(x, y);
         const bool is_inside = place.projector_x > 0.0f && place.projector_y > 0.0f &&
-                               place.projector_x < static_cast<float>(witnesses_[witness].width_px) &&
-                               place.projector_y < static_cast<float>(witnesses_[witness].height_px);
+                               place.projector_x < static_cast<float>(references_[reference].width_px) &&
+                               place.projector_y < static_cast<float>(references_[reference].height_px);
         if (!is_inside) continue;
         place.sigma_px = std::max({sigma_x, sigma_y, 0.01f});
-        place.projector = static_cast<std::uint32_t>(witness);
+        place.projector = static_cast<std::uint32_t>(reference);
         view_.places.push_back(place);
       }
     }
   }
 
-  const std::vector<Witness>& witnesses_;
-  const WitnessExpectation& expected_;
+  const std::vector<ReferenceProjector>& references_;
+  const ExpectedReferences& expected_;
   PatternScreen& screen_;
   ScanCamera& camera_;
   const PhotographListener& listener_;
   std::stop_token stop_;
   double exposure_s_ = 0.0;
   Photo white_;
-  WitnessView view_;
+  ReferenceView view_;
 };
 
 }  // namespace
 
-Result<WitnessView> measure_witnesses(const std::vector<Witness>& witnesses, const WitnessExpectation& expected,
-                                      double exposure_s, const ExposureLimits& limits, PatternScreen& screen,
-                                      ScanCamera& camera, const PhotographListener& listener, std::stop_token stop) {
-  return WitnessMeasuring(witnesses, expected, screen, camera, listener, std::move(stop)).run(exposure_s, limits);
+Result<ReferenceView> measure_references(const std::vector<ReferenceProjector>& references,
+                                         const ExpectedReferences& expected, double exposure_s,
+                                         const ExposureLimits& limits, PatternScreen& screen, ScanCamera& camera,
+                                         const PhotographListener& listener, std::stop_token stop) {
+  return ReferenceMeasuring(references, expected, screen, camera, listener, std::move(stop)).run(exposure_s, limits);
 }
 
 }  // namespace cyclorama

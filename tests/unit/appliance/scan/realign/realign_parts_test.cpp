@@ -44,56 +44,56 @@ TEST(SeenEnd, is_nothing_where_there_is_no_wall) {
   EXPECT_FALSE(seen_end({0, std::nan(""), 0}, {0, 0, -1}, plane).has_value());
 }
 
-std::vector<WitnessSight> sights_from(const CameraStand& stand, double noise_rad) {
+std::vector<ReferenceObservation> observations_from(const LocatedCamera& camera, double noise_rad) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, noise_rad);
-  std::vector<WitnessSight> sights;
+  std::vector<ReferenceObservation> observations;
   for (int y = -8; y <= 8; ++y) {
     for (int x = -20; x <= 20; ++x) {
       const Eigen::Vector3d d = Eigen::Vector3d(std::sin(x * 0.03), y * 0.03, -std::cos(x * 0.03)).normalized();
-      const Eigen::Vector3d seen = (stand.R_camera_eye * (d - cylinder(d) * stand.centre_m)).normalized();
+      const Eigen::Vector3d seen = (camera.R_camera_eye * (d - cylinder(d) * camera.centre_m)).normalized();
       const Eigen::Vector3d ray = (seen + Eigen::Vector3d(noise(random), noise(random), 0.0)).normalized();
-      sights.push_back({ray, d, cylinder(d), noise_rad, (x + 3 * y) % 5 == 0});
+      observations.push_back({ray, d, cylinder(d), noise_rad, (x + 3 * y) % 5 == 0});
     }
   }
-  return sights;
+  return observations;
 }
 
-TEST(FindStand, finds_the_turn_and_says_when_the_centre_is_elsewhere) {
+TEST(LocateCamera, finds_the_turn_and_says_when_the_centre_is_elsewhere) {
   TurnPlate plate;
   plate.pitch_rad = 0.05;
   plate.roll_rad = -0.01;
   plate.offset_m = {0.006, -0.004};
-  const CameraStand planned = planned_stand(plate, 0.4);
+  const LocatedCamera planned = planned_camera(plate, 0.4);
   EXPECT_LT((planned.R_camera_eye * planned.R_camera_eye.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
   for (const double away_m : {0.0, 0.025}) {
-    CameraStand true_stand = planned;
-    true_stand.R_camera_eye =
+    LocatedCamera true_camera = planned;
+    true_camera.R_camera_eye =
         Eigen::AngleAxisd(0.01, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix() * planned.R_camera_eye;
-    true_stand.centre_m += away_m * Eigen::Vector3d(0.6, 0.0, 0.8);
-    const auto found = find_stand(planned, sights_from(true_stand, 5e-5));
+    true_camera.centre_m += away_m * Eigen::Vector3d(0.6, 0.0, 0.8);
+    const auto found = locate_camera(planned, observations_from(true_camera, 5e-5));
     ASSERT_TRUE(found.has_value());
     EXPECT_EQ(found->is_elsewhere, away_m > 0.0);
-    EXPECT_LT((found->centre_m - true_stand.centre_m).norm(), 1e-3);
-    EXPECT_LT((found->R_camera_eye - true_stand.R_camera_eye).norm(), 3e-4);
+    EXPECT_LT((found->centre_m - true_camera.centre_m).norm(), 1e-3);
+    EXPECT_LT((found->R_camera_eye - true_camera.R_camera_eye).norm(), 3e-4);
     EXPECT_LT(found->heldout_rad, 1e-4);
   }
 }
 
-TEST(FindStand, is_not_misled_by_a_tenth_that_moved) {
-  const CameraStand planned = planned_stand({}, 0.0);
-  auto sights = sights_from(planned, 5e-5);
-  for (std::size_t i = 0; i < sights.size(); i += 10)
-    sights[i].ray = (sights[i].ray + Eigen::Vector3d(0.02, 0.01, 0.0)).normalized();
-  const auto found = find_stand(planned, sights);
+TEST(LocateCamera, is_not_misled_by_a_tenth_that_moved) {
+  const LocatedCamera planned = planned_camera({}, 0.0);
+  auto observations = observations_from(planned, 5e-5);
+  for (std::size_t i = 0; i < observations.size(); i += 10)
+    observations[i].ray = (observations[i].ray + Eigen::Vector3d(0.02, 0.01, 0.0)).normalized();
+  const auto found = locate_camera(planned, observations);
   ASSERT_TRUE(found.has_value());
   EXPECT_LT((found->R_camera_eye - planned.R_camera_eye).norm(), 3e-5);
 }
 
-TEST(FindStand, refuses_too_few_witnesses) {
-  const CameraStand planned = planned_stand({}, 0.0);
-  const auto sights = sights_from(planned, 5e-5);
-  EXPECT_FALSE(find_stand(planned, {sights.data(), 20}).has_value());
+TEST(LocateCamera, refuses_too_few_witnesses) {
+  const LocatedCamera planned = planned_camera({}, 0.0);
+  const auto observations = observations_from(planned, 5e-5);
+  EXPECT_FALSE(locate_camera(planned, {observations.data(), 20}).has_value());
 }
 
 FittedProjector projector_at(const Eigen::Vector3d& place, const Eigen::Quaterniond& turn) {
@@ -120,24 +120,24 @@ std::vector<MapSample> seen_of(const FittedProjector& projector, const NearnessA
   return samples;
 }
 
-class FindPush : public ::testing::Test {
+class FindDisplacement : public ::testing::Test {
  protected:
-  FindPush()
+  FindDisplacement()
       : before_(projector_at({0.3, 0.8, 0.5}, Eigen::Quaterniond::Identity())),
         map_(*fit_measured_map(1280, 800, seen_of(before_, cylinder, 0.05))) {}
   FittedProjector before_;
   MeasuredMap map_;
 };
 
-TEST_F(FindPush, tells_by_how_much_from_little_to_much) {
+TEST_F(FindDisplacement, tells_by_how_much_from_little_to_much) {
   for (const auto& [degrees, metres] : {std::pair(0.05, 0.001), {0.5, 0.02}, {5.0, 0.1}}) {
     FittedProjector now = before_;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(degrees * kDegree, Eigen::Vector3d(0.3, 0.9, 0.2).normalized()));
     now.T_eye_projector = {before_.T_eye_projector.rotation() * turn,
                            before_.T_eye_projector.translation() + metres * Eigen::Vector3d(0.6, 0.64, 0.48)};
-    const auto found = find_push(before_, map_, seen_of(now, cylinder, 0.1), cylinder);
+    const auto found = find_displacement(before_, map_, seen_of(now, cylinder, 0.1), cylinder);
     ASSERT_TRUE(found.has_value());
-    EXPECT_EQ(found->verdict, PushVerdict::kPushed);
+    EXPECT_EQ(found->verdict, DisplacementVerdict::kDisplaced);
     EXPECT_NEAR(found->turned_rad, degrees * kDegree, 0.02 * kDegree);
     EXPECT_NEAR(found->moved_m, metres, 0.002);
     EXPECT_LT(found->after_px, 0.2);
@@ -145,20 +145,20 @@ TEST_F(FindPush, tells_by_how_much_from_little_to_much) {
   }
 }
 
-TEST_F(FindPush, parts_a_lens_that_was_turned_from_a_push) {
+TEST_F(FindDisplacement, parts_a_lens_that_was_turned_from_a_push) {
   FittedProjector now = before_;
   now.lens.values[MeasuredLens::kFocal] *= 1.1;
-  const auto found = find_push(before_, map_, seen_of(now, cylinder, 0.1), cylinder);
+  const auto found = find_displacement(before_, map_, seen_of(now, cylinder, 0.1), cylinder);
   ASSERT_TRUE(found.has_value());
-  EXPECT_EQ(found->verdict, PushVerdict::kLensTurned);
+  EXPECT_EQ(found->verdict, DisplacementVerdict::kLensTurned);
   EXPECT_NEAR(found->zoom, 1.1, 0.02);
 }
 
-TEST_F(FindPush, does_not_explain_another_wall) {
+TEST_F(FindDisplacement, does_not_explain_another_wall) {
   const auto dented = [](const Eigen::Vector3d& d) { return cylinder(d) * (1.0 + 0.05 * std::sin(12.0 * d.x())); };
-  const auto found = find_push(before_, map_, seen_of(before_, dented, 0.1), cylinder);
+  const auto found = find_displacement(before_, map_, seen_of(before_, dented, 0.1), cylinder);
   ASSERT_TRUE(found.has_value());
-  EXPECT_EQ(found->verdict, PushVerdict::kUnexplained);
+  EXPECT_EQ(found->verdict, DisplacementVerdict::kUnexplained);
 }
 
 KeptLight some_light() {

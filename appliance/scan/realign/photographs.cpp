@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/scan/realign/photographs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "appliance/scan/realign/line_of_sight.h"
+#include "appliance/scan/realign/map_points.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+// Finer bits cost pictures, and cells of many pixels need none: docs/design/calibration.md.
+constexpr int kFinestBit = 2;
+constexpr int kHeadings = 15;  // Candidates on either side of the projector's middle.
+constexpr double kHeadingStep_rad = 1.0 * kDegree;
+constexpr double kTargetRim = 0.08;  // In parts of the camera's picture: a displaced picture is not quite where it was.
+constexpr double kReferenceRim = 0.02;
+constexpr double kReferenceGain = 0.3;  // Of a direction, against 1 of the displaced projector's.
+constexpr int kManyPixels = 1000;       // Of the camera's width: above, every other pixel is enough for the references.
+constexpr double kInside = 1.0 / 240;   // Margin within a reference projector's picture, in widths.
+
+bool is_in_view(const RealignmentBaseline& baseline, const LocatedCamera& camera, const Eigen::Vector3d& d,
+                double rim) {
+  const auto pixel = baseline.lens.pixel_of(camera.R_camera_eye * (d - baseline.camera_nearness(d) * camera.centre_m));
+  if (!pixel) return false;
+  const double u = pixel->x() / baseline.calibration.plate.camera.width_px;
+  const double v = pixel->y() / baseline.calibration.plate.camera.height_px;
+  return u >= rim && u <= 1.0 - rim && v >= rim && v <= 1.0 - rim;
+}
+
+double best_angle(const RealignmentBaseline& baseline, const TurnRange& range) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for_points(baseline.projector().map, [&](const Eigen::Vector2d&, const Eigen::Vector3d& d) { middle += d; });
+  const double towards = std::atan2(middle.x(), -middle.z());
+  const auto& projectors = baseline.calibration.projectors;
+  double best = std::clamp(towards, range.least_rad, range.most_rad);
+  double best_gain = -1.0;
+  for (int i = -kHeadings; i <= kHeadings; ++i) {
+    const double angle = std::remainder(towards + i * kHeadingStep_rad, 2.0 * std::numbers::pi);
+    if (angle < range.least_rad || angle > range.most_rad) continue;
+    const LocatedCamera camera = planned_camera(baseline.calibration.plate, angle);
+    double gain = -1e-3 * std::abs(i);  // Straight at it, where nothing else matters.
+    int n = 0;
+    for (std::size_t p = 0; p < projectors.size(); ++p) {
+      const bool is_target = p == baseline.target;
+      for_points(projectors[p].map, [&](const Eigen::Vector2d&, const Eigen::Vector3d& d) {
+        if (n++ % 5 != 0) return;
+        if (is_in_view(baseline, camera, d, is_target ? kTargetRim : kReferenceRim))
+          gain += is_target ? 1.0 : kReferenceGain;
+      });
+    }
+    if (gain > best_gain) {
+      best_gain = gain;
+      best = angle;
+    }
+  }
+  return best;
+}
+
+/// The settings of a scan, without the patterns that a single projector's cells do not need.
+ViewSettings coarse(ViewSettings settings) {
+  settings.finest_bit = std::max(settings.finest_bit, kFinestBit);
+  settings.phase_period_px = 0.0;
+  settings.phase_steps = 0;
+  if (settings.base_bit >= 0) settings.base_bit = std::max(settings.base_bit, settings.finest_bit);
+  return settings;
+}
+
+PhotographListener telling(const ScanListener& listener, std::string what, double from, double span) {
+  return [&listener, what = std::move(what), from, span](const std::string& picture, double fraction,
+                                                         const ScanPhotograph& photograph) {
+    if (listener) listener({what + picture, from + span * fraction, &photograph});
+  };
+}
+
+/// Measures the displaced projector, and once more when somebody was in the way; the better view counts.
+Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings& settings, const ScanDevices& devices,
+                         const ScanListener& listener, const std::stop_token& stop, RealignmentPhotographs* all) {
+  const CalibratedProjector& target = baseline.projector();
+  const ViewSettings view_settings = coarse(settings.view);
+  const ViewOrder order{baseline.target_installed, target.name, target.map.width_px, target.map.height_px, {}};
+  const auto measured = [&](const PhotographListener& photographed) {
+    return measure_view(order, view_settings, devices.screen, devices.camera, photographed, stop);
+  };
+  TRY_ASSIGN(ScanView view,
+             measured(telling(listener, fmt::format("measures projector '{}': ", target.name), 0.05, 0.6)));
+  all->pictures += view.pictures;
+  if (view.disturbed > settings.most_disturbed) {
+    // The fraction may not fall, so it stays.
+    TRY_ASSIGN(ScanView second,
+               measured(telling(listener, fmt::format("measures projector '{}' once more: ", target.name), 0.65, 0.0)));
+    all->pictures += second.pictures;
+    ++all->retries;
+    if (second.disturbed < view.disturbed) view = std::move(second);
+    if (view.disturbed > settings.most_disturbed) {
+      all->remarks.push_back(
+          fmt::format("projector '{}': something moved before {:.0f} % of its light; keep visitors away", target.name,
+                      100.0 * view.disturbed));
+    }
+  }
+  if (!(view.exposure_s > 0.0) || view.places.empty()) {
+    return Error(ErrorCode::kUnavailable,
+                 fmt::format("the camera sees no light of projector '{}': switch it on, take its cover off, or turn "
+                             "it back towards the wall",
+                             target.name));
+  }
+  all->target = std::move(view);
+  return Done{};
+}
+
+/// The pixel that each of the camera's pixels should see; pixels near a picture's edge or in an overlap are not used.
+ExpectedReferences expected_from(const RealignmentBaseline& baseline, const LocatedCamera& camera) {
+  const int width = baseline.calibration.plate.camera.width_px;
+  const int height = baseline.calibration.plate.camera.height_px;
+  ExpectedReferences expected{Image<float, 2>(width, height), Image<std::int16_t, 1>(width, height, -1)};
+  const NearnessAt nearness = [&](const Eigen::Vector3d& d) { return baseline.camera_nearness(d); };
+  const int every = width > kManyPixels ? 2 : 1;
+  for (int y = 0; y < height; y += every) {
+    for (int x = 0; x < width; x += every) {
+      const auto ray = direction_through(baseline.lens, {x + 0.5, y + 0.5});
+      if (!ray) continue;
+      const auto d = seen_end(camera.centre_m, camera.R_camera_eye.transpose() * *ray, nearness);
+      if (!d) continue;
+      int sees = 0;
+      for (std::size_t r = 0; r < baseline.references.size(); ++r) {
+        const ReferenceProjector& reference = baseline.references[r];
+        const auto pixel = baseline.reference_maps[r].pixels.pixel_at(*d);
+        if (!pixel) continue;
+        ++sees;
+        const double rim = std::max(2.0, kInside * reference.width_px);
+        const bool is_inside = pixel->x() > rim && pixel->x() < reference.width_px - rim && pixel->y() > rim &&
+                               pixel->y() < reference.height_px - rim;
+        if (!is_inside) ++sees;
+        expected.place_px.at(x, y)[0] = static_cast<float>(pixel->x());
+        expected.place_px.at(x, y)[1] = static_cast<float>(pixel->y());
+        *expected.reference.at(x, y) = static_cast<std::int16_t>(r);
+      }
+      if (sees != 1) *expected.reference.at(x, y) = -1;
+    }
+  }
+  return expected;
+}
+
+}  // namespace
+
+Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& baseline,
+                                                    const Installation& installation, const ScanSettings& settings,
+                                                    const ScanDevices& devices, const ScanListener& listener,
+                                                    const std::stop_token& stop) {
+  RealignmentPhotographs all;
+  const double angle = best_angle(baseline, devices.plate.range());
+  if (listener) listener({fmt::format("turns the camera to {:.0f} degrees", angle / kDegree), 0.0, nullptr});
+  TRY(turn_plate(devices.plate, angle));
+  for (std::size_t p = 0; p < installation.projectors.size(); ++p) TRY(devices.screen.show(p, RgbImage()));
+  all.planned = planned_camera(baseline.calibration.plate, angle);
+  TRY(photograph_target(baseline, settings, devices, listener, stop, &all));
+  TRY_ASSIGN(all.references,
+             measure_references(baseline.references, expected_from(baseline, all.planned), all.target.exposure_s,
+                                settings.view.exposure, devices.screen, devices.camera,
+                                telling(listener, "looks at the other projectors: ", 0.65, 0.2), stop));
+  all.pictures += all.references.pictures;
+  return all;
+}
+
+}  // namespace cyclorama

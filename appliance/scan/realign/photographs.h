@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The photographs of a realignment: the displaced projector's patterns, then sines on all reference projectors.
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "appliance/scan/realign/baseline.h"
+#include "appliance/scan/realign/camera_pose.h"
+#include "appliance/scan/realign/reference_view.h"
+#include "appliance/scan/wall_scan.h"
+
+namespace cyclorama {
+
+struct RealignmentPhotographs {
+  LocatedCamera planned;     ///< The pose that the turntable was told to give the camera.
+  ScanView target;           ///< Of the displaced projector.
+  ReferenceView references;  ///< Of the others.
+  int pictures = 0;
+  int retries = 0;
+  std::vector<std::string> remarks;  ///< For the installer.
+};
+
+/// Turns the camera to where it sees all of the displaced projector's light and as much as possible of the others'.
+/// All projectors are dark afterwards.
+/// kUnavailable  the projector gives no light, or `stop` was requested. Others as measure_view() and Turnplate. Blocks.
+Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& baseline,
+                                                    const Installation& installation, const ScanSettings& settings,
+                                                    const ScanDevices& devices, const ScanListener& listener,
+                                                    const std::stop_token& stop);
+
+}  // namespace cyclorama

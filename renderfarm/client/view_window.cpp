@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "common/geometry/picture_place.h"
 #include "common/wire/convert.h"
 
@@ -49,31 +47,27 @@ Status ViewWindow::take(const wire::VisitReply& reply) {
 bool ViewWindow::put(wire::View view) {
   CHECK(view.number() > newest_);
   newest_ = view.number();
-  const bool dropped = waiting_.has_value();
-  waiting_ = std::move(view);
-  return dropped;
+  return views_.put(newest_, std::move(view));
 }
 
 std::optional<wire::View> ViewWindow::take_sendable() {
   if (!is_sendable()) return std::nullopt;
-  in_flight_.push_back(*std::exchange(waiting_, std::nullopt));
-  return in_flight_.back();
+  return *views_.send();
 }
 
 Status ViewWindow::begin(const wire::View& view) {
   if (open_) return broken(fmt::format("began frame {} before it ended another", view.number()));
   const bool is_refined = answered_ && answered_->number() == view.number();
-  const auto asked = std::ranges::find(in_flight_, view.number(), &wire::View::number);
-  if (!is_refined && asked == in_flight_.end()) {
+  const wire::View* const asked = is_refined ? &*answered_ : views_.find(view.number());
+  if (!asked) {
     return broken(fmt::format("sent frame {}, which nobody asked for", view.number()));
   }
-  const wire::View& wanted = is_refined ? *answered_ : *asked;
-  if (!is_same_place(view, wanted)) return broken("sent a frame from another place");
-  TRY_ASSIGN(const Projection field, from_wire(wanted.panorama()));
+  if (!is_same_place(view, *asked)) return broken("sent a frame from another place");
+  TRY_ASSIGN(const Projection field, from_wire(asked->panorama()));
   const auto begun = from_wire(view.panorama());
   if (!begun) return broken("sent a frame whose " + begun.error().message());
   TRY(check_shape(field, *begun));
-  if (!is_refined) in_flight_.erase(in_flight_.begin(), asked);  // Older numbers were skipped.
+  if (!is_refined) views_.skip_before(view.number());
   open_ = *begun;
   open_number_ = view.number();
   covered_ = CoveredCells(begun->width_px(), begun->height_px());
@@ -107,10 +101,7 @@ Status ViewWindow::end(const wire::FrameEnd& end) {
     return broken(
         fmt::format("called frame {} complete with {} of {} pixels", end.view_number(), covered_px_, whole_px));
   }
-  if (!in_flight_.empty() && in_flight_.front().number() == open_number_) {
-    answered_ = std::move(in_flight_.front());
-    in_flight_.pop_front();
-  }
+  if (auto answered = views_.finish(open_number_)) answered_ = std::move(answered);
   open_.reset();
   return Done{};
 }
@@ -118,8 +109,7 @@ Status ViewWindow::end(const wire::FrameEnd& end) {
 std::optional<std::uint64_t> ViewWindow::lose() {
   std::optional<std::uint64_t> open_number;
   if (open_) open_number = open_number_;
-  if (!waiting_ && !in_flight_.empty()) waiting_ = std::move(in_flight_.back());
-  in_flight_.clear();
+  views_.lose();
   answered_.reset();
   open_.reset();
   opened_ = false;

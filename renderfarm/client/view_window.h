@@ -3,18 +3,15 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 
+#include "common/base/frame_window.h"
 #include "common/base/picture_cut.h"
 #include "common/base/result.h"
 #include "common/geometry/projection.h"
 #include "common/wire/farm.pb.h"
 
 namespace cyclorama {
-
-/// A larger number would only make pictures older: one is rendered while the other crosses the network.
-inline constexpr std::size_t kFramesInFlight = 2;
 
 /// One slot for the waiting view, and the views that were sent and are not answered yet. Pure; thread-bound.
 ///
@@ -46,8 +43,8 @@ class ViewWindow {
   /// waiting already. Returns the number of the open frame, if any.
   std::optional<std::uint64_t> lose();
 
-  [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }
-  [[nodiscard]] bool is_sendable() const { return opened_ && waiting_ && in_flight_.size() < kFramesInFlight; }
+  [[nodiscard]] std::size_t in_flight() const { return views_.in_flight(); }
+  [[nodiscard]] bool is_sendable() const { return opened_ && views_.is_sendable(); }
 
  private:
   Status begin(const wire::View& view);
@@ -56,8 +53,7 @@ class ViewWindow {
 
   bool opened_ = false;
   std::uint64_t newest_ = 0;
-  std::optional<wire::View> waiting_;
-  std::deque<wire::View> in_flight_;    ///< In order of growing numbers.
+  FrameWindow<wire::View> views_;
   std::optional<wire::View> answered_;  ///< Requested view of the frame that ended last.
   std::optional<Projection> open_;      ///< Projection of the open frame as begun.
   std::uint64_t open_number_ = 0;

@@ -100,7 +100,7 @@ void HeadState::meet_deadlines(SessionId id) {
   FrameInFlight& frame = session.frames.front();
   if (!frame.begun && !frame.refines) return;
   const double taken = to_seconds(clock_.now() - frame.front_since);
-  const bool has_successor = session.waiting || session.frames.size() > 1;
+  const bool has_successor = session.views.is_waiting() || session.frames.size() > 1;
   if (!frame.refines && has_successor && taken >= kLate * to_seconds(measure_of(session))) {
     session.miss_pace();
     frame.late = true;

@@ -12,8 +12,6 @@
 namespace cyclorama {
 namespace {
 
-/// Unfinished or unwritten, per session: while one goes to the museum, the next is rendered.
-constexpr std::size_t kFramesAtWork = 2;
 /// What a block costs beside its pixels: one tile and its acknowledgement through gRPC with TLS.
 constexpr double kBlockSeconds = 0.0003;
 /// What one more node costs: until its orders are on the wire, as `./bench.sh farm-overhead` measures the fan-out.
@@ -82,8 +80,9 @@ std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& vi
 void HeadState::plan(SessionId id, Session& session) {
   FrameInFlight& frame = session.frames.emplace_back();
   frame.id = ++last_frame_;
-  frame.view = *std::exchange(session.waiting, std::nullopt);
-  frame.received_at = session.waiting_since;
+  const ReceivedView* const next = session.views.send();
+  frame.view = next->view;
+  frame.received_at = next->received_at;
   frame.turn_came_at = clock_.now();
   frame.last_tile_at = clock_.now();
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
@@ -157,7 +156,8 @@ void HeadState::advance(SessionId id) {
       session.frames.pop_front();
     }
     if (session.governed && session.governed->refinement) refine(id, session);
-    if (!session.waiting || session.frames.size() + session.unwritten_ends.size() >= kFramesAtWork) return;
+    CHECK(session.views.in_flight() == session.frames.size() + session.unwritten_ends.size());
+    if (!session.views.is_sendable()) return;
     if (nodes_with(session.scene) == 0) break;
     plan(id, session);
   }
@@ -262,9 +262,10 @@ void HeadState::end(SessionId id, Session& session, const FrameInFlight& frame, 
   end->set_late(report.late);
   end->set_samples(static_cast<std::uint32_t>(report.samples));
   if (session.governed) end->set_reference_samples(static_cast<std::uint32_t>(session.governed->reference_samples));
-  session.unwritten_ends.push_back(
-      {frame.planned_at, frame.last_tile_at, report.given_again || (!report.complete && !report.late), frame.point,
-       1e-6 * static_cast<double>(frame.asked_px), frame.refines ? frame.refines->end - frame.refines->first : 0});
+  session.unwritten_ends.push_back({frame.view.number(), frame.planned_at, frame.last_tile_at,
+                                    report.given_again || (!report.complete && !report.late), frame.point,
+                                    1e-6 * static_cast<double>(frame.asked_px),
+                                    frame.refines ? frame.refines->end - frame.refines->first : 0});
   send(id, session, std::move(reply));
 }
 

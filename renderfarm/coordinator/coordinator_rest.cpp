@@ -78,11 +78,13 @@ void HeadState::stir(Session& session) {
   governed.retry_at = {};
   if (session.frames.empty() || !session.frames.front().refines) return;
   fail(session.frames.front(), "a newer view came", session);
+  session.views.finish(session.frames.front().view.number());
   session.frames.clear();
 }
 
 void HeadState::refine(SessionId id, Session& session) {
-  if (!session.governed || session.waiting || !session.frames.empty() || session.messages_waiting > 0) return;
+  if (!session.governed || session.views.is_waiting() || !session.frames.empty() || session.messages_waiting > 0)
+    return;
   Governed& governed = *session.governed;
   if (!governed.asked || clock_.now() < governed.retry_at || nodes_with(session.scene) == 0) return;
   if (!governed.refinement) {
@@ -103,6 +105,7 @@ void HeadState::refine(SessionId id, Session& session) {
   quality.render.first_sample = range->first;
   quality.render.samples = range->end - range->first;
   apply(quality, &frame.view);
+  session.views.add(frame.view.number(), {});
   frame.received_at = frame.turn_came_at = frame.planned_at = frame.last_tile_at = clock_.now();
   if (governed.blocks.empty()) governed.blocks = split(session, frame.view, true);  // Frozen from now on.
   frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
@@ -118,7 +121,8 @@ void HeadState::refine(SessionId id, Session& session) {
 void HeadState::finish_refined(SessionId id, Session& session, FrameInFlight& frame, const FrameReport& report) {
   Governed& governed = *session.governed;
   if (frame.failure) {
-    // Nothing of it was sent.
+    // Nothing of it was sent, so that no end will be written.
+    session.views.finish(frame.view.number());
     const int doublings = std::min(governed.failures++, kMostDoublings);
     governed.retry_at = clock_.now() + std::min(kLastRetry, kFirstRetry * (1 << doublings));
     return;

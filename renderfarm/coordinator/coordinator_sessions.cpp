@@ -115,8 +115,7 @@ Status HeadState::ask(Session& session, const wire::View& view, TimePoint receiv
     return Error(ErrorCode::kInvalidArgument, "view.first_sample is not 0; the farm alone refines");
   }
   session.newest_view = view.number();
-  session.waiting = view;
-  session.waiting_since = received_at;
+  session.views.put(view.number(), {view, received_at});
   if (session.governed) stir(session);
   return Done{};
 }
@@ -173,6 +172,7 @@ void HeadState::written(SessionId id, const wire::VisitReply& reply) {
   if (!reply.has_end()) return;
   const WrittenFrame frame = session.unwritten_ends.front();
   session.unwritten_ends.pop_front();
+  session.views.finish(frame.view_number);
   if (session.governed) learn(*session.governed, frame);
   advance(id);
   watch(id);

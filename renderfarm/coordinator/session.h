@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/base/clock.h"
+#include "common/base/frame_window.h"
 #include "common/wire/farm.pb.h"
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/balance/balancer.h"
@@ -22,6 +23,11 @@
 #include "renderfarm/trust/grants.h"
 
 namespace cyclorama {
+
+struct ReceivedView {
+  wire::View view;
+  TimePoint received_at{};
+};
 
 struct FrameInFlight {
   std::uint64_t id = 0;  ///< Frames of one view, the first and its refinements, differ in it.
@@ -50,6 +56,7 @@ struct FrameInFlight {
 
 /// A frame whose end is not yet on the wire.
 struct WrittenFrame {
+  std::uint64_t view_number = 0;
   TimePoint planned_at{};
   TimePoint last_tile_at{};
   bool given_again = false;
@@ -64,8 +71,8 @@ struct Session {
   std::string scene{};  ///< Empty until the visit is opened.
   TimePoint arrived_at{};
   std::uint64_t newest_view = 0;
-  std::optional<wire::View> waiting{};  ///< Newest wins.
-  TimePoint waiting_since{};
+  /// In flight: the numbers of `frames` and `unwritten_ends`, so that a frame starts when an older one is on the wire.
+  FrameWindow<ReceivedView> views{};
   std::deque<FrameInFlight> frames{};  ///< Oldest first; the museum gets the front one. A refinement is alone.
   std::deque<WrittenFrame> unwritten_ends{};
   std::size_t bytes_waiting = 0;  ///< Held tiles, and tiles that the museum has not taken yet.

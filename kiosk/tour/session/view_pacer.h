@@ -4,9 +4,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <set>
+#include <variant>
 
 #include "common/base/clock.h"
+#include "common/base/frame_window.h"
 #include "common/wire/view.pb.h"
 
 namespace cyclorama {
@@ -17,7 +18,6 @@ namespace cyclorama {
 /// Pure; thread-bound.
 class ViewPacer {
  public:
-  static constexpr std::size_t kFramesInFlight = 2;
   static constexpr Duration kAtRest = std::chrono::seconds(1);
 
   explicit ViewPacer(bool farm_refines) : farm_refines_(farm_refines) {}
@@ -35,12 +35,12 @@ class ViewPacer {
   /// Records that the farm is away. FarmClient repeats the newest request when it is back.
   void lost();
 
-  [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }
+  [[nodiscard]] std::size_t in_flight() const { return frames_.in_flight(); }
   [[nodiscard]] std::optional<TimePoint> asked_at() const { return asked_at_; }
 
  private:
   const bool farm_refines_;
-  std::set<std::uint64_t> in_flight_;
+  FrameWindow<std::monostate> frames_;  ///< Numbers alone: FarmClient keeps the views.
   std::optional<wire::View> newest_;
   std::optional<TimePoint> asked_at_;
 };

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <utility>
+
+namespace cyclorama {
+
+/// At most so many frames are requested and not yet finished: one is rendered while the other crosses the network. More
+/// would only make pictures older.
+inline constexpr std::size_t kFramesInFlight = 2;
+
+/// Requests for frames. Those in flight are limited to kFramesInFlight; of the others only the newest waits.
+///
+///   put() ──► waiting (one, newest wins) ──send()──► in flight ──finish() or skip_before()──► forgotten
+///                 ▲                                      │
+///                 └───────── lose(): the newest ─────────┘
+///
+/// Numbers identify requests and grow. The tour, the farm's client and the coordinator all follow this rule with it.
+/// Thread-bound.
+template <typename Request>
+class FrameWindow {
+ public:
+  /// Replaces the request that waits. Returns true if there was one.
+  bool put(std::uint64_t number, Request request) {
+    const bool dropped = waiting_.has_value();
+    waiting_.emplace(number, std::move(request));
+    return dropped;
+  }
+  /// Puts the waiting request in flight and returns it; null when none waits or there is no room. The pointer holds
+  /// until the next call that changes the window.
+  const Request* send() {
+    if (!is_sendable()) return nullptr;
+    in_flight_.push_back(*std::exchange(waiting_, std::nullopt));
+    return &in_flight_.back().request;
+  }
+  /// Puts a request in flight that never waited.
+  void add(std::uint64_t number, Request request) { in_flight_.emplace_back(number, std::move(request)); }
+
+  /// The request of that number in flight, or null. The pointer holds as that of send().
+  [[nodiscard]] const Request* find(std::uint64_t number) const {
+    const auto found = std::ranges::find(in_flight_, number, &Numbered::number);
+    return found == in_flight_.end() ? nullptr : &found->request;
+  }
+  /// Forgets requests in flight with smaller numbers, whose frames will never come. Returns how many there were.
+  std::size_t skip_before(std::uint64_t number) {
+    return std::erase_if(in_flight_, [&](const Numbered& one) { return one.number < number; });
+  }
+  /// Takes the request of that number, whose frame has ended, out of flight; nothing if it was not in flight.
+  std::optional<Request> finish(std::uint64_t number) {
+    const auto found = std::ranges::find(in_flight_, number, &Numbered::number);
+    if (found == in_flight_.end()) return std::nullopt;
+    Request request = std::move(found->request);
+    in_flight_.erase(found);
+    return request;
+  }
+  /// Nothing in flight will be answered. The newest of it waits again, unless a newer request waits already.
+  void lose() {
+    if (!waiting_ && !in_flight_.empty()) waiting_ = std::move(in_flight_.back());
+    in_flight_.clear();
+  }
+
+  [[nodiscard]] std::size_t in_flight() const { return in_flight_.size(); }
+  [[nodiscard]] bool has_room() const { return in_flight_.size() < kFramesInFlight; }
+  [[nodiscard]] bool is_waiting() const { return waiting_.has_value(); }
+  [[nodiscard]] bool is_sendable() const { return waiting_ && has_room(); }
+
+ private:
+  struct Numbered {
+    Numbered(std::uint64_t its_number, Request its_request) : number(its_number), request(std::move(its_request)) {}
+    std::uint64_t number;
+    Request request;
+  };
+  std::optional<Numbered> waiting_;
+  std::deque<Numbered> in_flight_;  ///< Oldest first.
+};
+
+}  // namespace cyclorama

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "appliance/calibration/calibration_file.h"
-#include "common/base/text.h"
 #include "common/json/strict_json.h"
 
 namespace cyclorama {
@@ -276,8 +275,8 @@ std::string calibration_json(const Calibration& calibration) {
 
 Result<Calibration> parse_calibration(std::string_view text, const std::string& name) {
   TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "go back to a calibration that was kept"));
-  StrictJson::Mistakes mistakes;
-  StrictJson json(document, "", &mistakes);
+  StrictJson::Mistakes mistakes("calibrate again");
+  StrictJson json(document, &mistakes);
   Calibration calibration;
   if (json.text("format", 60) != "cyclorama-calibration")
     json.at("format").refuse("is not 'cyclorama-calibration'; give another file");
@@ -317,7 +316,7 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
   }
   for (const StrictJson& remark : json.list("remarks", 0, 256)) calibration.remarks.push_back(remark.as_text());
   json.refuse_other_keys();
-  if (mistakes.is_any) return Error(ErrorCode::kBadData, fmt::format("{}: {}", name, printable(mistakes.first, 400)));
+  TRY(mistakes.status(name));
   return calibration;
 }
 

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/file.h"
-#include "common/base/text.h"
 #include "common/json/strict_json.h"
 
 namespace cyclorama {
@@ -49,8 +48,8 @@ std::string camera_json(const CameraFile& camera) {
 
 Result<CameraFile> parse_camera(std::string_view text, const std::string& name) {
   TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "calibrate the camera again"));
-  StrictJson::Mistakes mistakes;
-  StrictJson json(document, "", &mistakes);
+  StrictJson::Mistakes mistakes("calibrate again");
+  StrictJson json(document, &mistakes);
   CameraFile camera;
   if (json.text("format", 60) != "cyclorama-camera") {
     json.at("format").refuse("is not 'cyclorama-camera'; give a file of cyclorama calibrate-camera");
@@ -85,7 +84,7 @@ Result<CameraFile> parse_camera(std::string_view text, const std::string& name) 
       json.at("covariance").refuse("is no covariance; calibrate again");
     }
   }
-  if (mistakes.is_any) return Error(ErrorCode::kBadData, fmt::format("{}: {}", name, printable(mistakes.first, 400)));
+  TRY(mistakes.status(name));
   const auto brown = camera.lens.brown();
   const Status covers = brown ? brown->covers_picture() : Status(brown.error());
   if (!covers) return Error(ErrorCode::kBadData, fmt::format("{}: {}", name, covers.error().message()));

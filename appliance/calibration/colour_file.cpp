@@ -113,8 +113,8 @@ std::string colours_json(std::span<const CalibratedColour> colours) {
 
 Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const std::string& name) {
   TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "go back to a calibration that was kept"));
-  StrictJson::Mistakes mistakes;
-  StrictJson json(document, "", &mistakes);
+  StrictJson::Mistakes mistakes("calibrate again");
+  StrictJson json(document, &mistakes);
   if (json.text("format", 60) != "cyclorama-colours")
     json.at("format").refuse("is not 'cyclorama-colours'; give another file");
   json.integer("version", kVersion, kVersion);
@@ -134,7 +134,7 @@ Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const
     colours.push_back(std::move(one));
   }
   json.refuse_other_keys();
-  if (mistakes.is_any) return Error(ErrorCode::kBadData, fmt::format("{}: {}", name, printable(mistakes.first, 400)));
+  TRY(mistakes.status(name));
   return colours;
 }
 

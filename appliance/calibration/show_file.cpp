@@ -128,9 +128,9 @@ std::string show_json(const ShowFile& show) {
 }
 
 Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
-  const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
-  StrictJson::Mistakes mistakes;
-  StrictJson json(document, name + ": ", &mistakes);
+  TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "calibrate again"));
+  StrictJson::Mistakes mistakes("calibrate again");
+  StrictJson json(document, &mistakes);
   ShowFile show;
   json.integer("version", kVersion, kVersion);
   show.calibration = json.text("calibration", 100);
@@ -159,7 +159,7 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
     one.refuse_other_keys();
   }
   json.refuse_other_keys();
-  if (mistakes.is_any) return Error(ErrorCode::kBadData, mistakes.first);
+  TRY(mistakes.status(name));
   return show;
 }
 

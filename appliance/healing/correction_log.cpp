@@ -50,9 +50,10 @@ bool is_time(const std::string& text) {
 }  // namespace
 
 std::optional<LoggedCorrection> parse_correction(std::string_view line) {
-  const nlohmann::json document = nlohmann::json::parse(line, nullptr, false);
-  StrictJson::Mistakes mistakes;
-  StrictJson json(document, kFile, &mistakes);
+  const auto document = parse_document(line, kFile, "remove the line");
+  if (!document) return std::nullopt;
+  StrictJson::Mistakes mistakes("remove the line");
+  StrictJson json(*document, &mistakes);
   LoggedCorrection read;
   read.at = json.text("at", 40);
   read.kind = json.text("kind", 40);

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "common/base/file.h"
-#include "common/base/text.h"
 #include "common/json/strict_json.h"
 
 namespace cyclorama {
@@ -89,8 +88,8 @@ std::string light_json(const KeptLight& light) {
 
 Result<KeptLight> parse_light(std::string_view text, const std::string& name) {
   TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "go back to a calibration that was kept"));
-  StrictJson::Mistakes mistakes;
-  StrictJson json(document, "", &mistakes);
+  StrictJson::Mistakes mistakes("calibrate again");
+  StrictJson json(document, &mistakes);
   if (json.text("format", 60) != "cyclorama-light")
     json.at("format").refuse("is not 'cyclorama-light'; give another file");
   json.integer("version", kVersion, kVersion);
@@ -104,7 +103,7 @@ Result<KeptLight> parse_light(std::string_view text, const std::string& name) {
     p.refuse_other_keys();
   }
   json.refuse_other_keys();
-  if (mistakes.is_any) return Error(ErrorCode::kBadData, fmt::format("{}: {}", name, printable(mistakes.first, 400)));
+  TRY(mistakes.status(name));
   return light;
 }
 

@@ -132,8 +132,8 @@ std::string manifest_text(const ScanManifest& manifest) {
 Result<ScanManifest> parse_manifest(std::string_view text, const std::string& name) {
   const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
   if (document.is_discarded()) return bad(name + " is no JSON");
-  StrictJson::Mistakes mistakes;
-  StrictJson json(document, "", &mistakes);
+  StrictJson::Mistakes mistakes("calibrate again");
+  StrictJson json(document, &mistakes);
   ScanManifest manifest;
   json.integer("version", kVersion, kVersion);
   manifest.identity = identity_of(json.at("scan"));

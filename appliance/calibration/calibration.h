@@ -17,67 +17,69 @@
 
 namespace cyclorama {
 
-/// How near the wall is in each direction, in 1/m: a sum of the spherical harmonics up to degree two. Exact for a
-/// plane; what it lacks of a corner counts, so where a wall was fitted this is what is added to that wall's own.
+/// Inverse distance of the wall per direction, in 1/m, as a sum of the spherical harmonics up to degree two. It is exact
+/// for a plane and not for a corner, so where a wall was fitted it is added to the inverse distance of that wall.
 inline constexpr int kNearnessTerms = 9;
 using Nearness = std::array<double, kNearnessTerms>;
 
-/// Where the camera was in each direction, by one bundle adjustment over what several directions saw.
+/// The camera's pose in each direction, found by one bundle adjustment over what several directions saw.
 ///
-/// Gauge: the reference direction's angle is as told, the plate's axis is the Eye frame's y, and the sweet spot is at
-/// the camera's height. Whether that axis is plumb is the plate's affair.
+/// Gauge: the reference direction has the angle that the turntable reported, the turntable's axis is the Eye frame's y,
+/// and the sweet spot is at the camera's height. The axis is as plumb as the turntable was set up.
 struct TurnPlate {
-  MeasuredLens camera;  ///< With what the directions taught of it.
+  MeasuredLens camera;  ///< Refined by the directions.
   double pitch_rad = 0.0;
   double roll_rad = 0.0;
-  Eigen::Vector2d offset_m{0.0, 0.0};  ///< Of the camera's centre from the axis: right, forward.
-  /// How far off that may be, at the wall's mean nearness; where it is taken for 0, what it may be.
+  Eigen::Vector2d offset_m{0.0, 0.0};  ///< From the axis to the camera's centre: right, forward.
+  /// Standard deviation, at the wall's mean inverse distance; where the offset is taken for 0, it includes the offset
+  /// that was found.
   Eigen::Vector2d offset_sigma_m{0.0, 0.0};
-  Nearness nearness{};             ///< Of the wall, 1/m,
-  std::optional<Surface> wall{};   ///< to be added to this one's, where one had been fitted.
-  std::vector<double> angles_rad;  ///< Of each direction.
-  std::size_t reference = 0;       ///< The direction whose angle is as told.
+  Nearness nearness{};             ///< Inverse distance of the wall, added to that of `wall` if there is one.
+  std::optional<Surface> wall{};   ///< The wall that was fitted before, if any.
+  std::vector<double> angles_rad;  ///< One per direction.
+  std::size_t reference = 0;       ///< The direction that keeps its reported angle.
 
   bool is_offset_estimated = false;
-  std::string offset_reason;            ///< Why, or why not.
-  std::vector<std::string> parameters;  ///< What the covariance's rows stand for.
-  Eigen::MatrixXd covariance;           ///< With the priors.
-  int rank = 0;                         ///< Of the measurements alone: parameters that need no prior.
-  std::size_t tracks = 0;               ///< Places seen from several directions.
-  double rms_px = 0.0;                  ///< Per axis, in projector pixels, of the tracks that were used,
-  double heldout_rms_px = 0.0;          ///< and of those that were left out.
+  std::string offset_reason;            ///< The reason, for the installer.
+  std::vector<std::string> parameters;  ///< Names of the covariance's rows.
+  Eigen::MatrixXd covariance;           ///< Priors included.
+  int rank = 0;                         ///< Number of parameters that the measurements alone determine.
+  std::size_t tracks = 0;               ///< Points seen from several directions.
+  double rms_px = 0.0;                  ///< Per axis, in projector pixels, over the tracks that were used.
+  double heldout_rms_px = 0.0;          ///< The same over the tracks that were left out.
 };
 
 struct FittedProjector {
-  MeasuredLens lens;  ///< With its covariance.
+  MeasuredLens lens;  ///< Covariance included.
   RigidTransform<frame::Eye, frame::Projector> T_eye_projector;
-  Eigen::Matrix<double, 6, 6> pose_covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< Turn in its frame, place.
+  Eigen::Matrix<double, 6, 6> pose_covariance =
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< Rotation in its own frame, then translation.
 };
 
 struct SurfaceFit {
   Surface surface;
-  std::vector<double> surface_sigmas;  ///< Of its parameters.
+  std::vector<double> surface_sigmas;  ///< One per parameter of the surface.
   std::vector<FittedProjector> projectors;
   double cost = 0.0;  ///< Half the sum of robust squares, in sigmas.
-  int rank = 0;       ///< Of the measurements alone, of `parameters`.
+  int rank = 0;       ///< Number of `parameters` that the measurements alone determine.
   int parameters = 0;
 };
 
-/// What became of one model.
+/// The result of one candidate model.
 struct ModelTrial {
   std::string name;
-  int parameters = 0;            ///< Of the wall or of one lens.
-  double training_rms_px = 0.0;  ///< Told, never used to choose.
+  int parameters = 0;            ///< Number of parameters of the wall, or of one lens.
+  double training_rms_px = 0.0;  ///< For information; never used to choose.
   double heldout_rms_px = 0.0;   ///< Over all folds.
-  double scatter = 0.0;          ///< Of the wall's distance between folds, relative: how well the model is determined.
+  double scatter = 0.0;          ///< Relative spread of the wall's distance between folds.
   bool is_usable = false;        ///< It fitted, and its folds agree.
 };
 
-/// The least model that predicts what it was not shown.
+/// The smallest model that predicts the measurements that were left out.
 struct ModelChoice {
   SurfaceFit fit;
   LensRung lens = LensRung::kRadial1;
-  std::vector<ModelTrial> surfaces;  ///< As far as the ladder was climbed.
+  std::vector<ModelTrial> surfaces;  ///< Candidates in the order in which they were tried.
   std::vector<ModelTrial> lenses;
   std::string reason;
 };
@@ -85,15 +87,15 @@ struct ModelChoice {
 struct CalibratedProjector {
   std::string name;
   MeasuredMap map;
-  bool is_previous = false;  ///< The map of before predicted the new measurements better, and stays.
+  bool is_previous = false;  ///< The previous map predicted the new measurements better and was kept.
 };
 
 struct Calibration {
   std::string date;  ///< "2026-11-22T13-05-00Z": also a folder's name.
   TurnPlate plate;
   std::vector<CalibratedProjector> projectors;
-  std::optional<ModelChoice> wall;   ///< Absent where it was not asked for, or could not be found.
-  std::vector<std::string> remarks;  ///< For the installer: what is not as it could be, and what to do.
+  std::optional<ModelChoice> wall;   ///< Absent where it was not requested, or could not be found.
+  std::vector<std::string> remarks;  ///< Shortcomings and remedies, for the installer.
 };
 
 }  // namespace cyclorama

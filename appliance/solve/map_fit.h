@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// That a projector's pixel is seen in a direction; the pixel has noise, the direction has none.
+/// A projector's pixel and the direction in which it is seen; the pixel has noise, the direction has none.
 struct MapSample {
   Eigen::Vector2d projector_px;
   Eigen::Vector3d direction;  ///< Eye frame, unit length.
@@ -20,9 +20,9 @@ struct MapSample {
 };
 
 struct MapOptions {
-  int cell_px = 16;            ///< Of the control grid, about.
-  double most_sigma_px = 2.0;  ///< Past that a gap is not filled,
-  double most_gap_px = 240.0;  ///< nor farther than that from what was seen: smoothness is a guess there.
+  int cell_px = 16;            ///< Approximate spacing of the control points.
+  double most_sigma_px = 2.0;  ///< A gap with a larger sigma is not filled.
+  double most_gap_px = 240.0;  ///< Nor is it filled farther than this from any sample.
   std::size_t least_samples = 60;
   int left_out_every = 8;  ///< One block of samples in so many is held out while the stiffness is chosen.
 };
@@ -34,11 +34,11 @@ struct MapOptions {
 Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<const MapSample> samples,
                                      const MapOptions& options = {});
 
-/// Of the samples, where the map has a direction: 0 to 1.
+/// The share of the samples for which the map has a direction: 0 to 1.
 [[nodiscard]] double known_part(const MeasuredMap& map, std::span<const MapSample> samples);
 
-/// Of samples, in projector pixels per axis, without the worst twentieth; nothing where the map has no direction for
-/// most of them.
+/// RMS error over the samples, in projector pixels per axis, without the worst twentieth. Nothing where the map lacks a
+/// direction for most of them.
 [[nodiscard]] std::optional<double> map_error_px(const MeasuredMap& map, std::span<const MapSample> samples);
 
 }  // namespace cyclorama

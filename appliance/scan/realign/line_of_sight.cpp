@@ -8,7 +8,7 @@ namespace {
 constexpr double kFarthest_m = 1e4;
 constexpr double kFirst_m = 0.25;
 constexpr int kMostSteps = 80;
-constexpr double kOnTheWall = 1e-12;  // Of the distance from the sweet spot, relative.
+constexpr double kOnTheWall = 1e-12;  // Relative to the distance from the sweet spot.
 }  // namespace
 
 std::optional<Eigen::Vector3d> seen_end(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& along,

@@ -20,7 +20,7 @@ constexpr double kMaxReferenceError_px = 1.0;  // A reference projector that mov
 // An old map is kept if it predicts what is seen as well as a new one predicts what it left out.
 constexpr double kStillRight = 1.1;
 constexpr double kStillRightFloor_px = 0.1;  // At 1920 pixels across: nobody sees less.
-constexpr double kMinSeen = 0.4;             // Of the old map.
+constexpr double kMinSeen = 0.4;             // Share of the old map.
 constexpr unsigned kBlock_px = 64;           // Whole blocks are left out: smoothness bridges less.
 constexpr unsigned kLeftOutEvery = 6;
 constexpr int kFill_px = 32;

@@ -25,10 +25,10 @@ struct DisplacedMap {
 };
 
 struct NewMap {
-  MeasuredRegistration before;  ///< Of the old map, over the same places as DisplacedMap::registration.
+  MeasuredRegistration before;  ///< With the old map, over the same places as DisplacedMap::registration.
   double camera_moved_m = 0.0;  ///< Distance of the camera from its planned centre; 0 where that is not clear.
   std::optional<DisplacedMap> displaced;  ///< Nothing where the old map still predicts what is seen.
-  double old_error_px = 0.0;              ///< Of the old map; only where it still holds.
+  double old_error_px = 0.0;              ///< The old map's error; set only where that map still holds.
 };
 
 /// kBadData  the camera's pose was not found, the lens was turned, no displacement explains what is seen, the new map

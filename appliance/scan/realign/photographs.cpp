@@ -20,8 +20,8 @@ constexpr int kHeadings = 15;  // Candidates on either side of the projector's m
 constexpr double kHeadingStep_rad = 1.0 * kDegree;
 constexpr double kTargetRim = 0.08;  // In parts of the camera's picture: a displaced picture is not quite where it was.
 constexpr double kReferenceRim = 0.02;
-constexpr double kReferenceGain = 0.3;  // Of a direction, against 1 of the displaced projector's.
-constexpr int kManyPixels = 1000;       // Of the camera's width: above, every other pixel is enough for the references.
+constexpr double kReferenceGain = 0.3;  // Gain per direction; 1 for the displaced projector.
+constexpr int kManyPixels = 1000;       // Camera width above which every other pixel is enough.
 constexpr double kInside = 1.0 / 240;   // Margin within a reference projector's picture, in widths.
 
 bool is_in_view(const RealignmentBaseline& baseline, const LocatedCamera& camera, const Eigen::Vector3d& d,

@@ -15,8 +15,8 @@ namespace cyclorama {
 
 struct RealignmentPhotographs {
   LocatedCamera planned;     ///< The pose that the turntable was told to give the camera.
-  ScanView target;           ///< Of the displaced projector.
-  ReferenceView references;  ///< Of the others.
+  ScanView target;           ///< The displaced projector, seen with its own patterns.
+  ReferenceView references;  ///< The others, seen with sines.
   int pictures = 0;
   int retries = 0;
   std::vector<std::string> remarks;  ///< For the installer.

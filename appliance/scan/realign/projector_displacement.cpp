@@ -13,8 +13,8 @@ constexpr std::size_t kLeastSamples = 24;
 constexpr std::size_t kMostSamples = 2500;
 constexpr int kMostRounds = 40;
 constexpr double kRobust_sigmas = 3.0;
-constexpr double kFloor_px = 0.1;  // Of a sample: what wall and lens models leave.
-// Of a picture 1920 pixels wide. Wall and lens were fitted to where it lit before, and are a little worse beside that.
+constexpr double kFloor_px = 0.1;  // Sigma of a sample: what wall and lens models leave.
+// At 1920 pixels across. Wall and lens were fitted to where it lit before, and are a little worse beside that.
 constexpr double kWorstFit_px = 0.7;
 constexpr double kWorseFit = 3.0;
 // Who pushes a projector farther has taken it down. A lens that was turned looks much as if the projector were nearer

@@ -21,23 +21,23 @@ enum class DisplacementVerdict {
 
 struct Displacement {
   DisplacementVerdict verdict = DisplacementVerdict::kUnexplained;
-  FittedProjector projector;  ///< As it stands now, with the covariance of its pose; its lens as before.
-  double turned_rad = 0.0;    ///< From where it stood,
-  double moved_m = 0.0;       ///< its centre.
-  double before_px = 0.0;     ///< Per axis: what wall and lens left unexplained of its map of before,
-  double after_px = 0.0;      ///< and leave of what is seen now.
-  double with_lens_px = 0.0;  ///< With a free focal length and centre; 0 where it was not tried.
-  double zoom = 1.0;          ///< The focal length in parts of the one of before, of that trial.
-  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< Of its centre, likewise.
+  FittedProjector projector;  ///< The new pose with its covariance; the lens is unchanged.
+  double turned_rad = 0.0;    ///< Rotation from the old pose.
+  double moved_m = 0.0;       ///< Translation of the centre from the old pose.
+  double before_px = 0.0;     ///< RMS per axis that wall and lens left unexplained of the old map.
+  double after_px = 0.0;      ///< The same of what is seen now.
+  double with_lens_px = 0.0;  ///< The same with a free focal length and principal point; 0 where it was not tried.
+  double zoom = 1.0;          ///< Focal length of that trial, relative to the old one.
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< Shift of the principal point in that trial.
 };
 
-/// `seen` are places of its picture as the sweet spot sees them now. Nothing where there are too few, or no pose goes
-/// with them. Reentrant.
+/// `seen` are pixels of its picture with the directions in which the sweet spot sees them now. Nothing where there are
+/// too few, or no pose fits them. Reentrant.
 [[nodiscard]] std::optional<Displacement> find_displacement(const FittedProjector& before, const MeasuredMap& map,
                                                             std::span<const MapSample> seen,
                                                             const NearnessAt& nearness);
 
-/// Where a projector of that pose and lens draws its pixel, by the wall. Nothing where it draws nowhere.
+/// The direction in which the sweet spot sees a projector's pixel on the wall; nothing where it misses the wall.
 [[nodiscard]] std::optional<Eigen::Vector3d> drawn_direction(const FittedProjector& projector, const BrownLens& lens,
                                                              const Eigen::Vector2d& pixel, const NearnessAt& nearness);
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr const char* kRemark = "was measured anew alone: ";
-constexpr double kNearlyAll = 0.98;  // Of a map: above, no remark says that the rest was computed.
+constexpr double kNearlyAll = 0.98;  // Share of a map above which no remark says that the rest was computed.
 
 void report_step(const ScanListener& listener, const std::string& step, double fraction) {
   if (listener) listener({step, fraction, nullptr});

@@ -18,8 +18,8 @@ namespace cyclorama {
 
 /// The result of a realignment, beside that of any calibration.
 struct RealignmentOutcome {
-  /// As run_calibration()'s. Its registration is that of the displaced projector and its neighbours, over places that
-  /// its map was not fitted to. Where nothing has moved it is the calibration of before, and none was written.
+  /// Like that of run_calibration(). Its registration is that of the displaced projector and its neighbours, over places that
+  /// its map was not fitted to. If nothing has moved, it is the calibration of before, and none was written.
   CalibrationOutcome outcome;
   MeasuredRegistration before;  ///< The same with the projector's map of before.
   bool has_moved = false;

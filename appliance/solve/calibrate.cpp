@@ -86,8 +86,8 @@ MeasuredMap turned(const MeasuredMap& map, const Eigen::Matrix3d& turn) {
 }
 
 /// Few, spread evenly over each projector's picture.
-std::vector<SurfaceSample> wall_samples(const Samples& samples, std::size_t count) {
-  std::vector<SurfaceSample> chosen;
+std::vector<MapSample> wall_samples(const Samples& samples, std::size_t count) {
+  std::vector<MapSample> chosen;
   const std::size_t each = std::max<std::size_t>(1, count / std::max<std::size_t>(1, samples.size()));
   for (std::size_t p = 0; p < samples.size(); ++p) {
     if (samples[p].empty()) continue;
@@ -96,7 +96,7 @@ std::vector<SurfaceSample> wall_samples(const Samples& samples, std::size_t coun
     if (step > 1 && step % 2 == 0) ++step;
     for (std::size_t i = 0; i < samples[p].size(); i += step) {
       const MapSample& s = samples[p][i];
-      chosen.push_back({p, s.projector_px, s.direction, std::hypot(s.sigma_px, kWallFloor_px)});
+      chosen.push_back({s.projector_px, s.direction, std::hypot(s.sigma_px, kWallFloor_px), p});
     }
   }
   return chosen;

@@ -12,11 +12,13 @@
 
 namespace cyclorama {
 
-/// A projector's pixel and the direction in which it is seen; the pixel has noise, the direction has none.
+/// A projector's pixel and the direction in which the sweet spot sees it; the pixel has noise, the direction has none.
+/// Maps are fitted to one projector's samples, the wall to those of all projectors.
 struct MapSample {
   Eigen::Vector2d projector_px;
   Eigen::Vector3d direction;  ///< Eye frame, unit length.
-  double sigma_px = 0.1;      ///< In projector pixels, each way.
+  double sigma_px = 0.1;      ///< In projector pixels, per axis.
+  std::size_t projector = 0;  ///< Index of the projector, where several are meant.
 };
 
 struct MapOptions {

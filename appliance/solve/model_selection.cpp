@@ -20,7 +20,7 @@ constexpr double kLensMatters = 1.02;                // Of its left-out error: l
 // climb. As good is not enough: what is less than noise for one sample is clear in a thousand.
 constexpr double kAsGoodAsNoise = 1.25;
 
-int fold_of(const SurfaceSample& sample, int folds) {
+int fold_of(const MapSample& sample, int folds) {
   const auto column = static_cast<unsigned>(std::max(0.0, sample.projector_px.x()) / kBlock_px);
   const auto row = static_cast<unsigned>(std::max(0.0, sample.projector_px.y()) / kBlock_px);
   const unsigned hash =
@@ -35,12 +35,12 @@ struct Tried {
 
 class Ladder {
  public:
-  Ladder(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
+  Ladder(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
          const ModelOptions& options)
       : projectors_(projectors), samples_(samples), options_(options) {
     training_.resize(static_cast<std::size_t>(options.folds));
     left_out_.resize(static_cast<std::size_t>(options.folds));
-    for (const SurfaceSample& sample : samples) {
+    for (const MapSample& sample : samples) {
       const int own = fold_of(sample, options.folds);
       for (int f = 0; f < options.folds; ++f) {
         (f == own ? left_out_ : training_)[static_cast<std::size_t>(f)].push_back(sample);
@@ -71,7 +71,7 @@ class Ladder {
     double weight = 0.0;
     std::vector<SurfaceFit> folds;
     std::vector<std::future<Result<SurfaceFit>>> fits;
-    for (const std::vector<SurfaceSample>& training : training_) {
+    for (const std::vector<MapSample>& training : training_) {
       fits.push_back(std::async(std::launch::async, [&] {
         return fit_surface(projectors_, training, tried.fit, {lens, false, kFoldSteps, false});
       }));
@@ -117,10 +117,10 @@ class Ladder {
   }
 
   const std::vector<MeasuredProjector>& projectors_;
-  std::span<const SurfaceSample> samples_;
+  std::span<const MapSample> samples_;
   const ModelOptions& options_;
-  std::vector<std::vector<SurfaceSample>> training_;
-  std::vector<std::vector<SurfaceSample>> left_out_;
+  std::vector<std::vector<MapSample>> training_;
+  std::vector<std::vector<MapSample>> left_out_;
 };
 
 SurfaceFit richer(const SurfaceFit& from, SurfaceRung rung, const std::vector<Eigen::Vector3d>& spread,
@@ -244,14 +244,13 @@ std::optional<SurfaceRung> least_of(const std::map<SurfaceRung, Tried>& tried, c
 
 }  // namespace
 
-Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors,
-                                 std::span<const SurfaceSample> samples, double wall_distance_m,
-                                 const ModelOptions& options) {
+Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
+                                 double wall_distance_m, const ModelOptions& options) {
   CHECK(options.folds >= 2);
   TRY_ASSIGN(const SurfaceFit first, surface_start(projectors, samples, wall_distance_m));
   std::vector<Eigen::Vector3d> spread;
   double noise = 0.0;
-  for (const SurfaceSample& sample : samples) {
+  for (const MapSample& sample : samples) {
     spread.push_back(sample.direction);
     noise += sample.sigma_px * sample.sigma_px;
   }

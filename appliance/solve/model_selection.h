@@ -24,8 +24,7 @@ struct ModelOptions {
 
 /// Climbs the ladder of surfaces, then that of lenses. A fold leaves out whole squares of a projector's picture, so
 /// that a rich model has to bridge them. kBadData  no model fits. Errors of surface_start(). Reentrant.
-Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors,
-                                 std::span<const SurfaceSample> samples, double wall_distance_m,
-                                 const ModelOptions& options = {});
+Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
+                                 double wall_distance_m, const ModelOptions& options = {});
 
 }  // namespace cyclorama

@@ -32,7 +32,7 @@ LitProjector::LitProjector(const Eigen::Matrix3d& R_eye_projector, const double*
   std::copy_n(numbers + 6, lens_.size(), lens_.begin());
 }
 
-bool LitProjector::residuals(const SurfaceSample& sample, double nearness, Eigen::Vector2d* ret_residuals,
+bool LitProjector::residuals(const MapSample& sample, double nearness, Eigen::Vector2d* ret_residuals,
                              Slopes* ret_slopes) const {
   const Eigen::Vector3d moved = sample.direction - nearness * place_;
   const Eigen::Vector3d point = R_projector_eye_ * moved;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How far from its pixel a projector would light what the eye sees: the residuals of surface_fit.cpp, and how they
-/// change with each number.
+/// The residuals of surface_fit.cpp and their derivatives: the distance, in projector pixels, between the pixel that
+/// was decoded and the one that a fitted projector would light.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,16 +9,9 @@
 
 #include "appliance/calibration/measured_lens.h"
 #include "appliance/calibration/surface.h"
+#include "appliance/solve/map_fit.h"
 
 namespace cyclorama {
-
-/// A place of a projector's picture, and where the sweet spot sees it.
-struct SurfaceSample {
-  std::size_t projector = 0;
-  Eigen::Vector2d projector_px;
-  Eigen::Vector3d direction;  ///< A unit vector.
-  double sigma_px = 0.1;
-};
 
 /// A projector where a solver has it, for the residuals of many samples. Its numbers: the turn (3, an angle axis
 /// applied in its own frame after `R_eye_projector`), its place (3) and its lens (8). A value; reentrant.
@@ -32,8 +25,7 @@ class LitProjector {
 
   LitProjector(const Eigen::Matrix3d& R_eye_projector, const double* numbers);
   /// Two, in sigmas, of a sample where the wall is so near; `ret_slopes` may be null. False behind the projector.
-  bool residuals(const SurfaceSample& sample, double nearness, Eigen::Vector2d* ret_residuals,
-                 Slopes* ret_slopes) const;
+  bool residuals(const MapSample& sample, double nearness, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const;
 
  private:
   Eigen::Matrix3d R_projector_eye_;          ///< With the turn,

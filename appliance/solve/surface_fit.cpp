@@ -39,7 +39,7 @@ void add_covariance(const SurfaceProblem& problem, SurfaceFit* fit) {
 
 }  // namespace
 
-Result<SurfaceFit> fit_surface(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
+Result<SurfaceFit> fit_surface(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
                                const SurfaceFit& start, const SurfaceFitOptions& options) {
   CHECK(start.projectors.size() == projectors.size());
   CHECK(static_cast<int>(start.surface.parameters.size()) == start.surface.size());
@@ -55,12 +55,12 @@ Result<SurfaceFit> fit_surface(const std::vector<MeasuredProjector>& projectors,
   return fit;
 }
 
-Result<SurfaceFit> surface_start(const std::vector<MeasuredProjector>& projectors,
-                                 std::span<const SurfaceSample> samples, double wall_distance_m) {
+Result<SurfaceFit> surface_start(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
+                                 double wall_distance_m) {
   SurfaceFit start;
   std::vector<std::size_t> seen(projectors.size(), 0);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const SurfaceSample& sample : samples) {
+  for (const MapSample& sample : samples) {
     CHECK(sample.projector < projectors.size());
     ++seen[sample.projector];
     sum += sample.direction;
@@ -96,9 +96,9 @@ Result<SurfaceFit> surface_start(const std::vector<MeasuredProjector>& projector
   return start;
 }
 
-double prediction_error_px(const SurfaceFit& fit, std::span<const SurfaceSample> samples) {
+double prediction_error_px(const SurfaceFit& fit, std::span<const MapSample> samples) {
   std::vector<double> squares;
-  for (const SurfaceSample& sample : samples) {
+  for (const MapSample& sample : samples) {
     const FittedProjector& projector = fit.projectors[sample.projector];
     const auto nearness = fit.surface.nearness_at(sample.direction);
     const Eigen::Vector3d point = projector.T_eye_projector.rotation().conjugate() *

@@ -27,14 +27,14 @@ struct SurfaceFitOptions {
 /// A wall and the places of all projectors that tell where each pixel is seen. `start` is where the search begins.
 /// kInvalidArgument  a projector has no place to begin with, or no samples. kBadData  no fit from this start.
 /// Reentrant.
-Result<SurfaceFit> fit_surface(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
+Result<SurfaceFit> fit_surface(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
                                const SurfaceFit& start, const SurfaceFitOptions& options = {});
 
 /// A start from the installation's places and a plane straight ahead of the samples' middle.
-Result<SurfaceFit> surface_start(const std::vector<MeasuredProjector>& projectors,
-                                 std::span<const SurfaceSample> samples, double wall_distance_m);
+Result<SurfaceFit> surface_start(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
+                                 double wall_distance_m);
 
 /// Per axis, in projector pixels, without the worst twentieth; a place that the fit misses counts 100 px.
-[[nodiscard]] double prediction_error_px(const SurfaceFit& fit, std::span<const SurfaceSample> samples);
+[[nodiscard]] double prediction_error_px(const SurfaceFit& fit, std::span<const MapSample> samples);
 
 }  // namespace cyclorama

@@ -13,7 +13,7 @@ constexpr double kLeastSigma = 1e-9;
 
 }  // namespace
 
-SurfaceProblem::SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
+SurfaceProblem::SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
                                const SurfaceFit& start, LensRung lens)
     : projectors_(projectors), samples_(samples), start_(start), surface_(start.surface) {
   const std::vector<int> held = held_parameters(lens);
@@ -78,7 +78,7 @@ std::optional<double> SurfaceProblem::add_samples(const Eigen::VectorXd& at, Eig
   NearnessSlopes wall;
   LitProjector::Slopes slopes;
   Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, LitProjector::kNumbers> free(2, own);
-  for (const SurfaceSample& sample : samples_) {
+  for (const MapSample& sample : samples_) {
     const auto nearness = surface_.nearness_at(at.data(), sample.direction, wants_slopes ? &wall : nullptr);
     Eigen::Vector2d error;
     if (!nearness || !lit[sample.projector].residuals(sample, *nearness, &error, wants_slopes ? &slopes : nullptr)) {

@@ -18,7 +18,7 @@ namespace cyclorama {
 /// Borrows all for its life. Thread-bound.
 class SurfaceProblem final : public DampedProblem {
  public:
-  SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const SurfaceSample> samples,
+  SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
                  const SurfaceFit& start, LensRung lens);
 
   void weigh_by(RobustLoss loss) override { loss_ = loss; }
@@ -50,7 +50,7 @@ class SurfaceProblem final : public DampedProblem {
                                 Eigen::MatrixXd* ret_normal) const;
 
   const std::vector<MeasuredProjector>& projectors_;
-  std::span<const SurfaceSample> samples_;
+  std::span<const MapSample> samples_;
   const SurfaceFit& start_;
   Surface surface_;  ///< Its parameters are the start's.
   std::vector<int> free_of_lens_;

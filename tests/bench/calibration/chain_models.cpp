@@ -21,10 +21,10 @@ using Json = nlohmann::ordered_json;
 double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// What a wall is fitted to: every third control point of the maps that is sure of its place.
-std::vector<SurfaceSample> samples_of(const std::vector<CalibratedProjector>& projectors) {
+std::vector<MapSample> samples_of(const std::vector<CalibratedProjector>& projectors) {
   constexpr int kEvery = 3;
   constexpr double kSure_px = 0.2;
-  std::vector<SurfaceSample> samples;
+  std::vector<MapSample> samples;
   for (std::size_t p = 0; p < projectors.size(); ++p) {
     const MeasuredMap& map = projectors[p].map;
     const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
@@ -32,7 +32,7 @@ std::vector<SurfaceSample> samples_of(const std::vector<CalibratedProjector>& pr
       for (int x = 0; x <= map.cells_x; x += kEvery) {
         const auto node = static_cast<std::size_t>(grid.node(x, y));
         if (!map.directions[node].allFinite() || !(map.sigma_px[node] < kSure_px)) continue;
-        samples.push_back({p, {x * grid.cell_width(), y * grid.cell_height()}, map.directions[node], 0.05});
+        samples.push_back({{x * grid.cell_width(), y * grid.cell_height()}, map.directions[node], 0.05, p});
       }
     }
   }
@@ -75,10 +75,10 @@ std::optional<Eigen::Vector3d> direction_by(const SurfaceFit& fit, const Measure
 
 /// From the plane upwards, each from the one that begins it best.
 std::vector<Result<SurfaceFit>> climb(const std::vector<MeasuredProjector>& projectors,
-                                      const std::vector<SurfaceSample>& samples, const SurfaceFit& first) {
+                                      const std::vector<MapSample>& samples, const SurfaceFit& first) {
   constexpr double kKnot_rad = 0.1;
   std::vector<Eigen::Vector3d> spread;
-  for (const SurfaceSample& sample : samples) spread.push_back(sample.direction);
+  for (const MapSample& sample : samples) spread.push_back(sample.direction);
   std::vector<Result<SurfaceFit>> fits;
   SurfaceFit from = first;
   for (const SurfaceRung rung : kSurfaceRungs) {
@@ -144,7 +144,7 @@ Json model_points(const ChainCase& chain, const std::filesystem::path& folder) {
     add(value, false, solve_s,
         [&](std::size_t p, const Eigen::Vector2d& pixel) { return direction_by(fit, projectors[p].map, p, pixel); });
   };
-  const std::vector<SurfaceSample> samples = samples_of(projectors);
+  const std::vector<MapSample> samples = samples_of(projectors);
   const auto& measured = scan->measurements.projectors;
   const auto first = surface_start(measured, samples, scan->measurements.wall_distance_m);
   if (!first) return failed(first.error());

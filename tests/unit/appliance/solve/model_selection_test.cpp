@@ -15,7 +15,7 @@ namespace {
 
 struct Given {
   std::vector<MeasuredProjector> projectors;
-  std::vector<SurfaceSample> samples;
+  std::vector<MapSample> samples;
   double distance_m = 4.0;
 };
 
@@ -38,7 +38,7 @@ Given given(RoomKind kind, unsigned seed, double radius_m = 4.0, double arc_rad 
     for (int y = 20; y < 1080; y += 80) {
       for (int x = 20; x < 1920; x += 80) {
         const auto d = room.sight_of(p, {x + 0.5, y + 0.5});
-        if (d) result.samples.push_back({p, {x + 0.5 + noise(random), y + 0.5 + noise(random)}, *d, 0.07});
+        if (d) result.samples.push_back({{x + 0.5 + noise(random), y + 0.5 + noise(random)}, *d, 0.07, p});
       }
     }
   }
@@ -89,7 +89,7 @@ Given through_rich_lenses(Given g) {
   constexpr double kK2 = 0.03;
   constexpr double kP1 = 4e-3;
   constexpr double kP2 = -4e-3;
-  for (SurfaceSample& sample : g.samples) {
+  for (MapSample& sample : g.samples) {
     const MeasuredLens& lens = g.projectors[sample.projector].place->lens;
     const double focal = lens.values[MeasuredLens::kFocal];
     const Eigen::Vector2d centre(lens.values[MeasuredLens::kCentreU], lens.values[MeasuredLens::kCentreV]);

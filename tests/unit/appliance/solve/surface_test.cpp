@@ -85,7 +85,7 @@ TEST(Surface, is_missed_by_what_looks_past_a_wall_that_bulges) {
 /// The residuals of one sample as Ceres' checker asks for them. Blocks: the surface's parameters, the projector's.
 class SampleCost : public ceres::CostFunction {
  public:
-  SampleCost(const Surface& shape, const SurfaceSample& sample) : shape_(shape), sample_(sample) {
+  SampleCost(const Surface& shape, const MapSample& sample) : shape_(shape), sample_(sample) {
     set_num_residuals(2);
     *mutable_parameter_block_sizes() = {shape.size(), LitProjector::kNumbers};
   }
@@ -115,7 +115,7 @@ class SampleCost : public ceres::CostFunction {
 
  private:
   const Surface& shape_;
-  SurfaceSample sample_;
+  MapSample sample_;
 };
 
 Surface disturbed(SurfaceRung rung) {
@@ -130,7 +130,7 @@ Surface disturbed(SurfaceRung rung) {
 TEST(SurfaceCost, has_the_jacobian_that_differences_give_on_every_rung) {
   for (const SurfaceRung rung : kSurfaceRungs) {
     const Surface surface = disturbed(rung);
-    SurfaceSample sample;
+    MapSample sample;
     sample.projector_px = {900.0, 500.0};
     sample.direction = Eigen::Vector3d(0.31, 0.12, -0.9).normalized();
     const SampleCost cost(surface, sample);
